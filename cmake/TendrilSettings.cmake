@@ -1,0 +1,72 @@
+# Settings that hold for every room: layout of the build, warnings, visibility, sanitizers, ccache.
+
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+
+# The plugin directory is found from the executable, so build and installation share one layout.
+if(NOT DEFINED CMAKE_INSTALL_LIBDIR)
+  set(CMAKE_INSTALL_LIBDIR lib CACHE PATH "Directory of libraries in the installation")
+endif()
+include(GNUInstallDirs)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_BINDIR}")
+set(CMAKE_LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_LIBDIR}")
+set(CMAKE_ARCHIVE_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/archive")
+set(TENDRIL_PLUGIN_SUBDIRECTORY tendril/plugins)
+set(TENDRIL_PLUGIN_OUTPUT_DIRECTORY "${CMAKE_LIBRARY_OUTPUT_DIRECTORY}/${TENDRIL_PLUGIN_SUBDIRECTORY}")
+# The same run path in build and installation. CMake would else fill up the shorter one with ':', an empty entry, which the
+# loader takes for the current directory.
+set(CMAKE_INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+set(CMAKE_BUILD_WITH_INSTALL_RPATH ON)
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_CXX_VISIBILITY_PRESET hidden)
+set(CMAKE_VISIBILITY_INLINES_HIDDEN ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+
+add_compile_options(-Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # GCC 12 warns falsely inside std::string and Eigen (bugs 105329 and 105651), depending on what it inlines.
+  add_compile_options(-Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds)
+endif()
+if(TENDRIL_WERROR)
+  add_compile_options(-Werror)
+endif()
+
+if(TENDRIL_SANITIZERS)
+  add_compile_options(-fsanitize=${TENDRIL_SANITIZERS} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${TENDRIL_SANITIZERS})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # GCC's documentation: sanitizers lead to more false warnings, this one above all.
+    add_compile_options(-Wno-maybe-uninitialized)
+  endif()
+endif()
+
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  find_program(TENDRIL_CCACHE ccache)
+  mark_as_advanced(TENDRIL_CCACHE)
+  if(TENDRIL_CCACHE)
+    set(CMAKE_CXX_COMPILER_LAUNCHER "${TENDRIL_CCACHE}")
+  endif()
+endif()
+# ccache takes precompiled headers only when told that their macros and times do not matter.
+if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$" AND TENDRIL_PCH)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND}" -E env
+      "CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime"
+      ${CMAKE_CXX_COMPILER_LAUNCHER})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    add_compile_options(-fpch-preprocess)
+  else()
+    add_compile_options("SHELL:-Xclang -fno-pch-timestamp")
+  endif()
+endif()
+
+# Precompiles `headers` for `target`, unless TENDRIL_PCH is off.
+function(tendril_precompile target)
+  if(TENDRIL_PCH)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  endif()
+endfunction()
