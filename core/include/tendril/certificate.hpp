@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+
+#include "tendril/clearance.hpp"
+#include "tendril/plan.hpp"
+#include "tendril/pose_program.hpp"
+
+namespace tendril {
+
+/// Judges points of one pose program without asking a solver (model.md section 7): on a rule with twice the nodes, with
+/// the true shape between check points, and with the stability of the equilibrium itself.
+class TENDRIL_API Certifier {
+ public:
+  /// `spec` is that of the program to be judged; its pointers must outlive this.
+  explicit Certifier(const PoseProgramSpec& spec);
+  ~Certifier();
+  Certifier(Certifier&&) noexcept;
+  Certifier& operator=(Certifier&&) noexcept;
+
+  /// Check points change nothing of the judgement except which rows can carry multipliers. Cheap.
+  void set_checks(const std::vector<CheckPoint>& checks);
+
+  /// Judges x of `program`, whose branches say which contacts touch.
+  Certificate certify(PoseProgram& program, ConstVectorRef x);
+
+  /// Local minima of the distance to any obstacle below `level` at x.
+  struct Approach {
+    int obstacle = 0;
+    ClosestApproach at;
+  };
+  std::vector<Approach> approaches(ConstVectorRef x, double level);
+
+  /// The margin alone: smallest eigenvalue of the second variation against the bending energy (model.md section 7).
+  double stability(ConstVectorRef x);
+  /// The matrix whose definiteness is asked for, at x: H before projection. coordinates() squared.
+  Eigen::MatrixXd second_variation(ConstVectorRef x);
+  /// d_ss of contact k at x; infinity for a contact at the tip.
+  double contact_convexity(ConstVectorRef x, int contact);
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace tendril

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "tendril/coordinate_model.hpp"
+#include "tendril/quadrature.hpp"
+#include "tendril/rod.hpp"
+
+namespace tendril {
+
+/// Values of a local basis at the nodes of a rule on [0,1], in the two layouts that the evaluation needs.
+struct BasisTable {
+  int functions = 0;
+  int nodes = 0;
+  Eigen::VectorXd sigma, weight;
+  Eigen::MatrixXd by_function;  ///< nodes x functions, a column per function
+  Eigen::MatrixXd by_node;      ///< functions x nodes, a column per node
+  Eigen::MatrixXd products;     ///< functions (functions + 1) / 2 x nodes: beta_i beta_k, i <= k; empty for large bases
+  Eigen::VectorXd end;          ///< beta(1)
+  Eigen::VectorXd slope_start, slope_end;  ///< beta'(0), beta'(1)
+  Eigen::MatrixXd stiffness;               ///< int beta_i' beta_k' dsigma
+  Eigen::VectorXd slope_bound;             ///< max over [0,1] of |beta_i'|, sampled densely and inflated
+};
+
+/// The rod cut into pieces (model.md section 2): which pieces there are, how long they are as affine functions of the
+/// moving knots, and the tables that never change. Knots are fixed (ends of segments and actuators) or move with a
+/// contact.
+///
+/// Coordinates: q = (q_1, ..., q_J), `functions()` numbers per piece.
+class TENDRIL_API Chain {
+ public:
+  struct Piece {
+    int stretch = 0;  ///< between which fixed knots
+    double stiffness = 1.0;
+    double weight = 0.0;
+    double rest_curvature = 0.0;
+  };
+
+  /// `knot_stretches`: for each moving knot, in ascending order along the rod, the stretch between fixed knots in which
+  /// it moves. `nodes`: Gauss nodes per smooth interval of a piece.
+  Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> knot_stretches, int nodes);
+
+  int piece_count() const { return static_cast<int>(pieces_.size()); }
+  int functions() const { return table_.functions; }
+  int nodes() const { return table_.nodes; }  ///< per piece
+  int coordinate_count() const { return piece_count() * functions(); }
+  int knot_count() const { return static_cast<int>(knot_piece_.size()); }
+  const Piece& piece(int j) const { return pieces_[static_cast<std::size_t>(j)]; }
+  /// The piece that ends at moving knot k.
+  int piece_before_knot(int k) const { return knot_piece_[static_cast<std::size_t>(k)]; }
+  const std::vector<double>& fixed_knots() const { return fixed_knots_; }
+
+  /// Piece j starts at  start0[j] + start_rate.row(j) . knots  and has length  length0[j] + length_rate.row(j) . knots.
+  const Eigen::VectorXd& start0() const { return start0_; }
+  const Eigen::VectorXd& length0() const { return length0_; }
+  const Eigen::MatrixXd& start_rate() const { return start_rate_; }
+  const Eigen::MatrixXd& length_rate() const { return length_rate_; }
+  double start(int j, std::span<const double> knots) const;
+  double length(int j, std::span<const double> knots) const;
+
+  /// Actuator a bends piece j (its span covers the piece).
+  bool actuated(int a, int j) const { return spans_(a, j) != 0; }
+  int actuator_count() const { return static_cast<int>(spans_.rows()); }
+
+  const BasisTable& table() const { return table_; }
+  const Quadrature& rule() const { return rule_; }
+  const CoordinateModel& model() const { return *model_; }
+
+  /// Coordinates of a piece that come nearest (in curvature, L2) to curvature(sigma) * length given at the nodes.
+  Eigen::VectorXd project(std::span<const double> scaled_curvature) const;
+
+  /// The piece that holds arc length s (the earlier one at a knot).
+  int piece_at(double s, std::span<const double> knots) const;
+
+ private:
+  const CoordinateModel* model_;
+  Quadrature rule_;
+  std::vector<double> fixed_knots_;
+  std::vector<Piece> pieces_;
+  std::vector<int> knot_piece_;
+  Eigen::VectorXd start0_, length0_;
+  Eigen::MatrixXd start_rate_, length_rate_;
+  Eigen::MatrixXi spans_;
+  BasisTable table_;
+};
+
+/// Number of Gauss nodes per smooth interval that resolves `functions` coordinates and a change of angle of `angle` per
+/// piece (model.md section 2).
+TENDRIL_API int suggested_nodes(int functions, double angle);
+
+}  // namespace tendril

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "tendril/backbone.hpp"
+#include "tendril/obstacle.hpp"
+
+namespace tendril {
+
+/// Legendre tables of a chain's rule with which a piece is evaluated anywhere in tens of flops: the tangent's expansion
+/// is integrated term by term.
+class TENDRIL_API CurveTables {
+ public:
+  explicit CurveTables(const Quadrature& rule);
+  int per_interval() const { return static_cast<int>(transform_.rows()); }
+  int intervals() const { return static_cast<int>(ends_.size()) - 1; }
+  double end(int i) const { return ends_[static_cast<std::size_t>(i)]; }
+  /// Coefficients = transform * values at the nodes of one interval.
+  const Eigen::MatrixXd& transform() const { return transform_; }
+  /// int over the interval from its start to each node, in units of half its width: cumulative * coefficients.
+  const Eigen::MatrixXd& cumulative() const { return cumulative_; }
+
+ private:
+  std::vector<double> ends_;
+  Eigen::MatrixXd transform_, cumulative_;
+};
+
+/// The curve of a moved backbone as a series per smooth interval of each piece.
+class TENDRIL_API Curve {
+ public:
+  explicit Curve(std::shared_ptr<const CurveTables> tables) : tables_(std::move(tables)) {}
+  void follow(const Backbone& backbone);
+
+  struct Point {
+    Vec2 position{};
+    Vec2 tangent{};
+  };
+  Point at(int piece, double sigma) const;
+  Vec2 position(int piece, double sigma) const;
+  int piece_count() const { return pieces_; }
+  double length(int piece) const { return lengths_[static_cast<std::size_t>(piece)]; }
+  double start(int piece) const { return starts_[static_cast<std::size_t>(piece)]; }
+  /// max |kappa| over a piece, from the sizes of its coordinates.
+  double curvature_bound(int piece) const { return curvature_bounds_[static_cast<std::size_t>(piece)]; }
+
+ private:
+  std::shared_ptr<const CurveTables> tables_;
+  int pieces_ = 0;
+  std::vector<double> lengths_, starts_, curvature_bounds_;
+  std::vector<Vec2> interval_start_;     // pieces x intervals
+  Eigen::MatrixXd series_x_, series_y_;  // coefficients, a column per piece and interval
+};
+
+/// A depth that the true one does not exceed: bisects every piece until the bound of model.md section 4 is sharp to
+/// tolerance::clearance_sharpness or shows clearance. 0: the curve stays outside.
+TENDRIL_API double certified_depth(const Curve& curve, const Obstacle& obstacle);
+
+/// A local minimum of the distance along the rod.
+struct ClosestApproach {
+  int piece = 0;
+  double sigma = 0.0;
+  double arc_length = 0.0;
+  double distance = 0.0;
+};
+
+/// Local minima of the distance to one obstacle that are below `level`, by sampling and refinement; ends of the rod
+/// count.
+TENDRIL_API std::vector<ClosestApproach> closest_approaches(const Curve& curve, const Obstacle& obstacle, double level);
+
+}  // namespace tendril

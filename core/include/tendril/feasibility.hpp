@@ -1,0 +1,21 @@
+#pragma once
+
+#include "tendril/nonlinear_program.hpp"
+
+namespace tendril {
+
+struct FeasibilityReport {
+  Eigen::VectorXd x;
+  double infeasibility = infinity;  ///< largest violation of rows and bounds
+  bool feasible = false;            ///< infeasibility below the tolerance asked for
+  /// Not feasible, and no direction within the bounds reduces the violation: a stationary point of its square.
+  bool stationary_violation = false;
+  int iterations = 0;
+};
+
+/// Reduces the violation of rows and bounds alone, by a projected Levenberg-Marquardt method with exact Jacobians. It
+/// decides between "the solver failed" and "nothing feasible is near".
+TENDRIL_API FeasibilityReport restore_feasibility(NonlinearProgram& program, ConstVectorRef x, double tolerance,
+                                                  int max_iterations = 200);
+
+}  // namespace tendril

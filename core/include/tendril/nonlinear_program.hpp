@@ -1,0 +1,124 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "tendril/export.hpp"
+
+namespace tendril {
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+
+using VectorRef = Eigen::Ref<Eigen::VectorXd>;
+using ConstVectorRef = Eigen::Ref<const Eigen::VectorXd>;
+using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;  ///< column-major
+using ConstMatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
+
+/// What a program hands out: views without an alignment promise. Owning Eigen objects must not cross into a plugin,
+/// which may be built for wider vector registers than core. `auto` keeps a view; naming VectorXd makes a copy.
+using VectorView = Eigen::Map<const Eigen::VectorXd>;
+using MatrixView = Eigen::Map<const Eigen::MatrixXd>;
+
+/// How often a program was evaluated (cache hits do not count).
+struct EvaluationCounts {
+  std::int64_t values = 0;             ///< cost and constraints
+  std::int64_t first_derivatives = 0;  ///< gradient and Jacobian
+  std::int64_t hessians = 0;           ///< Hessian of the Lagrangian
+  double seconds = 0.0;                ///< wall time inside the program for all of these
+};
+
+/// A dense, smooth nonlinear program
+///
+///     min f(x)   s.t.   row_lower <= c(x) <= row_upper,   lower <= x <= upper
+///
+/// with f(x) = sum r_i(x)^2 + rest(x) where it has a least-squares view. Equal bounds make an equality, infinities
+/// leave a side open. Values and derivatives at one x are computed once, in whatever order a solver asks. Sizes are
+/// fixed for the lifetime; nothing here allocates after construction.
+class TENDRIL_API NonlinearProgram {
+ public:
+  virtual ~NonlinearProgram();
+  NonlinearProgram(const NonlinearProgram&) = delete;
+  NonlinearProgram& operator=(const NonlinearProgram&) = delete;
+
+  int variable_count() const { return static_cast<int>(lower_.size()); }
+  int row_count() const { return static_cast<int>(row_lower_.size()); }
+  VectorView lower() const { return view(lower_); }
+  VectorView upper() const { return view(upper_); }
+  VectorView row_lower() const { return view(row_lower_); }
+  VectorView row_upper() const { return view(row_upper_); }
+  bool is_equality(int row) const { return row_lower()[row] == row_upper()[row]; }
+
+  /// All of these move the program to x (variable_count() entries, else Error) and compute only what is missing there;
+  /// two points are the same if they are so bit by bit. Views stay valid until the next call with another x. A value
+  /// may be non-finite: the caller decides. What the implementation throws passes, and the point then counts as not
+  /// computed.
+  double cost(ConstVectorRef x);
+  VectorView gradient(ConstVectorRef x);
+  VectorView constraints(ConstVectorRef x);
+  /// row_count() x variable_count().
+  MatrixView jacobian(ConstVectorRef x);
+  /// Full symmetric Hessian of  sigma f(x) + sum_i multipliers_i c_i(x),  variable_count() squared.
+  MatrixView hessian(ConstVectorRef x, double sigma, ConstVectorRef multipliers);
+
+  /// Least-squares view: number of residuals; r(x); dr/dx (residual_count() x variable_count()); and the part of the
+  /// cost that is not a sum of squares with its gradient. residual_count() 0 and has_rest(): all of the cost is the
+  /// rest.
+  int residual_count() const { return static_cast<int>(work_.residuals.size()); }
+  bool has_rest() const { return has_rest_; }
+  /// The rest is linear in x (its Hessian vanishes).
+  bool rest_is_linear() const { return rest_is_linear_; }
+  VectorView residuals(ConstVectorRef x);
+  MatrixView residual_jacobian(ConstVectorRef x);
+  double rest(ConstVectorRef x);
+  VectorView rest_gradient(ConstVectorRef x);
+
+  /// What the program calls its rows and variables, for messages ("equilibrium row 3").
+  virtual std::string row_name(int row) const;
+  virtual std::string variable_name(int variable) const;
+
+  const EvaluationCounts& counts() const { return counts_; }
+  void reset_counts() { counts_ = {}; }
+  /// Forgets the point computed last (after data of the program changed).
+  void invalidate();
+
+ protected:
+  /// All bounds start open, all rows as equations c = 0; the implementation sets its own.
+  NonlinearProgram(int variables, int rows, int residuals);
+
+  Eigen::VectorXd lower_, upper_, row_lower_, row_upper_;
+  bool has_rest_ = true;
+  bool rest_is_linear_ = false;
+
+  /// What an implementation writes into. Cost and gradient are those of the whole objective.
+  struct Workspace {
+    double cost = 0.0;
+    double rest = 0.0;
+    Eigen::VectorXd gradient, constraints, residuals, rest_gradient;
+    Eigen::MatrixXd jacobian, hessian, residual_jacobian;
+  };
+
+  /// Fills cost, rest, constraints, residuals; with `derivatives` also gradient, jacobian, rest_gradient,
+  /// residual_jacobian. Matrices arrive as they were left: write every entry, or keep constant entries from the first
+  /// time on.
+  virtual void do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out) = 0;
+  /// Fills out.hessian at the x of the last do_evaluate(x, true, ...).
+  virtual void do_hessian(ConstVectorRef x, double sigma, ConstVectorRef multipliers, Workspace& out) = 0;
+
+ private:
+  static VectorView view(const Eigen::VectorXd& v) { return {v.data(), v.size()}; }
+  static MatrixView view(const Eigen::MatrixXd& m) { return {m.data(), m.rows(), m.cols()}; }
+  void move_to(ConstVectorRef x, bool derivatives);
+
+  Workspace work_;
+  Eigen::VectorXd x_;
+  bool values_known_ = false;
+  bool derivatives_known_ = false;
+  bool hessian_known_ = false;
+  double hessian_sigma_ = 0.0;
+  Eigen::VectorXd hessian_multipliers_;
+  EvaluationCounts counts_;
+};
+
+}  // namespace tendril

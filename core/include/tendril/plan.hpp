@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tendril/geometry.hpp"
+#include "tendril/solver.hpp"
+
+namespace tendril {
+
+enum class PlanStatus { solved, infeasible, unstable, not_converged, diverged, time_limit, interrupted, failed };
+TENDRIL_API std::string_view to_string(PlanStatus status);
+
+/// Quality of a plan, judged without asking the solver (model.md section 7). Everything dimensionless; each number is
+/// the size of a defect except stability (a margin) and d_ss.
+struct Certificate {
+  double equilibrium = infinity;
+  double bounds = infinity;
+  double penetration = infinity;      ///< certified depth: the true one is not larger
+  double complementarity = infinity;  ///< largest min(g, f)
+  double closest_point = infinity;
+  double stationarity = infinity;
+  std::string stationarity_kind = "none";  ///< "S", "M", "C" or "none"
+  double moment_balance = infinity;        ///< strong form: a direct measure of model error
+  double stability = -infinity;            ///< margin mu
+  double contact_convexity = infinity;     ///< smallest d_ss of interior contacts with force; infinity: none
+  double quadrature = infinity;            ///< largest change of any row when the rule is doubled
+  /// One line for each requirement that is not met; empty: certified.
+  std::vector<std::string> failures{"no point was judged"};
+  bool valid() const { return failures.empty(); }
+};
+
+struct PlannedContact {
+  int obstacle = 0;  ///< index in the scene
+  std::string obstacle_name;
+  bool at_tip = false;
+  double arc_length = 0.0;  ///< m
+  Vec2 point{};             ///< m
+  Vec2 normal{};
+  double force = 0.0;  ///< N
+  double gap = 0.0;    ///< m
+};
+
+/// s (m), x, y (m), angle (rad), curvature (1/m).
+using BackbonePoint = std::array<double, 5>;
+
+/// Something that a scene could have needed and did not.
+struct LeftOut {
+  std::string what;
+  std::string why;
+};
+
+/// One program that the planner solved, and how it ended.
+struct ModeRecord {
+  std::string mode;     ///< "no contact", "interior contact with 'peg' on segment 1", "tip contact with 'peg'"
+  std::string outcome;  ///< "certified, objective 0.0123", "skipped: out of reach", ...
+  int solves = 0;
+  int polishes = 0;
+};
+
+/// A plan in SI units, except where said.
+struct Plan {
+  PlanStatus status = PlanStatus::failed;
+  std::string message;  ///< why it is not solved; empty if it is
+  std::string coordinates_name;
+  int order = 0;  ///< functions per piece
+  bool split_at_contact = false;
+  std::vector<double> coordinates;  ///< dimensionless
+  std::vector<double> moments;      ///< N m, one per actuator of the scene
+  double tip_x = 0.0, tip_y = 0.0, tip_angle = 0.0;
+  std::optional<double> target_error;                 ///< m
+  double objective = 0.0;                             ///< dimensionless, without penalty
+  std::vector<std::pair<std::string, double>> terms;  ///< weighted, dimensionless; they sum to the objective
+  std::vector<PlannedContact> contacts;
+  Certificate certificate;
+  std::string solver_name;
+  OptimalityReport solver;  ///< of the winning mode's last solve; iterations and evaluations are sums over all modes
+  std::vector<ModeRecord> modes;
+  std::vector<LeftOut> left_out;
+  std::vector<BackbonePoint> backbone;
+  std::vector<BackbonePoint> start_backbone;
+  double seconds_assemble = 0.0, seconds_solve = 0.0, seconds_certify = 0.0;
+};
+
+}  // namespace tendril

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tendril/coordinate_model.hpp"
+#include "tendril/objective_term.hpp"
+#include "tendril/obstacle.hpp"
+#include "tendril/plan.hpp"
+#include "tendril/scale.hpp"
+#include "tendril/scene.hpp"
+#include "tendril/solver.hpp"
+
+namespace tendril {
+
+/// The components that a scene names, made by whoever can load them. Order as in the scene.
+struct Components {
+  std::unique_ptr<CoordinateModel> coordinates;
+  std::vector<std::unique_ptr<Obstacle>> obstacles;
+  std::vector<std::unique_ptr<ObjectiveTerm>> terms;  ///< one per objective of the scene; null where its weight is 0
+  std::unique_ptr<Solver> solver;
+};
+
+/// Which of a scene's components have to be opened at all (a weight of 0 opens nothing).
+TENDRIL_API bool needs_term(const ObjectiveSpec& objective);
+TENDRIL_API bool needs_obstacles(const Scene& scene);
+
+/// Refuses a scene that makes no sense (lengths, limits, ranges). Throws SceneError with the key's path. Call it before
+/// anything else.
+TENDRIL_API void validate(const Scene& scene);
+
+/// The scale of a valid scene: L and the first segment's EI.
+TENDRIL_API Scale scale_of(const Scene& scene);
+
+/// What was built and what was left out, for `describe`.
+struct Description {
+  struct Count {
+    std::string name;
+    int count = 0;
+    std::string kind{};  ///< rows: "equality" or "inequality"
+  };
+  struct Mode {
+    std::string name;
+    std::vector<Count> variables;
+    std::vector<Count> rows;
+  };
+  std::vector<Count> variables;  ///< of the largest mode
+  std::vector<Count> rows;
+  std::vector<std::string> terms;
+  std::vector<std::string> energies;  ///< "bending", "gravity", ...
+  std::vector<Mode> modes;            ///< the small programs, one per way of being in contact
+  std::vector<LeftOut> left_out;
+  double length_unit = 0.0, force_unit = 0.0;  ///< SI size of the dimensionless units
+};
+
+struct PlanControl {
+  const std::atomic<bool>* stop = nullptr;
+  const Plan* start = nullptr;  ///< warm start: shape, moments and contacts of an earlier plan
+};
+
+/// A scene made dimensionless and assembled: only the blocks that it needs. Throws SceneError where a component meets a
+/// scene that it cannot serve (an obstacle around the base, a target that is missing).
+class TENDRIL_API Problem {
+ public:
+  Problem(const Scene& scene, Components components);
+  Problem(Problem&&) noexcept;
+  Problem& operator=(Problem&&) noexcept;
+  ~Problem();
+
+  Description describe() const;
+  /// Solves every mode that can win and returns the best certified plan; else the one that comes nearest, with its
+  /// status.
+  Plan plan(const PlanControl& control = {});
+
+  struct Data;  ///< core's own
+
+ private:
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace tendril

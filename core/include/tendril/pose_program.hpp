@@ -1,0 +1,140 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tendril/backbone.hpp"
+#include "tendril/chain.hpp"
+#include "tendril/nonlinear_program.hpp"
+#include "tendril/objective_term.hpp"
+#include "tendril/obstacle.hpp"
+#include "tendril/rod.hpp"
+
+namespace tendril {
+
+/// One contact that a program plans with.
+struct ContactSetup {
+  int obstacle = 0;
+  bool at_tip = false;
+  /// Interior contacts: the stretch between fixed knots (split) or the piece (not split) in which the contact may
+  /// slide.
+  int region = 0;
+};
+
+/// A point of the backbone that must stay outside an obstacle.
+struct CheckPoint {
+  int piece = 0;
+  double sigma = 0.5;
+  int obstacle = 0;
+};
+
+/// What is known about a contact's complementarity g f = 0.
+enum class Branch {
+  open,      ///< g >= 0, f >= 0: someone else drives g f to zero
+  touching,  ///< g = 0, f >= 0
+  separated  ///< g >= 0, f = 0
+};
+
+struct PoseProgramTerm {
+  const ObjectiveTerm* term = nullptr;
+  double weight = 1.0;  ///< dimensionless, > 0
+  std::string name;
+};
+
+/// Everything that a pose program is assembled from. Pointers are borrowed and must outlive the program.
+struct PoseProgramSpec {
+  const Rod* rod = nullptr;
+  const CoordinateModel* model = nullptr;
+  std::vector<const Obstacle*> obstacles;
+  std::vector<PoseProgramTerm> terms;
+  Target target;
+  bool split = true;
+  std::vector<ContactSetup> contacts;  ///< interior ones in order along the rod, then those at the tip
+  std::vector<CheckPoint> checks;
+  int nodes = 0;  ///< Gauss nodes per smooth interval of a piece
+  double min_force = 0.0;
+  double max_force = infinity;
+};
+
+/// A shape to start from, whatever it was described with.
+struct StartShape {
+  std::function<double(double)> curvature;  ///< of the arc length s/L
+  std::vector<double> moments{};            ///< one per actuator; empty: those that hold the shape without other loads
+  std::vector<double> arc_lengths{};        ///< one per contact; empty or NaN: the nearest point
+  std::vector<double> forces{};             ///< one per contact; empty: 0
+};
+
+/// Constant curvature with this angle of the tip against the base.
+TENDRIL_API StartShape constant_curvature(double tip_angle);
+
+/// Contact points keep this distance (in L) from fixed knots and from each other: the equilibrium residual's floor
+/// grows like 1e-17 / h (model.md section 2).
+inline constexpr double knot_clearance = 1e-5;
+
+/// The nonlinear program of one way of being in contact (model.md section 5). x = (q, moments, contact arc lengths,
+/// contact forces), each block only if needed. Exact first and second derivatives; no allocation after construction.
+class TENDRIL_API PoseProgram : public NonlinearProgram {
+ public:
+  explicit PoseProgram(PoseProgramSpec spec);
+  ~PoseProgram() override;
+
+  struct Layout {
+    int coordinates = 0;                        ///< q: [0, coordinates)
+    int first_moment = 0, moments = 0;          ///< actuators that are not fixed at zero
+    int first_arc_length = 0, arc_lengths = 0;  ///< interior contacts
+    int first_force = 0, forces = 0;            ///< all contacts
+    int first_gap = 0;  ///< rows: equilibrium [0, coordinates), then gaps, closest points, checks, order
+    int first_closest = 0;
+    int first_check = 0, checks = 0;
+    int first_order = 0, orders = 0;
+  };
+  const Layout& layout() const;
+  const PoseProgramSpec& spec() const;
+  const Chain& chain() const;
+  /// The moment variable of actuator a, or -1.
+  int moment_variable(int actuator) const;
+  /// Interior contact k's arc length variable, or -1 for a contact at the tip.
+  int arc_length_variable(int contact) const;
+  int force_variable(int contact) const { return layout().first_force + contact; }
+
+  /// Chooses the branch of contact k: changes bounds only. Calls invalidate().
+  void set_branch(int contact, Branch branch);
+  Branch branch(int contact) const;
+  void set_target(const Target& target);
+
+  /// A start of the given shape; contacts sit where the shape comes nearest to their obstacles unless the shape says
+  /// where.
+  Eigen::VectorXd start_from(const StartShape& shape) const;
+
+  /// State at the point computed last.
+  struct ContactState {
+    double arc_length = 0.0;
+    Vec2 point{}, tangent{};
+    double angle = 0.0;
+    double force = 0.0;
+    SurfacePoint surface{};
+  };
+  const std::vector<ContactState>& contacts() const;
+  const Backbone& backbone() const;
+  /// Weighted value of term i, and its name.
+  double term_value(int i) const;
+
+  std::string row_name(int row) const override;
+  std::string variable_name(int variable) const override;
+
+  /// dP_k/dq of contact k at the point whose derivatives were computed last, and dphi_k/dq: each coordinates() entries.
+  void contact_rows(int contact, VectorRef x, VectorRef y, VectorRef angle) const;
+
+ protected:
+  void do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out) override;
+  void do_hessian(ConstVectorRef x, double sigma, ConstVectorRef multipliers, Workspace& out) override;
+
+ private:
+  struct Data;
+  explicit PoseProgram(std::unique_ptr<Data> data);
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace tendril

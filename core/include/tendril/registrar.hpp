@@ -1,0 +1,48 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "tendril/coordinate_model.hpp"
+#include "tendril/objective_term.hpp"
+#include "tendril/obstacle.hpp"
+#include "tendril/options.hpp"
+#include "tendril/solver.hpp"
+
+namespace tendril {
+
+enum class ComponentKind { coordinates, objective, obstacle, solver };
+
+/// "coordinates", "objective", "obstacle", "solver": also the middle word of a plugin's file name.
+TENDRIL_API std::string_view to_string(ComponentKind kind);
+
+/// What a component says of itself, and how to make one.
+template <class Interface>
+struct Component {
+  std::string name;         ///< as scenes write it: lower case, digits, '_'
+  std::string description;  ///< one line
+  OptionSchema options;
+  std::function<std::unique_ptr<Interface>(const Options&)> make;
+};
+
+using CoordinateComponent = Component<CoordinateModel>;
+using ObjectiveComponent = Component<ObjectiveTerm>;
+using ObstacleComponent = Component<Obstacle>;
+using SolverComponent = Component<Solver>;
+
+/// Handed to a plugin while it is loaded; takes its component.
+class TENDRIL_API Registrar {
+ public:
+  virtual ~Registrar();
+  virtual void add(CoordinateComponent component) = 0;
+  virtual void add(ObjectiveComponent component) = 0;
+  virtual void add(ObstacleComponent component) = 0;
+  virtual void add(SolverComponent component) = 0;
+};
+
+/// Hands the shapes that core brings along (circle, ...) to `registrar`.
+TENDRIL_API void register_builtin_obstacles(Registrar& registrar);
+
+}  // namespace tendril

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string_view>
+
+#include "tendril/export.hpp"
+
+namespace tendril {
+
+/// Physical dimension of a number: powers of length and force (a moment is length * force, a curvature 1/length).
+/// `unit` is the SI unit that a plain number is taken to be in; empty: a pure number.
+struct Dimension {
+  int length = 0;
+  int force = 0;
+  std::string_view unit = "";
+};
+
+namespace dimension {
+inline constexpr Dimension none{0, 0, ""};
+inline constexpr Dimension angle{0, 0, "rad"};
+inline constexpr Dimension length{1, 0, "m"};
+inline constexpr Dimension curvature{-1, 0, "1/m"};
+inline constexpr Dimension force{0, 1, "N"};
+inline constexpr Dimension moment{1, 1, "N m"};
+inline constexpr Dimension stiffness{2, 1, "N m^2"};
+}  // namespace dimension
+
+/// The units of a dimensionless program: lengths in L, forces in EI0/L^2 (model.md section 1).
+struct TENDRIL_API Scale {
+  double length = 1.0;     ///< L, m
+  double stiffness = 1.0;  ///< EI0, bending stiffness of the first segment, N m^2
+
+  double force() const { return stiffness / (length * length); }
+  double moment() const { return stiffness / length; }
+  /// Size of the unit of `d` in SI.
+  double unit(const Dimension& d) const;
+  /// SI -> dimensionless, rounded to 12 significant digits so that equal scenes in other units give equal programs.
+  double to_dimensionless(double si, const Dimension& d) const;
+  double to_si(double value, const Dimension& d) const { return value * unit(d); }
+};
+
+/// `value` rounded to 12 significant decimal digits. Infinities and zero pass.
+TENDRIL_API double round_to_12_digits(double value);
+
+}  // namespace tendril

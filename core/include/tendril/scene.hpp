@@ -1,0 +1,112 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tendril/geometry.hpp"
+#include "tendril/nonlinear_program.hpp"
+#include "tendril/options.hpp"
+
+namespace tendril {
+
+/// A scene as a user means it, in SI units, before anything is made dimensionless. Every field has the value that holds
+/// when the scene says nothing. Options of components stay raw: their schemas belong to the components.
+
+enum class ProblemKind { pose, trajectory, grasp, execute, estimate };
+enum class ContactModeName { ignore, avoid, allow, require };
+enum class Treatment { penalty, slack, scholtes, fischer_burmeister };
+TENDRIL_API std::string_view to_string(ProblemKind kind);
+TENDRIL_API std::string_view to_string(ContactModeName mode);
+TENDRIL_API std::string_view to_string(Treatment treatment);
+
+struct SegmentSpec {
+  double length = 0.0;             ///< m, > 0
+  double bending_stiffness = 0.0;  ///< N m^2, > 0
+  double linear_density = 0.0;     ///< kg/m, >= 0
+  double rest_curvature = 0.0;     ///< 1/m
+};
+
+struct ActuatorSpec {
+  double from = 0.0;                 ///< m
+  double to = 0.0;                   ///< m; the reader fills in the rod's length
+  double minimum = -infinity;        ///< N m
+  double maximum = infinity;         ///< N m
+  double moment_per_pressure = 0.0;  ///< N m / Pa; 0: not given
+};
+
+struct TENDRIL_API RodSpec {
+  std::vector<SegmentSpec> segments;  ///< at least one; a uniform rod has one
+  std::vector<ActuatorSpec> actuators;
+  Vec2 base_position{};     ///< m
+  double base_angle = 0.0;  ///< rad
+  double length() const;
+};
+
+struct TipLoadSpec {
+  double mass = 0.0;  ///< kg
+  Vec2 force{};       ///< N, dead
+};
+
+struct ObstacleSpec {
+  std::string name;   ///< "obstacle 1", ... if not given
+  std::string shape;  ///< an obstacle component
+  RawOptions options;
+};
+
+struct ContactSpec {
+  ContactModeName mode = ContactModeName::allow;
+  double min_force = 0.0;       ///< N
+  double max_force = infinity;  ///< N; 0 means avoid
+  int count = 1;                ///< contacts at most
+  Treatment treatment = Treatment::penalty;
+  double beta = 1.0;     ///< first penalty weight, dimensionless
+  int check_points = 0;  ///< fixed number, without exchange; 0: core chooses and exchanges
+};
+
+struct TargetSpec {
+  std::optional<Vec2> position;  ///< m
+  std::optional<double> angle;   ///< rad
+};
+
+struct ObjectiveSpec {
+  std::string plugin;
+  double weight = 1.0;
+  RawOptions options;
+  SourcePosition position{};
+};
+
+struct CoordinatesSpec {
+  std::string plugin;  ///< whoever makes the scene names one; core knows none
+  bool split_at_contact = true;
+  RawOptions options;
+  SourcePosition position{};
+};
+
+struct SolverSpec {
+  std::string plugin;  ///< likewise
+  double tolerance = 1e-9;
+  double time_limit = 10.0;  ///< s
+  int max_iterations = 500;
+  RawOptions options;  ///< native names
+  SourcePosition position{};
+};
+
+struct Scene {
+  std::string file;  ///< as named by the user; empty if made in code
+  std::string title;
+  ProblemKind problem = ProblemKind::pose;
+  std::optional<Vec2> gravity;  ///< m/s^2
+  RodSpec rod;
+  CoordinatesSpec coordinates;
+  double start_tip_angle = 0.0;  ///< rad, of a constant-curvature start
+  std::vector<ObstacleSpec> obstacles;
+  ContactSpec contact;
+  TipLoadSpec tip_load;
+  TargetSpec target;
+  std::vector<ObjectiveSpec> objectives;
+  SolverSpec solver;
+  QuantityReader read_quantity;  ///< for numbers with units inside raw options; may be empty
+};
+
+}  // namespace tendril

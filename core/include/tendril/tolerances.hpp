@@ -1,0 +1,22 @@
+#pragma once
+
+/// Every number that a verdict stands on (model.md section 7). Dimensionless: lengths in L, forces in EI/L^2, moments
+/// in EI/L.
+namespace tendril::tolerance {
+
+inline constexpr double equilibrium = 1e-9;      ///< residual of the equilibrium rows
+inline constexpr double bounds = 1e-9;           ///< moments, forces, arc lengths beyond their limits
+inline constexpr double penetration = 1e-9;      ///< certified depth
+inline constexpr double complementarity = 1e-9;  ///< min(gap, force)
+inline constexpr double closest_point = 1e-8;    ///< tangent . normal
+inline constexpr double stationarity = 1e-6;     ///< gradient of the Lagrangian of the tightened program
+inline constexpr double stability = 1e-6;        ///< least margin
+inline constexpr double quadrature = 1e-10;      ///< change of a row when the rule is doubled; more means more nodes
+inline constexpr double force = 1e-9;            ///< a contact with less force does not hold the rod
+
+/// The clearance bound is bisected until it is this sharp: a tenth of what is asked for.
+inline constexpr double clearance_sharpness = 1e-10;
+/// A contact's complementarity counts as decided below this (model.md section 4).
+inline constexpr double branch_decided = 1e-6;
+
+}  // namespace tendril::tolerance

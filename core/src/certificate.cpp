@@ -1,0 +1,396 @@
+#include "tendril/certificate.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "tendril/multipliers.hpp"
+#include "tendril/quadrature.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril {
+namespace {
+
+std::string defect(const char* what, double value, double limit) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%s %.2e is above %.0e", what, value, limit);
+  return text;
+}
+
+}  // namespace
+
+struct Certifier::Data {
+  explicit Data(const PoseProgramSpec& s) : spec(doubled(s)), program(std::make_unique<PoseProgram>(spec)) {
+    tables = std::make_shared<CurveTables>(program->chain().rule());
+    curve = std::make_unique<Curve>(tables);
+  }
+
+  static PoseProgramSpec doubled(PoseProgramSpec s) {
+    s.nodes *= 2;
+    return s;
+  }
+
+  void move(ConstVectorRef x) {
+    program->jacobian(x);
+    curve->follow(program->backbone());
+  }
+
+  double moment_balance(ConstVectorRef x);
+  Eigen::MatrixXd second_variation(ConstVectorRef x);
+  double convexity(int contact);
+  double margin(ConstVectorRef x);
+  void judge_stationarity(PoseProgram& judged, ConstVectorRef x, Certificate& c);
+
+  PoseProgramSpec spec;
+  std::unique_ptr<PoseProgram> program;
+  std::shared_ptr<const CurveTables> tables;
+  std::unique_ptr<Curve> curve;
+};
+
+Certifier::Certifier(const PoseProgramSpec& spec) : data_(std::make_unique<Data>(spec)) {}
+Certifier::~Certifier() = default;
+Certifier::Certifier(Certifier&&) noexcept = default;
+Certifier& Certifier::operator=(Certifier&&) noexcept = default;
+
+void Certifier::set_checks(const std::vector<CheckPoint>& checks) {
+  data_->spec.checks = checks;
+  data_->program = std::make_unique<PoseProgram>(data_->spec);
+}
+
+/// max over nodes and knots of |EI (kappa - kappa0) - moment of everything beyond|.
+double Certifier::Data::moment_balance(ConstVectorRef x) {
+  const Chain& chain = program->chain();
+  const Backbone& shape = program->backbone();
+  const Rod& rod = *spec.rod;
+  const int n = tables->per_interval();
+  const int intervals = tables->intervals();
+  const int functions = chain.functions();
+  const bool gravity = rod.has_gravity();
+  Eigen::MatrixXd value(chain.nodes(), functions);
+  Eigen::MatrixXd first(chain.nodes(), functions);
+  Eigen::MatrixXd second(chain.nodes(), functions);
+  const Eigen::VectorXd& sigma = chain.table().sigma;
+  chain.model().evaluate({sigma.data(), static_cast<std::size_t>(sigma.size())}, value, first, second);
+
+  const std::vector<PoseProgram::ContactState>& contacts = program->contacts();
+  Vec2 force = rod.tip_force;
+  double mass = rod.payload;
+  double beyond = 0.0;  // moment of all forces beyond the current point, about it
+  double worst = 0.0;
+  Eigen::VectorXd shear(n);
+  Eigen::VectorXd coefficients(n);
+  Eigen::VectorXd up_to(n);
+  std::vector<double> polynomials(static_cast<std::size_t>(n) + 1);
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    if (spec.contacts[k].at_tip) force += contacts[k].force * contacts[k].surface.normal;
+  }
+  // The force of an unsplit contact ends inside a piece, where no series over the nodes follows it: force times arm
+  // does.
+  const auto unsplit_moment = [&](int j, double at) {
+    double moment = 0.0;
+    if (spec.split || contacts.empty()) return moment;
+    const double s = shape.start(j) + shape.length(j) * at;
+    const Vec2 here = curve->position(j, at);
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      if (spec.contacts[k].at_tip || !(contacts[k].arc_length > s)) continue;
+      moment += cross(contacts[k].point - here, contacts[k].force * contacts[k].surface.normal);
+    }
+    return moment;
+  };
+  std::size_t knot = static_cast<std::size_t>(program->layout().arc_lengths);
+  for (int j = chain.piece_count() - 1; j >= 0; --j) {
+    const Chain::Piece& piece = chain.piece(j);
+    const double h = shape.length(j);
+    while (spec.split && knot > 0 && chain.piece_before_knot(static_cast<int>(knot) - 1) == j) {
+      --knot;
+      force += contacts[knot].force * contacts[knot].surface.normal;
+    }
+    double applied = piece.stiffness * piece.rest_curvature;
+    for (int a = 0; a < chain.actuator_count(); ++a) {
+      const int variable = program->moment_variable(a);
+      if (variable >= 0 && chain.actuated(a, j)) applied += x[variable];
+    }
+    const double own = piece.weight * h;
+    const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), functions);
+    const auto check = [&](double curvature, double moment) {
+      worst = std::max(worst, std::abs(piece.stiffness * curvature - applied - moment));
+    };
+    check(chain.table().slope_end.dot(q) / h, beyond + unsplit_moment(j, 1.0));
+    for (int i = intervals - 1; i >= 0; --i) {
+      const double width = tables->end(i + 1) - tables->end(i);
+      double before = 0.0;
+      for (int g = 0; g < n; ++g) {
+        const int node = i * n + g;
+        Vec2 f = force;
+        if (gravity) f += (mass + own * (1.0 - sigma[node])) * rod.gravity;
+        shear[g] = f.y * shape.cosines(j)[node] - f.x * shape.sines(j)[node];
+      }
+      coefficients.noalias() = tables->transform() * shear;
+      up_to.noalias() = 0.5 * width * h * (tables->cumulative() * coefficients);
+      before = width * h * coefficients[0];
+      for (int g = 0; g < n; ++g) {
+        check(first.row(i * n + g).dot(q) / h, beyond + before - up_to[g] + unsplit_moment(j, sigma[i * n + g]));
+      }
+      // The defect of an unsplit basis peaks at the contact, where it cannot kink.
+      for (std::size_t k = 0; !spec.split && k < contacts.size(); ++k) {
+        const double at = (contacts[k].arc_length - shape.start(j)) / h;
+        if (spec.contacts[k].at_tip || !(at >= tables->end(i) && at <= tables->end(i + 1))) continue;
+        const double z = 2.0 * (at - tables->end(i)) / width - 1.0;
+        legendre_polynomials(z, polynomials);
+        double here = (1.0 + z) * coefficients[0];
+        for (std::size_t m = 1; m + 1 < polynomials.size(); ++m) {
+          const double order = static_cast<double>(m);
+          here += coefficients[static_cast<Eigen::Index>(m)] * (polynomials[m + 1] - polynomials[m - 1]) /
+                  (2.0 * order + 1.0);
+        }
+        check(shape.at(j, at).curvature, beyond + before - 0.5 * width * h * here + unsplit_moment(j, at));
+      }
+      beyond += before;
+    }
+    check(chain.table().slope_start.dot(q) / h, beyond + unsplit_moment(j, 0.0));
+    mass += own;
+  }
+  return worst;
+}
+
+double Certifier::Data::convexity(int contact) {
+  const auto k = static_cast<std::size_t>(contact);
+  if (spec.contacts[k].at_tip) return infinity;
+  const Chain& chain = program->chain();
+  const Backbone& shape = program->backbone();
+  const PoseProgram::ContactState& c = program->contacts()[k];
+  const Vec2 tau = turned(c.surface.normal);
+  const double turn = dot(turned(c.tangent), c.surface.normal);
+  const double bend = c.surface.curvature * dot(tau, c.tangent) * dot(tau, c.tangent);
+  const int n = chain.functions();
+  if (spec.split) {
+    // The curvature jumps only by rounding of the model; the larger value decides (model.md section 7).
+    const int j = chain.piece_before_knot(contact);
+    const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), n);
+    double value = chain.table().slope_end.dot(q) / shape.length(j) * turn + bend;
+    if (j + 1 < chain.piece_count()) {
+      const Eigen::Map<const Eigen::VectorXd> next(shape.coordinates(j + 1), n);
+      value = std::max(value, chain.table().slope_start.dot(next) / shape.length(j + 1) * turn + bend);
+    }
+    return value;
+  }
+  const int j = spec.contacts[k].region;
+  const double sigma = std::clamp((c.arc_length - shape.start(j)) / shape.length(j), 0.0, 1.0);
+  double value = shape.at(j, sigma).curvature * turn + bend;
+  if (sigma <= 0.0 && j > 0) value = std::max(value, shape.at(j - 1, 1.0).curvature * turn + bend);
+  if (sigma >= 1.0 && j + 1 < chain.piece_count())
+    value = std::max(value, shape.at(j + 1, 0.0).curvature * turn + bend);
+  return value;
+}
+
+Eigen::MatrixXd Certifier::Data::second_variation(ConstVectorRef x) {
+  const int n = program->layout().coordinates;
+  // dh_e/dq is minus the second derivative of Pi plus the turning of the contact forces, all at frozen knots.
+  Eigen::MatrixXd h = -program->jacobian(x).topLeftCorner(n, n);
+  Eigen::VectorXd jx(n);
+  Eigen::VectorXd jy(n);
+  Eigen::VectorXd ja(n);
+  for (int k = 0; k < program->layout().forces; ++k) {
+    const PoseProgram::ContactState& c = program->contacts()[static_cast<std::size_t>(k)];
+    if (spec.contacts[static_cast<std::size_t>(k)].at_tip || !(std::abs(c.force) > tolerance::force)) continue;
+    program->contact_rows(k, jx, jy, ja);
+    const Vec2 tau = turned(c.surface.normal);
+    const double along = c.surface.curvature * dot(tau, c.tangent);
+    const Eigen::VectorXd d_sq = dot(turned(c.tangent), c.surface.normal) * ja + along * (tau.x * jx + tau.y * jy);
+    h.noalias() += c.force / convexity(k) * d_sq * d_sq.transpose();
+  }
+  return h;
+}
+
+double Certifier::Data::margin(ConstVectorRef x) {
+  const Chain& chain = program->chain();
+  const int n = program->layout().coordinates;
+  Eigen::MatrixXd h = second_variation(x);
+  std::vector<int> touching;
+  for (int k = 0; k < program->layout().forces; ++k) {
+    if (program->contacts()[static_cast<std::size_t>(k)].force > tolerance::force) touching.push_back(k);
+  }
+  // In coordinates y = U q with K = U^T U the bending energy is the unit matrix.
+  const int functions = chain.functions();
+  const Eigen::LLT<Eigen::MatrixXd> llt(chain.table().stiffness);
+  const Eigen::MatrixXd inverse = llt.matrixU().solve(Eigen::MatrixXd::Identity(functions, functions));
+  for (int j = 0; j < chain.piece_count(); ++j) {
+    const double root = std::sqrt(program->backbone().length(j) / chain.piece(j).stiffness);
+    const auto block = h.middleCols(j * functions, functions);
+    h.middleCols(j * functions, functions) = (root * (block * inverse)).eval();
+  }
+  for (int j = 0; j < chain.piece_count(); ++j) {
+    const double root = std::sqrt(program->backbone().length(j) / chain.piece(j).stiffness);
+    const auto block = h.middleRows(j * functions, functions);
+    h.middleRows(j * functions, functions) = (root * (inverse.transpose() * block)).eval();
+  }
+  if (!h.allFinite()) return -infinity;
+  const auto count = static_cast<Eigen::Index>(touching.size());
+  if (count == 0) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(h, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  }
+  Eigen::MatrixXd rows(n, count);
+  Eigen::VectorXd jx(n);
+  Eigen::VectorXd jy(n);
+  Eigen::VectorXd ja(n);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const int k = touching[static_cast<std::size_t>(i)];
+    const PoseProgram::ContactState& c = program->contacts()[static_cast<std::size_t>(k)];
+    program->contact_rows(k, jx, jy, ja);
+    Eigen::VectorXd row = c.surface.normal.x * jx + c.surface.normal.y * jy;
+    for (int j = 0; j < chain.piece_count(); ++j) {
+      const double root = std::sqrt(program->backbone().length(j) / chain.piece(j).stiffness);
+      row.segment(j * functions, functions) =
+          (root * (inverse.transpose() * row.segment(j * functions, functions))).eval();
+    }
+    rows.col(i) = row;
+  }
+  // The orthogonal complement of the rows spans what the contacts leave free.
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows);
+  h.applyOnTheLeft(qr.householderQ().adjoint());
+  h.applyOnTheRight(qr.householderQ());
+  const Eigen::Index left = n - count;
+  if (left <= 0) return infinity;
+  const Eigen::MatrixXd free = h.bottomRightCorner(left, left);
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(free, Eigen::EigenvaluesOnly).eigenvalues()[0];
+}
+
+void Certifier::Data::judge_stationarity(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
+  const PoseProgram::Layout& at = program->layout();
+  // The tightened program: the branch of each contact is what the point says it is.
+  std::vector<int> biactive;
+  for (int k = 0; k < at.forces; ++k) {
+    const PoseProgram::ContactState& state = program->contacts()[static_cast<std::size_t>(k)];
+    const bool touches =
+        judged.branch(k) == Branch::touching || std::abs(state.surface.distance) <= tolerance::complementarity;
+    const bool pushes = state.force > tolerance::complementarity;
+    if (touches && !pushes) biactive.push_back(k);
+    program->set_branch(k, touches ? Branch::touching : Branch::separated);
+  }
+  constexpr double active = 1e-8;
+  const KktJudgement free = judge_kkt(*program, x, active);
+  c.stationarity = free.stationarity;
+  c.stationarity_kind = free.stationarity <= tolerance::stationarity ? "S" : "none";
+  if (biactive.empty() || c.stationarity_kind == "none") return;
+  // Gap and force both zero: the gap's multiplier must be that of g >= 0 for strong stationarity.
+  for (const int k : biactive) program->set_branch(k, Branch::open);
+  const KktJudgement strong = judge_kkt(*program, x, active);
+  if (strong.stationarity <= tolerance::stationarity) {
+    c.stationarity = strong.stationarity;
+    return;
+  }
+  c.stationarity_kind = "M";
+  for (const int k : biactive) {
+    const double gap = -free.multipliers[at.first_gap + k];
+    const double force = -free.bound_multipliers[at.first_force + k];
+    const double small = tolerance::stationarity;
+    if (std::abs(gap) <= small || std::abs(force) <= small || (gap > 0.0 && force > 0.0)) continue;
+    c.stationarity_kind = gap * force > 0.0 ? "C" : "none";
+    if (gap * force <= 0.0) return;
+  }
+}
+
+Certificate Certifier::certify(PoseProgram& judged, ConstVectorRef x) {
+  Data& d = *data_;
+  Certificate c;
+  c.failures.clear();
+  const PoseProgram::Layout& at = d.program->layout();
+  if (!x.allFinite()) {
+    c.failures.emplace_back("the plan is not finite");
+    return c;
+  }
+  const Eigen::VectorXd coarse = judged.constraints(x);
+  d.move(x);
+  const Eigen::VectorXd rows = d.program->constraints(x);
+  c.quadrature = (rows - coarse).cwiseAbs().maxCoeff();
+  c.equilibrium = rows.head(at.coordinates).cwiseAbs().maxCoeff();
+
+  c.bounds = 0.0;
+  for (int i = 0; i < judged.variable_count(); ++i) {
+    // Limits are those of the scene: a branch that holds a force at zero is no limit.
+    const bool force = i >= at.first_force;
+    const double low = force ? d.spec.min_force : judged.lower()[i];
+    const double high = force ? d.spec.max_force : judged.upper()[i];
+    c.bounds = std::max({c.bounds, low - x[i], x[i] - high});
+  }
+
+  c.penetration = 0.0;
+  for (const Obstacle* obstacle : d.spec.obstacles) {
+    c.penetration = std::max(c.penetration, certified_depth(*d.curve, *obstacle));
+  }
+
+  c.complementarity = 0.0;
+  c.closest_point = 0.0;
+  bool spreads = false;
+  for (int k = 0; k < at.forces; ++k) {
+    const PoseProgram::ContactState& state = d.program->contacts()[static_cast<std::size_t>(k)];
+    c.complementarity = std::max(c.complementarity, std::abs(std::min(state.surface.distance, state.force)));
+    if (!(state.force > tolerance::force)) continue;
+    const double slope = dot(state.tangent, state.surface.normal);
+    const bool at_tip = d.spec.contacts[static_cast<std::size_t>(k)].at_tip;
+    c.closest_point = std::max(c.closest_point, at_tip ? std::max(0.0, slope) : std::abs(slope));
+    c.contact_convexity = std::min(c.contact_convexity, d.convexity(k));
+    spreads = spreads || !(d.convexity(k) > 0.0);
+  }
+  c.moment_balance = d.moment_balance(x);
+  c.stability = spreads ? -infinity : d.margin(x);
+  d.judge_stationarity(judged, x, c);
+
+  if (!(c.equilibrium <= tolerance::equilibrium))
+    c.failures.push_back(defect("equilibrium residual", c.equilibrium, tolerance::equilibrium));
+  if (!(c.bounds <= tolerance::bounds))
+    c.failures.push_back(defect("violation of a limit", c.bounds, tolerance::bounds));
+  if (!(c.penetration <= tolerance::penetration))
+    c.failures.push_back(defect("penetration", c.penetration, tolerance::penetration));
+  if (!(c.complementarity <= tolerance::complementarity))
+    c.failures.push_back(defect("complementarity", c.complementarity, tolerance::complementarity));
+  if (!(c.closest_point <= tolerance::closest_point))
+    c.failures.push_back(defect("closest point", c.closest_point, tolerance::closest_point));
+  if (!(c.stationarity <= tolerance::stationarity))
+    c.failures.push_back(defect("stationarity", c.stationarity, tolerance::stationarity));
+  if (c.stationarity <= tolerance::stationarity && c.stationarity_kind != "S") {
+    c.failures.push_back("the point is " +
+                         (c.stationarity_kind == "none" ? std::string("not even C") : c.stationarity_kind) +
+                         "-stationary, not S-stationary");
+  }
+  if (spreads) {
+    c.failures.emplace_back("contact spreads: the rod lies along the obstacle, a point contact does not hold it");
+  } else if (!(c.stability > tolerance::stability)) {
+    char text[120];
+    std::snprintf(text, sizeof text, "unstable: the stability margin is %.3e", c.stability);
+    c.failures.push_back(text);
+  }
+  return c;
+}
+
+std::vector<Certifier::Approach> Certifier::approaches(ConstVectorRef x, double level) {
+  Data& d = *data_;
+  d.move(x);
+  std::vector<Approach> all;
+  for (std::size_t o = 0; o < d.spec.obstacles.size(); ++o) {
+    for (const ClosestApproach& at : closest_approaches(*d.curve, *d.spec.obstacles[o], level)) {
+      all.push_back({static_cast<int>(o), at});
+    }
+  }
+  return all;
+}
+
+double Certifier::stability(ConstVectorRef x) {
+  data_->move(x);
+  return data_->margin(x);
+}
+
+Eigen::MatrixXd Certifier::second_variation(ConstVectorRef x) {
+  data_->move(x);
+  return data_->second_variation(x);
+}
+
+double Certifier::contact_convexity(ConstVectorRef x, int contact) {
+  data_->move(x);
+  return data_->convexity(contact);
+}
+
+}  // namespace tendril

@@ -1,0 +1,213 @@
+#include "tendril/clearance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tendril/error.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril {
+
+CurveTables::CurveTables(const Quadrature& rule) {
+  const int n = rule.nodes_per_interval();
+  const Quadrature local(n);
+  // The ends of the smooth intervals show in the sums of the weights.
+  ends_.push_back(0.0);
+  for (int i = 0; i < rule.size() / n; ++i) ends_.push_back(ends_.back() + rule.weights().segment(i * n, n).sum());
+  ends_.back() = 1.0;
+  Eigen::MatrixXd p(n + 1, n);
+  for (int g = 0; g < n; ++g) {
+    legendre_polynomials(2.0 * local.nodes()[g] - 1.0, {p.col(g).data(), static_cast<std::size_t>(n) + 1});
+  }
+  transform_.resize(n, n);
+  cumulative_.resize(n, n);
+  for (int k = 0; k < n; ++k) {
+    for (int g = 0; g < n; ++g) {
+      transform_(k, g) = (2.0 * k + 1.0) * local.weights()[g] * p(k, g);
+      cumulative_(g, k) = k == 0 ? 1.0 + p(1, g) : (p(k + 1, g) - p(k - 1, g)) / (2.0 * k + 1.0);
+    }
+  }
+}
+
+void Curve::follow(const Backbone& backbone) {
+  const Chain& chain = backbone.chain();
+  const int n = tables_->per_interval();
+  const int intervals = tables_->intervals();
+  if (chain.nodes() != n * intervals) throw Error("curve tables belong to another rule");
+  pieces_ = chain.piece_count();
+  lengths_.resize(static_cast<std::size_t>(pieces_));
+  starts_.resize(lengths_.size());
+  curvature_bounds_.resize(lengths_.size());
+  interval_start_.resize(lengths_.size() * static_cast<std::size_t>(intervals));
+  series_x_.resize(n, pieces_ * intervals);
+  series_y_.resize(n, pieces_ * intervals);
+  for (int j = 0; j < pieces_; ++j) {
+    const auto piece = static_cast<std::size_t>(j);
+    lengths_[piece] = backbone.length(j);
+    starts_[piece] = backbone.start(j);
+    double bound = 0.0;
+    for (int i = 0; i < chain.functions(); ++i)
+      bound += std::abs(backbone.coordinates(j)[i]) * chain.table().slope_bound[i];
+    curvature_bounds_[piece] = bound / lengths_[piece];
+    Vec2 at = backbone.knot_point(j);
+    for (int i = 0; i < intervals; ++i) {
+      const int column = j * intervals + i;
+      const Eigen::Map<const Eigen::VectorXd> c(backbone.cosines(j) + i * n, n);
+      const Eigen::Map<const Eigen::VectorXd> s(backbone.sines(j) + i * n, n);
+      series_x_.col(column).noalias() = tables_->transform() * c;
+      series_y_.col(column).noalias() = tables_->transform() * s;
+      interval_start_[static_cast<std::size_t>(column)] = at;
+      // The first coefficient is the mean.
+      const double width = lengths_[piece] * (tables_->end(i + 1) - tables_->end(i));
+      at += width * Vec2{series_x_(0, column), series_y_(0, column)};
+    }
+  }
+}
+
+Curve::Point Curve::at(int piece, double sigma) const {
+  int interval = 0;
+  while (interval + 1 < tables_->intervals() && sigma > tables_->end(interval + 1)) ++interval;
+  const int column = piece * tables_->intervals() + interval;
+  const double from = tables_->end(interval);
+  const double to = tables_->end(interval + 1);
+  const double z = 2.0 * (sigma - from) / (to - from) - 1.0;
+  const double half = 0.5 * (to - from) * length(piece);
+  const auto n = tables_->per_interval();
+  const double* x = series_x_.col(column).data();
+  const double* y = series_y_.col(column).data();
+  // Sum of c_k P_k and of c_k int P_k, with int_{-1}^z P_k = (P_(k+1) - P_(k-1)) / (2k+1).
+  double before = 1.0;
+  double now = z;
+  Vec2 tangent{x[0], y[0]};
+  Vec2 offset = (z + 1.0) * tangent;
+  for (int k = 1; k < n; ++k) {
+    const double next = ((2.0 * k + 1.0) * z * now - k * before) / (k + 1.0);
+    const double integral = (next - before) / (2.0 * k + 1.0);
+    tangent.x += x[k] * now;
+    tangent.y += y[k] * now;
+    offset.x += x[k] * integral;
+    offset.y += y[k] * integral;
+    before = now;
+    now = next;
+  }
+  return {interval_start_[static_cast<std::size_t>(column)] + half * offset, tangent};
+}
+
+Vec2 Curve::position(int piece, double sigma) const { return at(piece, sigma).position; }
+
+namespace {
+
+struct Interval {
+  int piece;
+  double from, to;
+  double core_from, core_to;  // distance to the core at the ends; for a shape without rounding the signed distance
+  int depth;
+};
+
+}  // namespace
+
+double certified_depth(const Curve& curve, const Obstacle& obstacle) {
+  const double radius = obstacle.rounding();
+  const bool flat = !std::isfinite(obstacle.smallest_radius());
+  const auto core = [&](int piece, double sigma) {
+    const Vec2 p = curve.position(piece, sigma);
+    return flat ? obstacle.at(p).distance : obstacle.core_distance(p);
+  };
+  double depth = 0.0;
+  double lowest_seen = 0.0;  // only depth counts
+  std::vector<Interval> open;
+  for (int j = 0; j < curve.piece_count(); ++j) {
+    open.push_back({j, 0.0, 1.0, core(j, 0.0), core(j, 1.0), 0});
+    const double low = std::min(open.back().core_from, open.back().core_to);
+    lowest_seen = std::min(lowest_seen, flat ? low : low - radius);
+  }
+  while (!open.empty()) {
+    const Interval at = open.back();
+    open.pop_back();
+    const double h = (at.to - at.from) * curve.length(at.piece);
+    const double kappa = curve.curvature_bound(at.piece);
+    double bound = 0.0;  // of the distance to the obstacle
+    const double low = std::min(at.core_from, at.core_to);
+    if (flat) {
+      bound = low - h * h / 8.0 * kappa;
+    } else {
+      const double farthest = std::max(at.core_from, at.core_to) + 0.5 * h;
+      const double square = low * low - 0.25 * h * h * (1.0 + kappa * farthest);
+      bound = std::sqrt(std::max(0.0, square)) - radius;
+    }
+    lowest_seen = std::min(lowest_seen, flat ? low : low - radius);
+    if (bound >= lowest_seen - tolerance::clearance_sharpness) {
+      depth = std::max(depth, -bound);
+      continue;
+    }
+    // 60 halvings reach the spacing of doubles: nothing is hidden between two neighbours.
+    if (at.depth >= 60) {
+      depth = std::max(depth, -bound);
+      continue;
+    }
+    const double middle = 0.5 * (at.from + at.to);
+    const double value = core(at.piece, middle);
+    open.push_back({at.piece, at.from, middle, at.core_from, value, at.depth + 1});
+    open.push_back({at.piece, middle, at.to, value, at.core_to, at.depth + 1});
+  }
+  return depth;
+}
+
+std::vector<ClosestApproach> closest_approaches(const Curve& curve, const Obstacle& obstacle, double level) {
+  // Valleys of the distance are as wide as the obstacle is small; the curve itself is smooth on the scale of its
+  // pieces.
+  struct Sample {
+    int piece;
+    double sigma, s, distance;
+  };
+  std::vector<Sample> samples;
+  for (int j = 0; j < curve.piece_count(); ++j) {
+    const double wanted = curve.length(j) / std::clamp(0.5 * obstacle.smallest_radius(), 1e-3, 0.02);
+    const int steps = std::clamp(static_cast<int>(std::ceil(wanted)), 8, 1000);
+    for (int i = j == 0 ? 0 : 1; i <= steps; ++i) {
+      const double sigma = static_cast<double>(i) / steps;
+      samples.push_back(
+          {j, sigma, curve.start(j) + sigma * curve.length(j), obstacle.at(curve.position(j, sigma)).distance});
+    }
+  }
+  const auto at_arc_length = [&](double s) {
+    int j = 0;
+    while (j + 1 < curve.piece_count() && s > curve.start(j + 1)) ++j;
+    const double sigma = std::clamp((s - curve.start(j)) / curve.length(j), 0.0, 1.0);
+    return Sample{j, sigma, s, obstacle.at(curve.position(j, sigma)).distance};
+  };
+  std::vector<ClosestApproach> found;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const bool falls = i == 0 || samples[i].distance <= samples[i - 1].distance;
+    const bool rises = i + 1 == samples.size() || samples[i].distance < samples[i + 1].distance;
+    if (!falls || !rises) continue;
+    // A sample may stand above the level although the minimum beside it does not: neighbours bound the slope by 1.
+    const double reach = std::max(i > 0 ? samples[i].s - samples[i - 1].s : 0.0,
+                                  i + 1 < samples.size() ? samples[i + 1].s - samples[i].s : 0.0);
+    if (samples[i].distance - reach > level) continue;
+    double low = i > 0 ? samples[i - 1].s : samples[i].s;
+    double high = i + 1 < samples.size() ? samples[i + 1].s : samples[i].s;
+    Sample best = samples[i];
+    // Golden section: the distance has one minimum between neighbours of a lowest sample.
+    const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);
+    Sample left = at_arc_length(high - ratio * (high - low));
+    Sample right = at_arc_length(low + ratio * (high - low));
+    while (high - low > 1e-9) {
+      if (left.distance < right.distance) {
+        high = right.s;
+        right = left;
+        left = at_arc_length(high - ratio * (high - low));
+      } else {
+        low = left.s;
+        left = right;
+        right = at_arc_length(low + ratio * (high - low));
+      }
+      const Sample& lower = left.distance < right.distance ? left : right;
+      if (lower.distance < best.distance) best = lower;
+    }
+    if (best.distance <= level) found.push_back({best.piece, best.sigma, best.s, best.distance});
+  }
+  return found;
+}
+
+}  // namespace tendril

@@ -1,0 +1,7 @@
+#include "tendril/obstacle.hpp"
+
+namespace tendril {
+
+Obstacle::~Obstacle() = default;
+
+}  // namespace tendril

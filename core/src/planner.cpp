@@ -1,0 +1,778 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "problem_data.hpp"
+#include "tendril/certificate.hpp"
+#include "tendril/complementarity.hpp"
+#include "tendril/feasibility.hpp"
+#include "tendril/polish.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril {
+namespace {
+
+/// Numbers that steer the outer loops. They decide how a plan is found, never whether it is accepted.
+constexpr double penalty_growth = 10.0;     ///< of beta, until the branch is decided (model.md section 4)
+constexpr double penalty_cap = 1e4;         ///< largest beta
+constexpr double relaxation_first = 1e-1;   ///< eps of Scholtes and Fischer-Burmeister ...
+constexpr double relaxation_last = 1e-8;    ///< ... ends here ...
+constexpr double relaxation_shrink = 1e-2;  ///< ... in these steps
+constexpr double violation_level = -5e-10;  ///< half of the depth that is allowed: a valley below it gets a check point
+constexpr double contact_neighbourhood =
+    0.02;  ///< no check point this near (in L) to a touching contact's own obstacle
+constexpr int most_exchanges = 25;
+constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
+constexpr int most_pieces_away = 3;  ///< of an unsplit rod, from where the start comes nearest to the obstacle
+constexpr int most_starts = 5;       ///< per mode, before a program may be called infeasible
+constexpr double restored = 1e-8;    ///< violation below which a point counts as feasible
+constexpr double beats = 1e-12;      ///< an objective must be lower by this to win
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// A mode's best point so far and what is known about it.
+struct Candidate {
+  std::unique_ptr<PoseProgram> program;
+  std::unique_ptr<Certifier> certifier;
+  Eigen::VectorXd x;
+  Certificate certificate;
+  double objective = infinity;  ///< scaled
+  OptimalityReport solver;      ///< of the solve that led here
+  bool has_point = false;
+  bool certified() const { return has_point && certificate.valid(); }
+};
+
+struct Tally {
+  EvaluationCounts evaluations;
+  int iterations = 0;
+  double seconds = 0.0, seconds_evaluating = 0.0, seconds_certifying = 0.0;
+};
+
+class Planner {
+ public:
+  Planner(Problem::Data& data, const PlanControl& control)
+      : d_(data), control_(control), deadline_(now() + data.scene.solver.time_limit) {}
+
+  Plan run();
+
+ private:
+  struct ModeState {
+    int mode = 0;
+    ModeRecord record;
+    Candidate best;
+    int starts_used = 0;
+    int stationary_violations = 0;  ///< starts that ended where no direction reduces the violation
+    std::string trouble;            ///< how the last attempt failed
+    OptimalityReport last;          ///< of the last solve
+  };
+
+  bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
+  SolveControl limits() const {
+    SolveControl c;
+    c.tolerance = d_.scene.solver.tolerance;
+    c.max_iterations = d_.scene.solver.max_iterations;
+    c.time_limit = std::max(1e-3, deadline_ - now());
+    c.stop = control_.stop;
+    return c;
+  }
+
+  StartShape start_shape(int index, const Mode& mode) const;
+  void try_start(ModeState& state, const StartShape& shape);
+  void attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions);
+  /// From x (any quality) to a decided branch and a point on it. False: no feasible point was found.
+  bool find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced);
+  bool treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment);
+  OptimalityReport solve(ModeState& state, NonlinearProgram& program, const Eigen::VectorXd& x,
+                         const OptimalityReport* warm = nullptr);
+  bool sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed);
+  /// From a point that violates rows to one that does not, if there is one near; counts those where there is none.
+  bool restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
+  /// After a check point moved and neither polish nor solver followed: reduces the violation alone, then tries both
+  /// again.
+  bool recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
+  /// Exchange loop and certificate; keeps the candidate if it is better than the mode's best.
+  /// False: the exchange ended where the rod cannot leave an obstacle; `checks` then holds every point that was
+  /// checked.
+  bool complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& checks, Eigen::VectorXd x,
+                const std::vector<Branch>& branches);
+  bool exchange(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
+                std::vector<CheckPoint>& checks) const;
+  Plan report(std::vector<ModeState>& states, int winner);
+  void fill_backbone(const PoseProgram& program, std::vector<BackbonePoint>& out) const;
+
+  Problem::Data& d_;
+  const PlanControl& control_;
+  double deadline_;
+  Tally tally_;
+  bool have_plan_ = false;  ///< some mode is certified
+};
+
+void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
+  to.values += more.values;
+  to.first_derivatives += more.first_derivatives;
+  to.hessians += more.hessians;
+  to.seconds += more.seconds;
+}
+
+void keep_unique(std::vector<CheckPoint>& checks) {
+  const auto key = [](const CheckPoint& c) { return std::tuple(c.obstacle, c.piece, c.sigma); };
+  std::sort(checks.begin(), checks.end(), [&](const CheckPoint& a, const CheckPoint& b) { return key(a) < key(b); });
+  checks.erase(std::unique(checks.begin(), checks.end(),
+                           [&](const CheckPoint& a, const CheckPoint& b) { return key(a) == key(b); }),
+               checks.end());
+}
+
+std::vector<Branch> branches_of(const PoseProgram& program) {
+  std::vector<Branch> branches(static_cast<std::size_t>(program.layout().forces));
+  for (std::size_t k = 0; k < branches.size(); ++k) branches[k] = program.branch(static_cast<int>(k));
+  return branches;
+}
+
+void set_branches(PoseProgram& program, const std::vector<Branch>& branches) {
+  for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, branches[static_cast<std::size_t>(k)]);
+}
+
+StartShape Planner::start_shape(int index, const Mode& mode) const {
+  // An earlier plan comes first, then the scene's own start, then shapes that bend to either side.
+  if (control_.start != nullptr && !control_.start->backbone.empty()) {
+    if (index == 0) {
+      const Plan& plan = *control_.start;
+      const double length = d_.scale.length;
+      std::vector<std::pair<double, double>> table;
+      for (const BackbonePoint& p : plan.backbone) table.emplace_back(p[0] / length, p[4] * length);
+      StartShape shape;
+      shape.curvature = [table](double s) {
+        const auto after = std::lower_bound(table.begin(), table.end(), s,
+                                            [](const auto& entry, double at) { return entry.first < at; });
+        if (after == table.begin()) return table.front().second;
+        if (after == table.end()) return table.back().second;
+        const auto before = after - 1;
+        const double span = after->first - before->first;
+        const double t = span > 0.0 ? (s - before->first) / span : 0.0;
+        return (1.0 - t) * before->second + t * after->second;
+      };
+      if (plan.moments.size() == d_.rod.actuators.size()) {
+        for (const double u : plan.moments) shape.moments.push_back(u / d_.scale.moment());
+      }
+      for (const ContactSetup& c : mode.contacts) {
+        double s = std::numeric_limits<double>::quiet_NaN();
+        double f = 0.0;
+        for (const PlannedContact& planned : plan.contacts) {
+          if (planned.obstacle_name != d_.obstacle_names[static_cast<std::size_t>(c.obstacle)] ||
+              planned.at_tip != c.at_tip)
+            continue;
+          s = planned.arc_length / length;
+          f = planned.force / d_.scale.force();
+        }
+        shape.arc_lengths.push_back(s);
+        shape.forces.push_back(f);
+      }
+      return shape;
+    }
+    --index;
+  }
+  if (index == 0) return d_.scene_start();
+  const double own = d_.scene.start_tip_angle;
+  const double spread = std::max(0.8, std::abs(own));
+  const double angles[] = {own,
+                           -own - (own == 0.0 ? 0.4 : 0.0),
+                           own + spread,
+                           own - spread,
+                           0.25 * own + 0.1,
+                           own + 2.0 * spread,
+                           own - 2.0 * spread};
+  return constant_curvature(angles[std::min(index, 6)]);
+}
+
+OptimalityReport Planner::solve(ModeState& state, NonlinearProgram& program, const Eigen::VectorXd& x,
+                                const OptimalityReport* warm) {
+  SolverStart start;
+  start.x = x;
+  if (warm != nullptr) {
+    start.multipliers = warm->multipliers;
+    start.bound_multipliers = warm->bound_multipliers;
+  }
+  OptimalityReport report = d_.components.solver->solve(program, start, limits());
+  ++state.record.solves;
+  state.last = report;
+  tally_.iterations += report.iterations;
+  tally_.seconds += report.seconds;
+  tally_.seconds_evaluating += report.seconds_evaluating;
+  add_counts(tally_.evaluations, report.evaluations);
+  return report;
+}
+
+bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment) {
+  std::vector<ComplementaryPair> pairs(static_cast<std::size_t>(program.layout().forces));
+  for (int k = 0; k < program.layout().forces; ++k) {
+    pairs[static_cast<std::size_t>(k)] = {program.layout().first_gap + k, program.force_variable(k)};
+  }
+  const bool relaxes = treatment == Treatment::scholtes || treatment == Treatment::fischer_burmeister;
+  const double first = relaxes ? relaxation_first : d_.scene.contact.beta;
+  ComplementarityProgram treated(program, pairs, treatment, first);
+  Eigen::VectorXd full = treated.extend(x);
+  OptimalityReport report;
+  bool first_solve = true;
+  for (double parameter = first;;) {
+    treated.set_parameter(parameter);
+    report = solve(state, treated, full, first_solve ? nullptr : &report);
+    first_solve = false;
+    if (!report.x.allFinite() || report.x.size() != full.size()) return false;
+    full = report.x;
+    if (must_stop() || report.status == SolveStatus::unsupported || report.status == SolveStatus::failed) break;
+    double undecided = 0.0;
+    const VectorView c = program.constraints(full.head(program.variable_count()));
+    for (const ComplementaryPair& p : pairs) undecided = std::max(undecided, std::min(c[p.row], full[p.variable]));
+    if (relaxes) {
+      if (parameter <= relaxation_last) break;
+      parameter = std::max(relaxation_last, parameter * relaxation_shrink);
+    } else {
+      if (undecided <= tolerance::branch_decided || parameter >= penalty_cap) break;
+      parameter = std::min(penalty_cap, parameter * penalty_growth);
+    }
+  }
+  x = full.head(program.variable_count());
+  const VectorView c = program.constraints(x);
+  for (int k = 0; k < program.layout().forces; ++k) {
+    const double gap = c[pairs[static_cast<std::size_t>(k)].row];
+    const double force = x[pairs[static_cast<std::size_t>(k)].variable];
+    program.set_branch(k, gap <= force ? Branch::touching : Branch::separated);
+  }
+  return report.infeasibility < 1e-3;
+}
+
+bool Planner::sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed) {
+  ++state.record.polishes;
+  PolishReport p = polish(program, x, {});
+  if (p.converged && p.infeasibility <= tolerance::equilibrium) {
+    x = p.x;
+    return true;
+  }
+  if (!solver_allowed || must_stop()) return false;
+  // On a decided branch the program is an ordinary one.
+  const OptimalityReport r = solve(state, program, x);
+  if (!r.x.allFinite() || r.x.size() != x.size()) return false;
+  ++state.record.polishes;
+  p = polish(program, r.x, {});
+  if (p.converged && p.infeasibility <= tolerance::equilibrium) {
+    x = p.x;
+    return true;
+  }
+  // The solver's own point may already be good enough for the certificate.
+  if (r.infeasibility <= 1e-8) x = r.x;
+  state.trouble = "the polish did not converge (" + std::string(p.reason) +
+                  "); solver: " + std::string(to_string(r.status)) + (r.message.empty() ? "" : ", " + r.message);
+  return r.infeasibility <= 1e-8;
+}
+
+bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced) {
+  const int contacts = program.layout().forces;
+  const Eigen::VectorXd start = x;
+  if (contacts == 0 || forced == Branch::touching) {
+    for (int k = 0; k < contacts; ++k) program.set_branch(k, Branch::touching);
+    OptimalityReport r = solve(state, program, x);
+    if (!r.x.allFinite() || r.x.size() != x.size()) return false;
+    x = r.x;
+    if (r.infeasibility <= 1e-3) return true;
+  } else {
+    if (treat(state, program, x, d_.scene.contact.treatment)) return true;
+    // With a plan in hand the branch that touches is tried directly; the slower treatment is for when nothing else
+    // works.
+    if (d_.scene.contact.treatment != Treatment::scholtes && !have_plan_ && !must_stop()) {
+      for (int k = 0; k < contacts; ++k) program.set_branch(k, Branch::open);
+      state.record.outcome += "fallback to scholtes; ";
+      if (treat(state, program, x, Treatment::scholtes)) return true;
+    }
+  }
+  if (restore(state, program, x)) return true;
+  // The solver may have left the side on which the start could have come free.
+  x = start;
+  return restore(state, program, x);
+}
+
+bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
+  if (must_stop() || !x.allFinite()) return false;
+  const FeasibilityReport f = restore_feasibility(program, x, restored);
+  if (f.feasible) {
+    const OptimalityReport r = solve(state, program, f.x);
+    x = r.x.allFinite() && r.x.size() == x.size() && r.infeasibility <= 1e-3 ? r.x : f.x;
+    return true;
+  }
+  if (f.stationary_violation) ++state.stationary_violations;
+  char text[96];
+  std::snprintf(text, sizeof text, "no feasible point near: violation %.2e%s", f.infeasibility,
+                f.stationary_violation ? ", stationary" : "");
+  state.trouble = text;
+  return false;
+}
+
+bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
+  return restore(state, program, x) && sharpen(state, program, x, true);
+}
+
+bool Planner::exchange(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
+                       std::vector<CheckPoint>& checks) const {
+  const Chain& chain = program.chain();
+  const PoseProgram::Layout& at = program.layout();
+  const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));
+  bool changed = false;
+  std::vector<bool> moved(checks.size(), false);
+  for (const Certifier::Approach& valley : certifier.approaches(x, violation_level)) {
+    const double s = valley.at.arc_length;
+    bool own_contact = false;
+    for (int k = 0; k < at.forces; ++k) {
+      const ContactSetup& c = program.spec().contacts[static_cast<std::size_t>(k)];
+      if (c.obstacle != valley.obstacle || program.branch(k) != Branch::touching) continue;
+      const double contact = c.at_tip ? 1.0 : x[at.first_arc_length + k];
+      own_contact = own_contact || std::abs(contact - s) < contact_neighbourhood;
+    }
+    if (own_contact) continue;
+    CheckPoint wanted{valley.at.piece, valley.at.sigma, valley.obstacle};
+    if (wanted.sigma < 1e-6) {
+      // The start of a piece is the end of the one before; the base itself cannot move.
+      if (wanted.piece == 0) continue;
+      wanted = {wanted.piece - 1, 1.0, wanted.obstacle};
+    }
+    // The nearest check point of the same valley moves: between it and the valley's floor the distance does not rise
+    // above what it is at the check point. A neighbourhood of a tenth of the rod stands for that.
+    int nearest = -1;
+    double best = 0.1;
+    for (std::size_t i = 0; i < checks.size(); ++i) {
+      if (checks[i].obstacle != valley.obstacle || (i < moved.size() && moved[i])) continue;
+      const double own = chain.start(checks[i].piece, knots) + checks[i].sigma * chain.length(checks[i].piece, knots);
+      if (std::abs(own - s) >= best) continue;
+      best = std::abs(own - s);
+      nearest = static_cast<int>(i);
+    }
+    if (nearest >= 0) {
+      checks[static_cast<std::size_t>(nearest)] = wanted;
+      moved[static_cast<std::size_t>(nearest)] = true;
+    } else {
+      checks.push_back(wanted);
+      moved.push_back(true);
+    }
+    changed = true;
+  }
+  return changed;
+}
+
+bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& every_check,
+                       Eigen::VectorXd x, const std::vector<Branch>& branches) {
+  const Mode& mode = d_.modes[static_cast<std::size_t>(state.mode)];
+  const bool exchanges = d_.scene.contact.check_points == 0 && !d_.obstacles.empty();
+  int nodes = d_.nodes;
+  std::vector<CheckPoint> checks = every_check;
+  Candidate c;
+  const auto build = [&] {
+    PoseProgramSpec spec = d_.spec(mode, regions, nodes);
+    spec.checks = checks;
+    c.program = std::make_unique<PoseProgram>(spec);
+    set_branches(*c.program, branches);
+    c.certifier = std::make_unique<Certifier>(spec);
+  };
+  build();
+  bool sharp = sharpen(state, *c.program, x, true);
+  for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
+    if (!x.allFinite() || !exchange(*c.program, x, *c.certifier, checks)) break;
+    every_check.insert(every_check.end(), checks.begin(), checks.end());
+    build();
+    sharp = sharpen(state, *c.program, x, true) || recover(state, *c.program, x);
+    if (!sharp) {
+      keep_unique(every_check);
+      return false;
+    }
+  }
+  for (int refinement = 0; refinement < 5; ++refinement) {
+    const double begin = now();
+    c.certificate = c.certifier->certify(*c.program, x);
+    tally_.seconds_certifying += now() - begin;
+    if (!(c.certificate.quadrature > tolerance::quadrature) || !sharp || must_stop() || nodes > 600) break;
+    nodes = nodes + nodes / 2;
+    build();
+    sharp = sharpen(state, *c.program, x, false);
+  }
+  if (!x.allFinite()) return true;
+  c.x = x;
+  c.solver = state.last;
+  c.objective = c.program->cost(x);
+  c.has_point = true;
+  const bool better = !state.best.has_point || (c.certified() && !state.best.certified()) ||
+                      (c.certified() == state.best.certified() && c.objective < state.best.objective - beats);
+  if (better) state.best = std::move(c);
+  return true;
+}
+
+void Planner::attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions) {
+  const Mode& mode = d_.modes[static_cast<std::size_t>(state.mode)];
+  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+  std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
+  const bool required = d_.min_force > 0.0;
+  // From the same start, with every place checked where the rod went through an obstacle before.
+  const auto search = [&](Branch branch) {
+    bool touching = false;
+    for (int retry = 0; retry <= most_retries && !must_stop(); ++retry) {
+      spec.checks = checks;
+      PoseProgram program(spec);
+      Eigen::VectorXd x = program.start_from(shape);
+      if (!find_point(state, program, x, branch)) break;
+      const std::vector<Branch> branches = branches_of(program);
+      touching = std::all_of(branches.begin(), branches.end(), [](Branch b) { return b == Branch::touching; });
+      if (complete(state, regions, checks, x, branches)) break;
+      touching = false;
+    }
+    return touching;
+  };
+  const bool touching = search(required ? Branch::touching : Branch::open);
+  // A contact that the treatment let go, or could not decide: the branch that touches is a program of its own.
+  const bool missing = !mode.contacts.empty() && !required && (!touching || !state.best.certified());
+  if (missing && !must_stop()) search(Branch::touching);
+}
+
+void Planner::try_start(ModeState& state, const StartShape& shape) {
+  const Mode& mode = d_.modes[static_cast<std::size_t>(state.mode)];
+  ++state.starts_used;
+  std::vector<int> regions;
+  for (const ContactSetup& c : mode.contacts) regions.push_back(c.region);
+  if (d_.scene.coordinates.split_at_contact || mode.contacts.empty()) {
+    attempt(state, shape, regions);
+    return;
+  }
+  // Not split: the contact lies inside one piece. Begin with the one where the shape comes nearest, then follow the
+  // contact into the neighbouring piece as long as it leans against a piece's end and that helps.
+  PoseProgramSpec whole = d_.spec(mode, regions, d_.nodes);
+  whole.split = true;  // with stretches for regions, only to place the contacts
+  const PoseProgram placer(whole);
+  const Eigen::VectorXd placed = placer.start_from(shape);
+  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
+  std::vector<std::vector<int>> tried;
+  std::vector<int> pieces(regions.size(), 0);
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    if (!mode.contacts[k].at_tip)
+      pieces[k] = chain.piece_at(placed[placer.layout().first_arc_length + static_cast<int>(k)], {});
+  }
+  const auto same_stretch = [&](std::size_t k, int j) {
+    return j >= 0 && j < chain.piece_count() && chain.piece(j).stretch == mode.contacts[k].region;
+  };
+  std::vector<std::vector<int>> outward;
+  for (int distance = 1; distance <= most_pieces_away; ++distance) {
+    for (const int side : {1, -1}) {
+      for (std::size_t k = 0; k < pieces.size(); ++k) {
+        std::vector<int> candidate = pieces;
+        candidate[k] += side * distance;
+        if (!mode.contacts[k].at_tip && same_stretch(k, candidate[k])) outward.push_back(candidate);
+      }
+    }
+  }
+  StartShape next_shape = shape;
+  for (int hop = 0; hop < 2 * chain.piece_count() + 2 && !must_stop(); ++hop) {
+    if (std::find(tried.begin(), tried.end(), pieces) != tried.end()) break;
+    tried.push_back(pieces);
+    attempt(state, next_shape, pieces);
+    if (!state.best.has_point) {
+      // No point with the contact in this piece: look into the others, nearest first.
+      const auto next = std::find_if(outward.begin(), outward.end(), [&](const std::vector<int>& candidate) {
+        return std::find(tried.begin(), tried.end(), candidate) == tried.end();
+      });
+      if (next == outward.end()) break;
+      pieces = *next;
+      continue;
+    }
+    const PoseProgram& program = *state.best.program;
+    bool hopped = false;
+    for (std::size_t k = 0; k < pieces.size() && !hopped; ++k) {
+      if (mode.contacts[k].at_tip) continue;
+      const int variable = program.layout().first_arc_length + static_cast<int>(k);
+      const int piece = program.spec().contacts[k].region;
+      const double s = state.best.x[variable];
+      for (const auto& [active, neighbour] : {std::pair(s <= program.lower()[variable] + 1e-7, piece - 1),
+                                              std::pair(s >= program.upper()[variable] - 1e-7, piece + 1)}) {
+        if (!active || !same_stretch(k, neighbour)) continue;
+        std::vector<int> candidate(pieces.size(), 0);
+        for (std::size_t i = 0; i < pieces.size(); ++i)
+          candidate[i] = mode.contacts[i].at_tip ? 0 : program.spec().contacts[i].region;
+        candidate[k] = neighbour;
+        if (std::find(tried.begin(), tried.end(), candidate) != tried.end()) continue;
+        pieces = candidate;
+        hopped = true;
+        break;
+      }
+    }
+    if (!hopped) break;
+    const Eigen::VectorXd x = state.best.x;
+    const PoseProgram::Layout& at = program.layout();
+    const std::shared_ptr<Backbone> from = std::make_shared<Backbone>(program.chain(), d_.rod.base, d_.rod.base_angle);
+    from->move(x.head(at.coordinates), {});
+    // The shape of the old piece's program, kept by value: the program itself may be replaced by a better one.
+    std::vector<double> curvature;
+    static constexpr int samples = 2000;
+    for (int i = 0; i <= samples; ++i) curvature.push_back(from->at((i + 0.5) / (samples + 1.0)).curvature);
+    next_shape.curvature = [curvature](double s) {
+      return curvature[static_cast<std::size_t>(std::clamp(static_cast<int>(s * (samples + 1)), 0, samples))];
+    };
+    next_shape.moments.clear();
+    for (std::size_t a = 0; a < d_.rod.actuators.size(); ++a) {
+      const int variable = program.moment_variable(static_cast<int>(a));
+      next_shape.moments.push_back(variable < 0 ? 0.0 : x[variable]);
+    }
+    next_shape.arc_lengths.assign(pieces.size(), std::numeric_limits<double>::quiet_NaN());
+    next_shape.forces.clear();
+    for (std::size_t k = 0; k < pieces.size(); ++k) {
+      if (!mode.contacts[k].at_tip) next_shape.arc_lengths[k] = x[at.first_arc_length + static_cast<int>(k)];
+      next_shape.forces.push_back(x[at.first_force + static_cast<int>(k)]);
+    }
+  }
+}
+
+Plan Planner::run() {
+  std::vector<ModeState> states(d_.modes.size());
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    states[i].mode = static_cast<int>(i);
+    states[i].record.mode = d_.modes[i].name;
+  }
+  // With an earlier plan the mode that won there comes first.
+  std::vector<std::size_t> order(states.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  if (control_.start != nullptr) {
+    int active = 0;
+    for (const PlannedContact& c : control_.start->contacts) active += c.force > 0.0 ? 1 : 0;
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      const auto matches = [&](std::size_t i) {
+        const Mode& m = d_.modes[i];
+        if (static_cast<int>(m.contacts.size()) != active) return false;
+        return std::all_of(m.contacts.begin(), m.contacts.end(), [&](const ContactSetup& c) {
+          return std::any_of(control_.start->contacts.begin(), control_.start->contacts.end(),
+                             [&](const PlannedContact& p) {
+                               return p.force > 0.0 && p.at_tip == c.at_tip &&
+                                      p.obstacle_name == d_.obstacle_names[static_cast<std::size_t>(c.obstacle)];
+                             });
+        });
+      };
+      return matches(a) && !matches(b);
+    });
+  }
+  const int starts = most_starts + (control_.start != nullptr ? 1 : 0);
+  int winner = -1;
+  const auto best_objective = [&] {
+    return winner < 0 ? infinity : states[static_cast<std::size_t>(winner)].best.objective;
+  };
+  for (int round = 0; round < starts && !must_stop(); ++round) {
+    // One start per mode finds most plans; only if no mode is certified are more starts spent.
+    if (round > 0 && winner >= 0) break;
+    for (const std::size_t i : order) {
+      ModeState& state = states[i];
+      const Mode& mode = d_.modes[i];
+      if (!mode.skip.empty() || must_stop()) continue;
+      if (best_objective() <= d_.objective_bound + beats) {
+        if (state.starts_used == 0) state.record.outcome = "skipped: no plan can cost less than the one found";
+        continue;
+      }
+      const int before = state.stationary_violations;
+      try_start(state, start_shape(round, mode));
+      // One start is one piece of evidence, however many programs it led to.
+      state.stationary_violations = std::min(state.stationary_violations, before + 1);
+      if (state.best.certified() && state.best.objective < best_objective() - beats) winner = state.mode;
+      have_plan_ = winner >= 0;
+    }
+  }
+  return report(states, winner);
+}
+
+void Planner::fill_backbone(const PoseProgram& program, std::vector<BackbonePoint>& out) const {
+  const Chain& chain = program.chain();
+  const Backbone& shape = program.backbone();
+  Curve curve(std::make_shared<CurveTables>(chain.rule()));
+  curve.follow(shape);
+  const double length = d_.scale.length;
+  const int n = chain.functions();
+  constexpr int total = 100;
+  for (int j = 0; j < chain.piece_count(); ++j) {
+    const int steps = std::max(4, static_cast<int>(std::ceil(total * shape.length(j))));
+    std::vector<double> sigma;
+    for (int i = j == 0 ? 0 : 1; i <= steps; ++i) sigma.push_back(static_cast<double>(i) / steps);
+    const auto rows = static_cast<Eigen::Index>(sigma.size());
+    Eigen::MatrixXd value(rows, n);
+    Eigen::MatrixXd first(rows, n);
+    Eigen::MatrixXd second(rows, n);
+    chain.model().evaluate(sigma, value, first, second);
+    const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), n);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const double at = sigma[static_cast<std::size_t>(i)];
+      const Vec2 p = curve.position(j, at);
+      out.push_back({(shape.start(j) + at * shape.length(j)) * length, p.x * length, p.y * length,
+                     shape.knot_angle(j) + value.row(i).dot(q), first.row(i).dot(q) / shape.length(j) / length});
+    }
+  }
+}
+
+Plan Planner::report(std::vector<ModeState>& states, int winner) {
+  Plan plan;
+  plan.coordinates_name = d_.scene.coordinates.plugin;
+  plan.order = d_.components.coordinates->function_count();
+  plan.split_at_contact = d_.scene.coordinates.split_at_contact;
+  plan.left_out = d_.left_out;
+  plan.solver_name = d_.scene.solver.plugin;
+  for (ModeState& state : states) {
+    const Mode& mode = d_.modes[static_cast<std::size_t>(state.mode)];
+    if (!mode.skip.empty()) {
+      state.record.outcome = "skipped: " + mode.skip;
+    } else if (state.best.has_point) {
+      char text[80];
+      std::snprintf(text, sizeof text, "%s, objective %.6g", state.best.certified() ? "certified" : "not certified",
+                    state.best.objective * d_.objective_scale);
+      state.record.outcome += text;
+      if (!state.best.certified()) {
+        state.record.outcome += ": " + state.best.certificate.failures.front();
+        if (!state.trouble.empty()) state.record.outcome += "; " + state.trouble;
+      }
+    } else if (state.starts_used > 0) {
+      state.record.outcome +=
+          "not solved: " + (state.trouble.empty() ? std::string(to_string(state.last.status)) : state.trouble);
+    } else if (state.record.outcome.empty()) {
+      state.record.outcome = "not tried: stopped before";
+    }
+    plan.modes.push_back(state.record);
+  }
+
+  // Without a certified plan the nearest one is shown, for what it is worth.
+  int shown = winner;
+  if (shown < 0) {
+    std::size_t fewest = std::numeric_limits<std::size_t>::max();
+    for (const ModeState& state : states) {
+      if (!state.best.has_point) continue;
+      const std::size_t failures = state.best.certificate.failures.size();
+      const bool better =
+          failures < fewest || (failures == fewest && shown >= 0 &&
+                                state.best.objective < states[static_cast<std::size_t>(shown)].best.objective);
+      if (!better) continue;
+      fewest = failures;
+      shown = state.mode;
+    }
+  }
+
+  plan.solver = (shown >= 0 ? states[static_cast<std::size_t>(shown)].best.solver : states.back().last);
+  plan.solver.iterations = tally_.iterations;
+  plan.solver.evaluations = tally_.evaluations;
+  plan.solver.seconds = tally_.seconds;
+  plan.solver.seconds_evaluating = tally_.seconds_evaluating;
+
+  // The verdict.
+  const bool stopped = control_.stop != nullptr && control_.stop->load();
+  if (winner >= 0) {
+    plan.status = PlanStatus::solved;
+  } else if (stopped) {
+    plan.status = PlanStatus::interrupted;
+    plan.message = "interrupted before a plan was certified";
+  } else if (now() > deadline_) {
+    plan.status = PlanStatus::time_limit;
+    plan.message = "the time limit of " + std::to_string(d_.scene.solver.time_limit) +
+                   " s was reached before a plan was certified";
+  } else {
+    bool all_infeasible = true;
+    int proofs = 0;
+    for (const ModeState& state : states) {
+      if (!d_.modes[static_cast<std::size_t>(state.mode)].skip.empty()) {
+        ++proofs;
+        continue;
+      }
+      all_infeasible = all_infeasible && !state.best.has_point && state.stationary_violations >= most_starts;
+    }
+    if (all_infeasible) {
+      plan.status = PlanStatus::infeasible;
+      plan.message = proofs == static_cast<int>(states.size())
+                         ? "infeasible by a bound: " + d_.modes.front().skip
+                         : "infeasible: from " + std::to_string(most_starts) +
+                               " starts per mode every search ended where no change of the plan reduces the violation "
+                               "of its constraints";
+    } else if (shown >= 0) {
+      const Certificate& c = states[static_cast<std::size_t>(shown)].best.certificate;
+      const bool only_unstable =
+          c.failures.size() == 1 && c.contact_convexity > 0.0 && !(c.stability > tolerance::stability);
+      plan.status = only_unstable ? PlanStatus::unstable : PlanStatus::not_converged;
+      plan.message = c.failures.empty() ? "no plan" : c.failures.front();
+    } else {
+      const SolveStatus last = plan.solver.status;
+      const bool diverged = last == SolveStatus::diverged;
+      const bool refused =
+          last == SolveStatus::unsupported || last == SolveStatus::failed || last == SolveStatus::not_finite;
+      plan.status = diverged ? PlanStatus::diverged : refused ? PlanStatus::failed : PlanStatus::not_converged;
+      plan.message = !plan.solver.message.empty() ? plan.solver.message : "no mode led to a plan";
+      if (!refused) {
+        for (const ModeState& state : states) {
+          if (!state.trouble.empty()) plan.message = state.record.mode + ": " + state.trouble;
+        }
+      }
+    }
+  }
+  if (shown < 0) return plan;
+
+  ModeState& chosen = states[static_cast<std::size_t>(shown)];
+  PoseProgram& program = *chosen.best.program;
+  const Eigen::VectorXd& x = chosen.best.x;
+  program.cost(x);
+  plan.certificate = chosen.best.certificate;
+  plan.objective = chosen.best.objective * d_.objective_scale;
+  for (std::size_t i = 0; i < d_.terms.size(); ++i) {
+    plan.terms.emplace_back(d_.terms[i].name, program.term_value(static_cast<int>(i)) * d_.objective_scale);
+  }
+  const double length = d_.scale.length;
+  plan.coordinates.assign(x.data(), x.data() + program.layout().coordinates);
+  for (std::size_t a = 0; a < d_.rod.actuators.size(); ++a) {
+    const int variable = program.moment_variable(static_cast<int>(a));
+    plan.moments.push_back(variable < 0 ? 0.0 : x[variable] * d_.scale.moment());
+  }
+  const Vec2 tip = program.backbone().tip();
+  plan.tip_x = tip.x * length;
+  plan.tip_y = tip.y * length;
+  plan.tip_angle = program.backbone().tip_angle();
+  if (d_.target.has_position) plan.target_error = norm(tip - d_.target.position) * length;
+  for (int k = 0; k < program.layout().forces; ++k) {
+    const PoseProgram::ContactState& c = program.contacts()[static_cast<std::size_t>(k)];
+    const ContactSetup& setup = program.spec().contacts[static_cast<std::size_t>(k)];
+    PlannedContact p;
+    p.obstacle = setup.obstacle;
+    p.obstacle_name = d_.obstacle_names[static_cast<std::size_t>(setup.obstacle)];
+    p.at_tip = setup.at_tip;
+    p.arc_length = c.arc_length * length;
+    p.point = length * c.point;
+    p.normal = c.surface.normal;
+    p.force = c.force * d_.scale.force();
+    p.gap = c.surface.distance * length;
+    plan.contacts.push_back(p);
+  }
+  fill_backbone(program, plan.backbone);
+  plan.seconds_certify = tally_.seconds_certifying;
+  return plan;
+}
+
+/// The shape of a start, integrated by midpoints: a line for the figure.
+std::vector<BackbonePoint> outline(const StartShape& shape, const Rod& rod, double length) {
+  constexpr int steps = 100;
+  std::vector<BackbonePoint> points;
+  points.reserve(steps + 1);
+  Vec2 at = rod.base;
+  double angle = rod.base_angle;
+  for (int i = 0; i <= steps; ++i) {
+    const double s = static_cast<double>(i) / steps;
+    points.push_back({s * length, at.x * length, at.y * length, angle, shape.curvature(s) / length});
+    const double middle = angle + 0.5 / steps * shape.curvature(s + 0.25 / steps);
+    at += 1.0 / steps * Vec2{std::cos(middle), std::sin(middle)};
+    angle += shape.curvature(s + 0.5 / steps) / steps;
+  }
+  return points;
+}
+
+}  // namespace
+
+Plan Problem::plan(const PlanControl& control) {
+  const double begin = now();
+  Planner planner(*data_, control);
+  Plan plan = planner.run();
+  plan.seconds_assemble = data_->seconds_assemble;
+  plan.seconds_solve = now() - begin - plan.seconds_certify;
+  plan.start_backbone = outline(data_->scene_start(), data_->rod, data_->scale.length);
+  return plan;
+}
+
+}  // namespace tendril

@@ -1,0 +1,116 @@
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "pose_program_data.hpp"
+
+namespace tendril {
+namespace {
+
+/// The moments that hold a shape against nothing but its own stiffness: least squares over the stretches of the rod.
+std::vector<double> holding_moments(const Rod& rod, const std::function<double(double)>& curvature) {
+  if (rod.actuators.empty()) return {};
+  const std::vector<double> knots = rod.fixed_knots();
+  const auto stretches = static_cast<Eigen::Index>(knots.size()) - 1;
+  const auto count = static_cast<Eigen::Index>(rod.actuators.size());
+  Eigen::MatrixXd spans = Eigen::MatrixXd::Zero(stretches, count);
+  Eigen::VectorXd wanted(stretches);
+  for (Eigen::Index r = 0; r < stretches; ++r) {
+    const auto i = static_cast<std::size_t>(r);
+    const double middle = 0.5 * (knots[i] + knots[i + 1]);
+    const Rod::Segment& segment = rod.segment_at(middle);
+    wanted[r] = segment.stiffness * (curvature(middle) - segment.rest_curvature);
+    for (Eigen::Index a = 0; a < count; ++a) {
+      const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
+      if (middle > actuator.from && middle < actuator.to) spans(r, a) = 1.0;
+    }
+  }
+  const Eigen::VectorXd u = spans.completeOrthogonalDecomposition().solve(wanted);
+  std::vector<double> moments;
+  for (Eigen::Index a = 0; a < count; ++a) {
+    const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
+    moments.push_back(std::clamp(u[a], actuator.minimum, actuator.maximum));
+  }
+  return moments;
+}
+
+}  // namespace
+
+StartShape constant_curvature(double tip_angle) {
+  StartShape shape;
+  shape.curvature = [tip_angle](double) { return tip_angle; };
+  return shape;
+}
+
+Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
+  const Data& d = *data_;
+  const Layout& at = d.layout;
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(variable_count());
+
+  const std::vector<double> moments =
+      shape.moments.empty() ? holding_moments(*d.spec.rod, shape.curvature) : shape.moments;
+  for (std::size_t a = 0; a < d.moment_variable.size(); ++a) {
+    if (d.moment_variable[a] >= 0) x[d.moment_variable[a]] = moments[a];
+  }
+
+  // Contacts start where the shape, integrated by midpoints, comes nearest to their obstacles.
+  constexpr int steps = 400;
+  std::vector<Vec2> points{d.spec.rod->base};
+  double angle = d.spec.rod->base_angle;
+  for (int i = 0; i < steps; ++i) {
+    const double h = 1.0 / steps;
+    const double middle = angle + 0.5 * h * shape.curvature((i + 0.25) * h);
+    points.push_back(points.back() + h * Vec2{std::cos(middle), std::sin(middle)});
+    angle += h * shape.curvature((i + 0.5) * h);
+  }
+  for (int k = 0; k < at.arc_lengths; ++k) {
+    const int variable = at.first_arc_length + k;
+    const double low = lower()[variable];
+    const double high = upper()[variable];
+    const auto index = static_cast<std::size_t>(k);
+    if (index < shape.arc_lengths.size() && std::isfinite(shape.arc_lengths[index])) {
+      x[variable] = std::clamp(shape.arc_lengths[index], low, high);
+      continue;
+    }
+    const Obstacle& obstacle = *d.spec.obstacles[static_cast<std::size_t>(d.spec.contacts[index].obstacle)];
+    double nearest = infinity;
+    for (int i = 0; i <= steps; ++i) {
+      const double s = static_cast<double>(i) / steps;
+      if (s < low || s > high) continue;
+      const double distance = obstacle.at(points[static_cast<std::size_t>(i)]).distance;
+      if (distance >= nearest) continue;
+      nearest = distance;
+      x[variable] = s;
+    }
+    // A start in the middle of what is allowed leaves room to slide; the ends leave pieces without length.
+    const double margin = 0.05 * (high - low);
+    x[variable] = std::isfinite(nearest) ? std::clamp(x[variable], low + margin, high - margin) : 0.5 * (low + high);
+  }
+  for (int k = 0; k + 1 < at.arc_lengths; ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    if (d.spec.contacts[index].region != d.spec.contacts[index + 1].region) continue;
+    const double least = x[at.first_arc_length + k] + 0.02;
+    x[at.first_arc_length + k + 1] =
+        std::min(upper()[at.first_arc_length + k + 1], std::max(least, x[at.first_arc_length + k + 1]));
+  }
+  for (int k = 0; k < at.forces; ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    const double force = index < shape.forces.size() && std::isfinite(shape.forces[index]) ? shape.forces[index] : 0.0;
+    x[at.first_force + k] = std::clamp(force, lower()[at.first_force + k], upper()[at.first_force + k]);
+  }
+
+  const std::span<const double> knots(x.data() + at.first_arc_length,
+                                      d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
+  std::vector<double> scaled(static_cast<std::size_t>(d.nodes));
+  for (int j = 0; j < d.pieces; ++j) {
+    const double from = d.chain.start(j, knots);
+    const double length = d.chain.length(j, knots);
+    for (int g = 0; g < d.nodes; ++g) {
+      scaled[static_cast<std::size_t>(g)] = length * shape.curvature(from + length * d.chain.table().sigma[g]);
+    }
+    x.segment(j * d.n, d.n) = d.chain.project(scaled);
+  }
+  return x;
+}
+
+}  // namespace tendril

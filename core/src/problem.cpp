@@ -1,0 +1,345 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+#include "problem_data.hpp"
+#include "tendril/chain.hpp"
+
+namespace tendril {
+namespace {
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// More modes than this are not enumerated: a scene with so many asks for fewer contacts or obstacles at a time.
+constexpr std::size_t most_modes = 512;
+
+std::string contact_name(const ContactSetup& c, const std::vector<std::string>& obstacles, std::size_t stretches) {
+  const std::string on = "'" + obstacles[static_cast<std::size_t>(c.obstacle)] + "'";
+  if (c.at_tip) return "tip contact with " + on;
+  std::string name = "interior contact with " + on;
+  if (stretches > 1) name += " on segment " + std::to_string(c.region + 1);
+  return name;
+}
+
+/// Every ordered choice of up to `count` contacts: interior ones by ascending stretch, a tip contact last.
+void enumerate(const std::vector<ContactSetup>& slots, std::size_t from, int count, std::vector<ContactSetup>& chosen,
+               std::vector<std::vector<ContactSetup>>& out) {
+  if (!chosen.empty()) out.push_back(chosen);
+  if (static_cast<int>(chosen.size()) == count || out.size() >= most_modes) return;
+  for (std::size_t i = from; i < slots.size(); ++i) {
+    // Within a stretch the order along the rod is part of the choice, so later slots of the same stretch may come
+    // first.
+    if (!chosen.empty() && chosen.back().at_tip) return;
+    std::size_t next = i + 1;
+    if (!slots[i].at_tip) {
+      next = i;
+      while (next > 0 && slots[next - 1].region == slots[i].region) --next;
+    }
+    const bool repeated = std::any_of(chosen.begin(), chosen.end(), [&](const ContactSetup& c) {
+      return c.obstacle == slots[i].obstacle && c.at_tip == slots[i].at_tip && c.region == slots[i].region;
+    });
+    if (repeated) continue;
+    chosen.push_back(slots[i]);
+    enumerate(slots, next, count, chosen, out);
+    chosen.pop_back();
+  }
+}
+
+}  // namespace
+
+Problem::Problem(Problem&&) noexcept = default;
+Problem& Problem::operator=(Problem&&) noexcept = default;
+Problem::~Problem() = default;
+
+bool Problem::Data::contact_planned() const {
+  return needs_obstacles(scene) && max_force > 0.0 &&
+         (scene.contact.mode == ContactModeName::allow || scene.contact.mode == ContactModeName::require);
+}
+
+Problem::Problem(const Scene& scene, Components components) : data_(std::make_unique<Data>()) {
+  const double begin = now();
+  Data& d = *data_;
+  validate(scene);
+  if (scene.problem != ProblemKind::pose) {
+    throw SceneError("problem", "problem \"" + std::string(to_string(scene.problem)) +
+                                    "\" cannot be planned here, expected \"pose\"");
+  }
+  d.scene = scene;
+  d.components = std::move(components);
+  d.scale = scale_of(scene);
+  d.rod = make_rod(scene, d.scale);
+  if (!d.components.coordinates) throw Error("a problem needs a coordinate model");
+  if (!d.components.solver) throw Error("a problem needs a solver");
+  if (d.components.terms.size() != scene.objectives.size()) throw Error("one term per objective is needed");
+
+  // Obstacles.
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    d.obstacle_names.push_back(scene.obstacles[i].name.empty() ? "obstacle " + std::to_string(i + 1)
+                                                               : scene.obstacles[i].name);
+  }
+  if (needs_obstacles(scene)) {
+    if (d.components.obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
+    for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+      const Obstacle& o = *d.components.obstacles[i];
+      d.obstacles.push_back(&o);
+      if (const double distance = o.at(d.rod.base).distance; !(distance >= 0.0)) {
+        char text[64];
+        std::snprintf(text, sizeof text, "%.6g m", -d.scale.to_si(distance, dimension::length));
+        throw SceneError("obstacle[" + std::to_string(i) + "]", d.obstacle_names[i] + " lies around the rod's base (" +
+                                                                    text + " deep): no shape is free of it");
+      }
+    }
+  }
+  d.max_force = d.scale.to_dimensionless(scene.contact.max_force, dimension::force);
+  d.min_force = scene.contact.mode == ContactModeName::require
+                    ? d.scale.to_dimensionless(scene.contact.min_force, dimension::force)
+                    : 0.0;
+
+  // Target and terms.
+  if (scene.target.position) {
+    d.target.position = {d.scale.to_dimensionless(scene.target.position->x, dimension::length),
+                         d.scale.to_dimensionless(scene.target.position->y, dimension::length)};
+    d.target.has_position = true;
+  }
+  if (scene.target.angle) {
+    d.target.angle = round_to_12_digits(*scene.target.angle);
+    d.target.has_angle = true;
+  }
+  std::map<std::string, int> seen;
+  bool reads_contact_place = false;
+  std::string place_reader;
+  for (std::size_t i = 0; i < scene.objectives.size(); ++i) {
+    const ObjectiveSpec& objective = scene.objectives[i];
+    if (!needs_term(objective)) {
+      d.left_out.push_back({"objective " + objective.plugin, "its weight is 0"});
+      continue;
+    }
+    if (!d.components.terms[i]) throw Error("the term of objective '" + objective.plugin + "' is missing");
+    const int count = ++seen[objective.plugin];
+    PoseProgramTerm term{d.components.terms[i].get(), objective.weight, objective.plugin};
+    if (count > 1) term.name += "#" + std::to_string(count);
+    const Reads reads = term.term->reads();
+    const std::string path = "objective[" + std::to_string(i) + "].plugin";
+    if (reads.target && !d.target.has_position && !d.target.has_angle) {
+      throw SceneError(path, "objective '" + objective.plugin + "' needs a [target], but the scene has none");
+    }
+    if (reads.any_contact() && !d.contact_planned()) {
+      throw SceneError(path, "objective '" + objective.plugin +
+                                 "' needs a contact, but this scene plans none (contact mode \"" +
+                                 std::string(to_string(scene.contact.mode)) + "\", " +
+                                 std::to_string(scene.obstacles.size()) + " obstacles)");
+    }
+    if (reads.palm_distance) {
+      throw SceneError(path, "objective '" + objective.plugin + "' needs a palm, but a pose has none");
+    }
+    if (reads.contact_point || reads.contact_gap || reads.contact_normal || reads.contact_arc_length) {
+      reads_contact_place = true;
+      place_reader = term.name;
+    }
+    d.objective_scale = std::max(d.objective_scale, objective.weight);
+    d.terms.push_back(term);
+  }
+  for (PoseProgramTerm& t : d.terms) {
+    t.weight /= d.objective_scale;
+    d.objective_bound += t.weight * t.term->lower_bound();
+  }
+
+  // What is left out, with the reason.
+  if (!scene.gravity) {
+    d.left_out.push_back({"gravity term", "the scene has no gravity"});
+  } else if (!d.rod.has_gravity()) {
+    d.left_out.push_back({"gravity term", "neither the rod nor the tip has mass, or gravity is zero"});
+  }
+  if (d.rod.payload == 0.0) d.left_out.push_back({"payload", "no tip mass is given"});
+  if (!d.rod.has_tip_force()) d.left_out.push_back({"tip force", "none is given"});
+  for (std::size_t a = 0; a < d.rod.actuators.size(); ++a) {
+    if (d.rod.actuators[a].fixed_at_zero()) {
+      d.left_out.push_back({"moment of actuator " + std::to_string(a + 1), "its limit is 0"});
+    }
+  }
+  if (d.rod.actuators.empty()) d.left_out.push_back({"moments", "the rod has no actuator"});
+  std::string no_contact;
+  if (scene.obstacles.empty()) {
+    no_contact = "the scene has no obstacle";
+  } else if (scene.contact.mode == ContactModeName::ignore) {
+    no_contact = "contact mode \"ignore\"";
+  }
+  if (!no_contact.empty()) {
+    d.left_out.push_back({"check points", no_contact});
+    d.left_out.push_back({"contact variables and rows", no_contact});
+  } else if (!d.contact_planned()) {
+    d.left_out.push_back({"contact variables and rows",
+                          scene.contact.mode == ContactModeName::avoid ? "contact mode \"avoid\"" : "max_force is 0"});
+  }
+  d.left_out.push_back({"palm distance", "a pose has no palm"});
+
+  // Modes: the small programs.
+  const std::vector<double> knots = d.rod.fixed_knots();
+  const std::size_t stretches = knots.size() - 1;
+  const bool require = scene.contact.mode == ContactModeName::require && d.contact_planned();
+  if (!require) {
+    Mode none{d.obstacles.empty() ? "free" : "no contact", {}, ""};
+    if (reads_contact_place)
+      none.skip = "objective '" + place_reader + "' reads the contact point, which this mode has not";
+    d.modes.push_back(std::move(none));
+  }
+  if (d.contact_planned()) {
+    std::vector<ContactSetup> slots;
+    for (int r = 0; r < static_cast<int>(stretches); ++r) {
+      for (int o = 0; o < static_cast<int>(d.obstacles.size()); ++o) slots.push_back({o, false, r});
+    }
+    for (int o = 0; o < static_cast<int>(d.obstacles.size()); ++o) slots.push_back({o, true, 0});
+    std::vector<std::vector<ContactSetup>> choices;
+    std::vector<ContactSetup> chosen;
+    enumerate(slots, 0, scene.contact.count, chosen, choices);
+    std::stable_sort(choices.begin(), choices.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    for (const std::vector<ContactSetup>& contacts : choices) {
+      Mode mode;
+      mode.contacts = contacts;
+      for (const ContactSetup& c : contacts) {
+        if (!mode.name.empty()) mode.name += " and ";
+        mode.name += contact_name(c, d.obstacle_names, stretches);
+        // A point at arc length s is at most s away from the base.
+        const double reach = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
+        if (d.obstacles[static_cast<std::size_t>(c.obstacle)]->at(d.rod.base).distance > reach) {
+          mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
+        }
+      }
+      d.modes.push_back(std::move(mode));
+    }
+    if (choices.size() >= most_modes) {
+      d.left_out.push_back(
+          {"further contact assignments", "only the first " + std::to_string(most_modes) + " are tried"});
+    }
+  }
+
+  // Angle to be resolved per piece: what the moments can bend, or the start shows; the certificate checks the choice.
+  double angle = std::max(1.0, std::abs(scene.start_tip_angle));
+  for (const Rod::Actuator& a : d.rod.actuators) {
+    const double largest = std::max(std::abs(a.minimum), std::abs(a.maximum));
+    if (std::isfinite(largest)) angle = std::max(angle, largest * (a.to - a.from));
+  }
+  d.nodes = suggested_nodes(d.components.coordinates->function_count(), std::min(angle, 30.0));
+  d.seconds_assemble = now() - begin;
+}
+
+PoseProgramSpec Problem::Data::spec(const Mode& mode, const std::vector<int>& regions, int with_nodes) const {
+  PoseProgramSpec s;
+  s.rod = &rod;
+  s.model = components.coordinates.get();
+  s.obstacles = obstacles;
+  s.terms = terms;
+  s.target = target;
+  s.split = scene.coordinates.split_at_contact;
+  s.contacts = mode.contacts;
+  for (std::size_t k = 0; k < s.contacts.size(); ++k) s.contacts[k].region = regions[k];
+  s.nodes = with_nodes;
+  s.min_force = min_force;
+  s.max_force = max_force;
+  return s;
+}
+
+std::vector<int> Problem::Data::pieces_of_stretch(int stretch) const {
+  const auto parts = static_cast<int>(components.coordinates->subdivision().size());
+  std::vector<int> pieces(static_cast<std::size_t>(parts));
+  std::iota(pieces.begin(), pieces.end(), stretch * parts);
+  return pieces;
+}
+
+std::vector<CheckPoint> Problem::Data::first_checks(const PoseProgramSpec& spec, const StartShape& shape) const {
+  std::vector<CheckPoint> checks;
+  if (obstacles.empty()) return checks;
+  const PoseProgram probe(spec);
+  const Eigen::VectorXd x = probe.start_from(shape);
+  const PoseProgram::Layout& at = probe.layout();
+  const Chain& chain = probe.chain();
+  const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));
+  // Few points where the planner adds what is missing, but not so few that a rod without contact slips past an obstacle
+  // between two of them; as many as asked for where the planner adds none.
+  int count = 4;
+  if (spec.contacts.empty()) {
+    for (const Obstacle* o : obstacles) {
+      count = std::max(count, static_cast<int>(std::ceil(std::min(16.0, 0.6 / o->smallest_radius()))));
+    }
+  }
+  if (scene.contact.check_points > 0) count = scene.contact.check_points;
+  for (int i = 1; i <= count; ++i) {
+    const double s = static_cast<double>(i) / count;
+    bool near_contact = false;
+    for (int k = 0; k < at.arc_lengths; ++k)
+      near_contact = near_contact || std::abs(s - x[at.first_arc_length + k]) < 0.02;
+    if (near_contact) continue;
+    const int j = i == count ? chain.piece_count() - 1 : chain.piece_at(s, knots);
+    const double sigma =
+        i == count ? 1.0 : std::clamp((s - chain.start(j, knots)) / chain.length(j, knots), 0.02, 0.98);
+    for (int o = 0; o < static_cast<int>(obstacles.size()); ++o) {
+      // A tip that touches is a contact already.
+      const bool tip_touches =
+          i == count && std::any_of(spec.contacts.begin(), spec.contacts.end(),
+                                    [o](const ContactSetup& c) { return c.at_tip && c.obstacle == o; });
+      if (!tip_touches) checks.push_back({j, sigma, o});
+    }
+  }
+  return checks;
+}
+
+Description Problem::describe() const {
+  const Data& d = *data_;
+  Description out;
+  out.left_out = d.left_out;
+  out.energies.push_back("bending");
+  if (d.rod.has_gravity()) out.energies.push_back("gravity");
+  if (d.rod.has_tip_force()) out.energies.push_back("tip force");
+  for (const PoseProgramTerm& t : d.terms) out.terms.push_back(t.name);
+  out.length_unit = d.scale.length;
+  out.force_unit = d.scale.force();
+  std::size_t largest = 0;
+  int most = -1;
+  for (const Mode& mode : d.modes) {
+    std::vector<int> regions;
+    for (const ContactSetup& c : mode.contacts) {
+      regions.push_back(c.at_tip || d.scene.coordinates.split_at_contact ? c.region
+                                                                         : d.pieces_of_stretch(c.region).front());
+    }
+    PoseProgramSpec spec = d.spec(mode, regions, d.nodes);
+    spec.checks = d.first_checks(spec, d.scene_start());
+    const PoseProgram program(spec);
+    const PoseProgram::Layout& at = program.layout();
+    Description::Mode m;
+    m.name = mode.name;
+    const auto add = [](std::vector<Description::Count>& to, const char* name, int count, const char* kind = "") {
+      if (count > 0) to.push_back({name, count, kind});
+    };
+    add(m.variables, "coordinates", at.coordinates);
+    add(m.variables, "moments", at.moments);
+    add(m.variables, "contact_arc_length", at.arc_lengths);
+    add(m.variables, "contact_force", at.forces);
+    const bool rows_for_complementarity =
+        at.forces > 0 && d.scene.contact.treatment != Treatment::penalty && d.min_force == 0.0;
+    if (rows_for_complementarity && d.scene.contact.treatment == Treatment::slack) add(m.variables, "slack", at.forces);
+    add(m.rows, "equilibrium", at.coordinates, "equality");
+    add(m.rows, "contact_gap", at.forces, d.min_force > 0.0 ? "equality" : "inequality");
+    add(m.rows, "closest_point", at.arc_lengths, "equality");
+    add(m.rows, "closest_point", at.forces - at.arc_lengths, "inequality");
+    add(m.rows, "non_penetration", at.checks, "inequality");
+    if (rows_for_complementarity) {
+      add(m.rows, "complementarity", at.forces,
+          d.scene.contact.treatment == Treatment::scholtes ? "inequality" : "equality");
+    }
+    add(m.rows, "contact_order", at.orders, "inequality");
+    if (program.variable_count() > most) {
+      most = program.variable_count();
+      largest = out.modes.size();
+    }
+    out.modes.push_back(std::move(m));
+  }
+  if (!out.modes.empty()) {
+    out.variables = out.modes[largest].variables;
+    out.rows = out.modes[largest].rows;
+  }
+  return out;
+}
+
+}  // namespace tendril

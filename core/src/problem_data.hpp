@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tendril/planner.hpp"
+#include "tendril/pose_program.hpp"
+#include "tendril/rod.hpp"
+
+namespace tendril {
+
+/// One way of being in contact: a small program of its own. Regions of interior contacts are stretches between fixed
+/// knots.
+struct Mode {
+  std::string name;
+  std::vector<ContactSetup> contacts;
+  std::string skip{};  ///< why it need not be solved, known before anything is; empty: it must be
+};
+
+struct Problem::Data {
+  Scene scene;
+  Components components;
+  Scale scale;
+  Rod rod;
+  std::vector<const Obstacle*> obstacles;  ///< those that the plan respects
+  std::vector<std::string> obstacle_names;
+  std::vector<PoseProgramTerm> terms;  ///< weights divided by `objective_scale`
+  double objective_scale = 1.0;
+  double objective_bound = 0.0;  ///< no plan can cost less (scaled)
+  Target target;
+  double min_force = 0.0, max_force = infinity;
+  std::vector<Mode> modes;
+  std::vector<LeftOut> left_out;
+  int nodes = 0;
+  double seconds_assemble = 0.0;
+
+  /// The program's parts that do not depend on check points. `regions` replaces the contacts' regions (for an unsplit
+  /// rod: pieces).
+  PoseProgramSpec spec(const Mode& mode, const std::vector<int>& regions, int with_nodes) const;
+  /// Pieces of an unsplit rod in a stretch.
+  std::vector<int> pieces_of_stretch(int stretch) const;
+  std::vector<CheckPoint> first_checks(const PoseProgramSpec& spec, const StartShape& shape) const;
+  StartShape scene_start() const { return constant_curvature(scene.start_tip_angle); }
+  bool contact_planned() const;
+};
+
+}  // namespace tendril

@@ -1,0 +1,134 @@
+#include <cmath>
+#include <string>
+
+#include "tendril/planner.hpp"
+
+namespace tendril {
+namespace {
+
+std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", value);
+  return buffer;
+}
+
+void require_finite(double value, const std::string& path) {
+  if (!std::isfinite(value)) throw SceneError(path, "the value " + text(value) + " must be finite");
+}
+
+void require_positive(double value, const std::string& path, const char* what, const char* unit) {
+  if (!std::isfinite(value) || !(value > 0.0)) {
+    throw SceneError(path, std::string(what) + " must be positive and finite, but is " + text(value) + " " + unit);
+  }
+}
+
+void require_not_negative(double value, const std::string& path, const char* what, const char* unit) {
+  if (!std::isfinite(value) || value < 0.0) {
+    throw SceneError(path, std::string(what) + " must not be negative, but is " + text(value) + " " + unit);
+  }
+}
+
+void validate_rod(const RodSpec& rod) {
+  if (rod.segments.empty()) throw SceneError("rod", "the rod has no length");
+  for (std::size_t i = 0; i < rod.segments.size(); ++i) {
+    const std::string path = rod.segments.size() == 1 ? "rod" : "rod.segment[" + std::to_string(i) + "]";
+    const SegmentSpec& s = rod.segments[i];
+    require_positive(s.length, path + ".length", "the length", "m");
+    require_positive(s.bending_stiffness, path + ".bending_stiffness", "the bending stiffness", "N m^2");
+    require_not_negative(s.linear_density, path + ".linear_density", "the linear density", "kg/m");
+    require_finite(s.rest_curvature, path + ".rest_curvature");
+  }
+  require_finite(rod.base_position.x, "rod.base.position");
+  require_finite(rod.base_position.y, "rod.base.position");
+  require_finite(rod.base_angle, "rod.base.angle");
+  const double length = rod.length();
+  for (std::size_t i = 0; i < rod.actuators.size(); ++i) {
+    const std::string path = "rod.actuator[" + std::to_string(i) + "]";
+    const ActuatorSpec& a = rod.actuators[i];
+    // A part in 1e9 of the length is the rounding of unit conversions, not a mistake.
+    if (!(a.from >= 0.0 && a.from < length)) {
+      throw SceneError(path + ".from", "the actuator starts at " + text(a.from) + " m, but the rod reaches from 0 to " +
+                                           text(length) + " m");
+    }
+    if (!(a.to > a.from && a.to <= length * (1.0 + 1e-9))) {
+      throw SceneError(path + ".to", "the actuator ends at " + text(a.to) + " m, expected more than its start (" +
+                                         text(a.from) + " m) and at most the rod's length (" + text(length) + " m)");
+    }
+    if (std::isnan(a.minimum) || std::isnan(a.maximum) || a.minimum > a.maximum) {
+      throw SceneError(path + (a.minimum > a.maximum ? ".min" : ".limit"),
+                       "the limits contradict each other: at least " + text(a.minimum) + " N m and at most " +
+                           text(a.maximum) + " N m");
+    }
+    if (a.minimum == infinity || a.maximum == -infinity) {
+      throw SceneError(path + ".limit", "no moment is within the limits");
+    }
+    require_finite(a.moment_per_pressure, path + ".moment_per_pressure");
+  }
+}
+
+}  // namespace
+
+void validate(const Scene& scene) {
+  validate_rod(scene.rod);
+  if (scene.gravity) {
+    require_finite(scene.gravity->x, "gravity");
+    require_finite(scene.gravity->y, "gravity");
+  }
+  require_finite(scene.start_tip_angle, "start.tip_angle");
+  require_not_negative(scene.tip_load.mass, "tip_load.mass", "the mass", "kg");
+  require_finite(scene.tip_load.force.x, "tip_load.force");
+  require_finite(scene.tip_load.force.y, "tip_load.force");
+  if (scene.target.position) {
+    require_finite(scene.target.position->x, "target.position");
+    require_finite(scene.target.position->y, "target.position");
+  }
+  if (scene.target.angle) require_finite(*scene.target.angle, "target.angle");
+
+  const ContactSpec& c = scene.contact;
+  require_not_negative(c.min_force, "contact.min_force", "the least contact force", "N");
+  if (std::isnan(c.max_force) || c.max_force < 0.0) {
+    throw SceneError("contact.max_force",
+                     "the largest contact force must not be negative, but is " + text(c.max_force) + " N");
+  }
+  if (c.min_force > c.max_force) {
+    throw SceneError("contact.min_force", "the limits contradict each other: at least " + text(c.min_force) +
+                                              " N and at most " + text(c.max_force) + " N");
+  }
+  if (c.count < 1) throw SceneError("contact.count", "expected at least 1 contact, found " + std::to_string(c.count));
+  if (c.check_points < 0 || c.check_points > 10000) {
+    throw SceneError("contact.check_points",
+                     "expected 0 (chosen by the planner) to 10000, found " + std::to_string(c.check_points));
+  }
+  require_positive(c.beta, "contact.beta", "beta", "");
+  if (c.mode == ContactModeName::require) {
+    if (scene.obstacles.empty())
+      throw SceneError("contact.mode", "\"require\" needs an obstacle, but the scene has none");
+    if (!(c.min_force > 0.0)) {
+      throw SceneError("contact.min_force", "\"require\" needs a min_force above 0");
+    }
+    if (c.max_force == 0.0) throw SceneError("contact.max_force", "\"require\" contradicts a max_force of 0");
+  }
+
+  for (std::size_t i = 0; i < scene.objectives.size(); ++i) {
+    require_not_negative(scene.objectives[i].weight, "objective[" + std::to_string(i) + "].weight", "the weight", "");
+  }
+  require_positive(scene.solver.tolerance, "solver.tolerance", "the tolerance", "");
+  if (std::isnan(scene.solver.time_limit) || !(scene.solver.time_limit > 0.0)) {
+    throw SceneError("solver.time_limit",
+                     "the time limit must be positive, but is " + text(scene.solver.time_limit) + " s");
+  }
+  if (scene.solver.max_iterations < 1) {
+    throw SceneError("solver.max_iterations",
+                     "expected at least 1 iteration, found " + std::to_string(scene.solver.max_iterations));
+  }
+}
+
+Scale scale_of(const Scene& scene) { return {scene.rod.length(), scene.rod.segments.front().bending_stiffness}; }
+
+bool needs_term(const ObjectiveSpec& objective) { return objective.weight != 0.0; }
+
+bool needs_obstacles(const Scene& scene) {
+  return !scene.obstacles.empty() && scene.contact.mode != ContactModeName::ignore;
+}
+
+}  // namespace tendril
