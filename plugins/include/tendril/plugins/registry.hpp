@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "tendril/plugins/catalog.hpp"
+#include "tendril/plugins/error.hpp"
+#include "tendril/registrar.hpp"
+
+namespace tendril::plugins {
+
+using AnyComponent = std::variant<CoordinateComponent, ObjectiveComponent, ObstacleComponent, SolverComponent>;
+
+/// Opens one plugin, compares the handshake, lets it register, and checks what it registered. Throws PluginError. The
+/// library is never unloaded. An exception from the component's factory leaves `make` as a PluginError that names the
+/// file, except an OptionError, which is the scene's fault.
+AnyComponent open_plugin(const PluginFile& file);
+
+/// Hands out components by name and opens a plugin when it is first asked for. Not for concurrent use.
+class Registry {
+ public:
+  explicit Registry(Catalog catalog);
+
+  /// Throw PluginError when there is no such plugin or it cannot be opened. References live as long as the registry.
+  const CoordinateComponent& coordinates(std::string_view name);
+  const ObjectiveComponent& objective(std::string_view name);
+  /// The shapes of core need no plugin, and no plugin replaces them.
+  const ObstacleComponent& obstacle(std::string_view name);
+  const SolverComponent& solver(std::string_view name);
+
+  struct Opened {
+    ComponentKind kind{};
+    std::string name;
+    std::filesystem::path file;
+  };
+  /// The plugins opened so far, in order.
+  const std::vector<Opened>& opened() const { return opened_; }
+
+  /// Names of one kind that can be asked for, sorted; core's shapes too.
+  std::vector<std::string> names(ComponentKind kind) const;
+  /// Names of the shapes that core brings along, sorted.
+  std::vector<std::string> builtin_obstacles() const;
+  const Catalog& catalog() const { return catalog_; }
+
+ private:
+  const AnyComponent& component(ComponentKind kind, std::string_view name);
+
+  Catalog catalog_;
+  std::map<std::string, ObstacleComponent, std::less<>> builtin_obstacles_;
+  std::map<std::pair<ComponentKind, std::string>, AnyComponent> components_;
+  std::vector<Opened> opened_;
+};
+
+}  // namespace tendril::plugins
