@@ -1,0 +1,47 @@
+#include <string>
+
+#include "tendril/plugin.hpp"
+#include "tendril/weight_matrix.hpp"
+
+namespace {
+
+using namespace tendril;
+
+/// u^T R u over the moments of each finger (paper, Eq. 5).
+class ActuationEffort : public ObjectiveBase<ActuationEffort> {
+ public:
+  explicit ActuationEffort(const NumberTable& weights) : root_(weight_root(weights, weights.rows, "weights")) {}
+
+  Reads reads() const override { return {.moments = true}; }
+
+  template <class T>
+  void operator()(const Quantities<T>& x, Contribution<T>& out) const {
+    for (const FingerQuantities<T>& finger : x.fingers) {
+      if (root_.rows == 1) {
+        for (const T& moment : finger.moments) out.residual(root_(0, 0) * moment);
+        continue;
+      }
+      // How many actuators there are is known here at the earliest: a factory does not see the scene.
+      if (finger.moments.size() != static_cast<std::size_t>(root_.rows)) {
+        throw Error("option 'weights' of objective plugin 'actuation_effort': found weights for " +
+                    std::to_string(root_.rows) + " actuators; expected " + std::to_string(finger.moments.size()));
+      }
+      add_weighted(root_, finger.moments, out);
+    }
+  }
+
+ private:
+  NumberTable root_;
+};
+
+}  // namespace
+
+TENDRIL_PLUGIN(registrar) {
+  const OptionSchema options{{.name = "weights",
+                              .type = OptionType::matrix,
+                              .default_value = NumberTable{1, 1, {1.0}},
+                              .description = "R: a number, one weight for each actuator, or a matrix"}};
+  registrar.add(ObjectiveComponent{"actuation_effort", "small moments: u^T R u", options, [](const Options& given) {
+                                     return std::make_unique<ActuationEffort>(given.table("weights"));
+                                   }});
+}
