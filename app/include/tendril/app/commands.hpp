@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "tendril/app/session.hpp"
+
+namespace tendril::app {
+
+struct PlanArguments {
+  SceneArguments scene;
+  std::optional<std::filesystem::path> start;
+  std::optional<std::filesystem::path> output;  ///< a directory
+  std::optional<std::filesystem::path> figure;  ///< a file
+  bool json = false;
+};
+
+/// Each runs one command and returns its exit code: 0 solved, 1 no acceptable plan. What a user can repair is thrown as
+/// InputError. Results go to standard output, notes to standard error.
+int run_plan(const PlanArguments& arguments);
+int run_describe(const SceneArguments& arguments, bool json);
+int run_plugins(const std::vector<std::filesystem::path>& plugin_directories, bool json);
+
+/// The whole command: reads the arguments, runs, prints errors. Exit code 2 for wrong input of any kind.
+int run_command_line(int argc, const char* const* argv);
+
+}  // namespace tendril::app

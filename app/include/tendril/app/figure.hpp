@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tendril/app/files.hpp"
+#include "tendril/planner.hpp"
+
+namespace tendril::app {
+
+/// What a figure of a plan shows, in SI units. A plan does not own its obstacles, so their outlines are kept here.
+struct FigureScene {
+  struct Shape {
+    std::string name;
+    std::vector<Vec2> outline;  ///< closed; may be empty if nothing of the shape is in view
+  };
+  std::vector<Shape> obstacles;
+  bool obstacles_ignored = false;  ///< the plan knows nothing of them
+  std::optional<Vec2> target;
+  std::optional<double> target_angle;
+  Vec2 base{};
+  double base_angle = 0.0;
+  std::optional<Vec2> gravity;
+  std::string title;
+};
+
+/// What a figure of a plan for `scene` shows. `obstacles` are dimensionless and in the order of the scene; null entries
+/// are skipped.
+FigureScene figure_scene(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles);
+
+enum class Picture { svg, png };
+
+/// Draws the plan with gnuplot: `stem`.svg and/or `stem`.png, and beside them the script `stem`.gnuplot and its data
+/// `stem`.dat. Throws InputError if gnuplot is missing or fails.
+void draw_figure(const FigureScene& scene, const Plan& plan, StagedFiles& files, const std::string& stem,
+                 const std::vector<Picture>& pictures);
+
+/// `text` as a string of a gnuplot script: in single quotes, where nothing is expanded. Control characters become
+/// blanks and quotes typographic ones: gnuplot 5.4 ends a string too early where doubled quotes stand at its beginning
+/// or in a row.
+std::string gnuplot_string(const std::string& text);
+
+/// The kind of picture that a file name asks for. Throws InputError if it ends in neither .svg nor .png or cannot be
+/// written down in a script.
+Picture picture_of(const std::filesystem::path& file);
+
+}  // namespace tendril::app

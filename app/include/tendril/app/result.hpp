@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tendril/plan.hpp"
+#include "tendril/planner.hpp"
+#include "tendril/scene.hpp"
+
+namespace tendril::app {
+
+/// A plugin or built-in component that was used. `file` is empty for what core brings along.
+struct UsedComponent {
+  std::string kind;
+  std::string name;
+  std::string file;
+};
+
+/// What the command did around the planner.
+struct RunInfo {
+  std::vector<UsedComponent> components;
+  double seconds_read = 0.0;  ///< reading and checking the scene
+  double seconds_open = 0.0;  ///< finding and opening plugins, making components
+};
+
+/// One JSON document, schema 1. SI units, except objective, terms, coordinates.values and certificate, which are
+/// dimensionless. Numbers that are not finite become null. Ends in a line feed.
+std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run);
+std::string description_json(const Scene& scene, const Description& description, const RunInfo& run);
+
+/// The plan in a file that plan_json() has written, as a start for `scene`. Throws InputError if it is not such a file
+/// or belongs to another rod. Contacts with obstacles that the scene does not have are left out.
+Plan read_start(const std::filesystem::path& path, const Scene& scene);
+
+}  // namespace tendril::app

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tendril/app/document.hpp"
+#include "tendril/app/result.hpp"
+#include "tendril/app/units.hpp"
+#include "tendril/planner.hpp"
+#include "tendril/plugins/registry.hpp"
+
+namespace tendril::app {
+
+/// What the command line says about a scene.
+struct SceneArguments {
+  std::filesystem::path scene;
+  std::vector<Override> overrides;
+  std::vector<std::filesystem::path> plugin_directories;
+};
+
+/// One scene on its way to a plan: read, checked, its components made.
+///
+/// Every error that a user can repair leaves as an InputError with the place in the scene file.
+class Session {
+ public:
+  explicit Session(const SceneArguments& arguments);
+  ~Session();
+
+  const Scene& scene() const { return scene_; }
+  /// Assembles the problem; once.
+  Problem& problem();
+  /// Plans until a certified plan, the time limit, or Ctrl-C (a second one kills). A solver that does not return within
+  /// two seconds after the time limit ends the process with exit code 1. Options of the scene that were dropped are
+  /// added to the plan's left_out.
+  Plan plan(const std::optional<std::filesystem::path>& start);
+  /// The scene's obstacles, made once more: the planner owns its own.
+  std::vector<std::unique_ptr<Obstacle>> make_obstacles();
+
+  /// Options of the scene that the plugin named by the command does not know.
+  const std::vector<LeftOut>& dropped() const { return dropped_; }
+  RunInfo run_info() const;
+
+ private:
+  void drop_foreign_options(const std::string& scene_coordinates, const std::string& scene_solver);
+  Components make_components();
+  template <class Make>
+  decltype(auto) located(const std::string& path, Make&& make) const;
+
+  Document document_;
+  std::shared_ptr<const Units> units_;
+  std::unique_ptr<plugins::Registry> registry_;
+  Scene scene_;
+  std::vector<LeftOut> dropped_;
+  std::optional<Problem> problem_;
+  double seconds_read_ = 0.0;
+  double seconds_open_ = 0.0;
+};
+
+}  // namespace tendril::app

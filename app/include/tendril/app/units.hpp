@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "tendril/app/input_error.hpp"
+#include "tendril/options.hpp"
+#include "tendril/scale.hpp"
+
+namespace tendril::app {
+
+/// Dimensions that scenes use beyond those of core. They are told apart by their SI unit.
+namespace dimension {
+using namespace tendril::dimension;
+inline constexpr Dimension acceleration{0, 0, "m/s^2"};
+inline constexpr Dimension linear_density{0, 0, "kg/m"};
+inline constexpr Dimension mass{0, 0, "kg"};
+inline constexpr Dimension time{0, 0, "s"};
+inline constexpr Dimension moment_per_pressure{0, 0, "N m/Pa"};
+}  // namespace dimension
+
+/// "a length", "a force", ...; "a pure number" where the dimension has no unit.
+std::string dimension_name(const Dimension& dimension);
+
+/// What a user may write for `dimension`, for messages: `a length, for instance "60 mm" or a number in m`.
+/// `restriction` follows the name ("a length greater than 0, ...").
+std::string expected_quantity(const Dimension& dimension, const std::string& restriction = "");
+
+/// Text that is not a quantity of the dimension asked for. what() says what was found and what was expected; why() only
+/// what is wrong with it, for those who say the rest themselves.
+class QuantityError : public InputError {
+ public:
+  QuantityError(const std::string& found, std::string why, const std::string& expected, const std::string& hint)
+      : InputError("found " + found + ", " + why + ", expected " + expected + hint), why_(std::move(why) + hint) {
+    if (why_.starts_with("and ")) why_.erase(0, 4);
+  }
+  const std::string& why() const { return why_; }
+
+ private:
+  std::string why_;
+};
+
+/// Reads numbers with units. The unit database of UDUNITS is opened by the first text that has a unit.
+class Units {
+ public:
+  Units();
+  ~Units();
+  Units(const Units&) = delete;
+  Units& operator=(const Units&) = delete;
+
+  /// SI value of text such as "60 mm". The number is read without regard to the locale and must be finite; the unit
+  /// must have exactly the physical dimension asked for. Throws QuantityError.
+  double read(std::string_view text, const Dimension& dimension) const;
+
+ private:
+  class Database;
+  mutable std::unique_ptr<Database> database_;
+};
+
+}  // namespace tendril::app

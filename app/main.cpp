@@ -1,0 +1,7 @@
+#include "tendril/app/commands.hpp"
+#include "tendril/plugins/probe.hpp"
+
+int main(int argc, char** argv) {
+  if (const auto code = tendril::plugins::answer_probe(argc, argv)) return *code;
+  return tendril::app::run_command_line(argc, argv);
+}

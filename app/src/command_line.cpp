@@ -1,0 +1,204 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
+#include <iostream>
+
+#include "tendril/app/commands.hpp"
+#include "tendril/app/input_error.hpp"
+#include "tendril/version.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+constexpr int wrong_input = 2;
+
+/// Options that change the scene; every one is a setting of one of its keys.
+struct SceneOptions {
+  std::string scene;
+  std::vector<std::string> plugin_directories;
+  std::vector<Override> overrides;
+
+  void add_to(CLI::App& command) {
+    command.add_option("SCENE", scene, "Scene file (TOML)")->required();
+    add_plugin_directory(command, plugin_directories);
+    setting(command, "--coordinates", "NAME", "coordinates.plugin", "Coordinate plugin instead of the scene's", true);
+    setting(command, "--order", "N", "coordinates.order", "Functions per piece", false);
+    setting(command, "--pieces", "N", "coordinates.pieces", "Pieces per actuated segment", false);
+    command.add_flag_callback(
+        "--split",
+        [this] {
+          overrides.push_back({"--split", "coordinates.split_at_contact", "true"});
+        },
+        "Put a knot at each contact point");
+    command
+        .add_flag_callback(
+            "--no-split",
+            [this] {
+              overrides.push_back({"--no-split", "coordinates.split_at_contact", "false"});
+            },
+            "Put no knot at contact points")
+        ->excludes("--split");
+    setting(command, "--solver", "NAME", "solver.plugin", "Solver plugin instead of the scene's", true);
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--set", [this](const std::vector<std::string>& settings) { add_settings(settings); },
+            "Sets a key of the scene, for instance contact.max_force=\"0.5 N\", rod.actuator.0.limit=0.01")
+        ->type_name("KEY=VALUE")
+        ->expected(1)
+        ->take_all();
+  }
+
+  SceneArguments arguments() const {
+    return {scene, overrides, {plugin_directories.begin(), plugin_directories.end()}};
+  }
+
+  static void add_plugin_directory(CLI::App& command, std::vector<std::string>& directories) {
+    command.add_option("--plugin-dir", directories, "Directory to search for plugins first; may be repeated")
+        ->type_name("DIR")
+        ->expected(1)
+        ->take_all();
+  }
+
+ private:
+  void setting(CLI::App& command, const std::string& option, const std::string& value, const std::string& key,
+               const std::string& description, bool literal) {
+    command
+        .add_option_function<std::string>(
+            option,
+            [this, option, key, literal](const std::string& text) {
+              overrides.push_back({option + ' ' + text, key, text, literal});
+            },
+            description)
+        ->type_name(value);
+  }
+
+  void add_settings(const std::vector<std::string>& settings) {
+    for (const std::string& text : settings) {
+      const auto equals = text.find('=');
+      if (equals == std::string::npos || equals == 0) {
+        throw InputError("--set " + text + ": expected KEY=VALUE, for instance --set contact.max_force=\"0.5 N\"");
+      }
+      overrides.push_back({"--set " + text, text.substr(0, equals), text.substr(equals + 1)});
+    }
+  }
+};
+
+std::optional<std::filesystem::path> optional_path(const std::string& text) {
+  return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
+}
+
+/// Options and commands of the format that this version does not have yet.
+void add_missing(CLI::App& app) {
+  for (const char* name : {"execute", "study"}) {
+    CLI::App* command = app.add_subcommand(name, "not available in this version");
+    command->allow_extras();
+    command->group("");
+    command->callback([name] {
+      throw InputError(std::string("the command '") + name +
+                       "' is not available in this version; available: plan, describe, plugins");
+    });
+  }
+}
+
+/// Names and text of a scene appear in messages; they must not steer the terminal.
+std::string harmless(std::string text) {
+  for (char& c : text) {
+    if ((c >= 0 && c < ' ' && c != '\n') || c == 127) c = '?';
+  }
+  return text;
+}
+
+/// CLI11 says only that something was not expected; this adds what may have been meant.
+std::string meant(const CLI::App& app, int argc, const char* const* argv) {
+  if (argc < 2) return "";
+  std::vector<std::string> commands;
+  const CLI::App* chosen = nullptr;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (!command->get_group().empty()) commands.push_back(command->get_name());
+    if (command->get_name() == argv[1]) chosen = command;
+  }
+  if (chosen == nullptr) {
+    return argv[1][0] == '-' ? ""
+                             : "found the command '" + std::string(argv[1]) + "'" + did_you_mean(argv[1], commands);
+  }
+  std::vector<std::string> options;
+  for (const CLI::Option* option : chosen->get_options()) {
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  }
+  for (int i = 2; i < argc; ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
+    if (!word.starts_with("--") || std::find(options.begin(), options.end(), word) != options.end()) continue;
+    return "found the option '" + word + "'" + did_you_mean(word, options);
+  }
+  return "";
+}
+
+int parse_and_run(int argc, const char* const* argv) {
+  CLI::App app("Plans poses of soft continuum robots that use contact.", "tendril");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", TENDRIL_VERSION);
+  app.get_formatter()->column_width(34);
+
+  CLI::App* plan =
+      app.add_subcommand("plan", "Plan a pose; exit code 0: solved, 1: no acceptable plan, 2: wrong input");
+  SceneOptions plan_scene;
+  plan_scene.add_to(*plan);
+  std::string start;
+  std::string output;
+  std::string figure;
+  bool json = false;
+  plan->add_option("--start", start, "Earlier result to start from")->type_name("RESULT.json");
+  plan->add_option("--output", output, "Directory for result.json and figure.svg, .png, .gnuplot, .dat")
+      ->type_name("DIR");
+  plan->add_option("--figure", figure, "Picture of the plan, .svg or .png")->type_name("FILE");
+  plan->add_flag("--json", json, "One JSON document on standard output and nothing else");
+  plan->add_flag_callback("--verify", [] { throw InputError("--verify is not available in this version"); })->group("");
+
+  CLI::App* describe = app.add_subcommand("describe", "Show the assembled program and what was left out");
+  SceneOptions describe_scene;
+  describe_scene.add_to(*describe);
+  describe->add_flag("--json", json, "One JSON document on standard output and nothing else");
+
+  CLI::App* plugins = app.add_subcommand("plugins", "List what is loadable, with options, and what was refused");
+  std::vector<std::string> plugin_directories;
+  SceneOptions::add_plugin_directory(*plugins, plugin_directories);
+  plugins->add_flag("--json", json, "One JSON document on standard output and nothing else");
+  add_missing(app);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    const std::string better = meant(app, argc, argv);
+    std::cerr << "tendril: " << harmless(better.empty() ? error.what() : better) << "; see 'tendril --help'\n";
+    return wrong_input;
+  }
+  if (plan->parsed()) {
+    for (const auto& [name, value] : {std::pair("--start", plan->count("--start") > 0 && start.empty()),
+                                      std::pair("--output", plan->count("--output") > 0 && output.empty()),
+                                      std::pair("--figure", plan->count("--figure") > 0 && figure.empty())}) {
+      if (value) throw InputError(std::string(name) + ": found an empty name");
+    }
+    return run_plan({plan_scene.arguments(), optional_path(start), optional_path(output), optional_path(figure), json});
+  }
+  if (describe->parsed()) return run_describe(describe_scene.arguments(), json);
+  return run_plugins({plugin_directories.begin(), plugin_directories.end()}, json);
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  try {
+    return parse_and_run(argc, argv);
+  } catch (const Error& error) {
+    std::cerr << "tendril: " << harmless(error.what()) << '\n';
+    return wrong_input;
+  } catch (const std::exception& error) {
+    std::cerr << "tendril: internal error: " << error.what() << '\n';
+    return 1;
+  }
+}
+
+}  // namespace tendril::app

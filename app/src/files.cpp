@@ -1,0 +1,166 @@
+#include "tendril/app/files.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+#include "tendril/app/input_error.hpp"
+
+namespace tendril::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string reason(int error) { return std::generic_category().message(error); }
+
+/// Closes a file descriptor when it goes.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  ~Descriptor() {
+    if (number_ >= 0) ::close(number_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int get() const { return number_; }
+  bool valid() const { return number_ >= 0; }
+
+ private:
+  int number_;
+};
+
+void synchronize(const fs::path& path) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  // Some file systems cannot synchronize a directory; then there is nothing to wait for.
+  if (!file.valid() || (::fsync(file.get()) != 0 && errno != EINVAL)) {
+    throw InputError("cannot write '" + path.string() + "': " + reason(errno));
+  }
+}
+
+}  // namespace
+
+std::string read_input(const fs::path& path, const std::string& what) {
+  const std::string name = what + " '" + path.string() + "'";
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid()) throw InputError("cannot open " + name + ": " + reason(errno));
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) throw InputError("cannot read " + name + ": " + reason(errno));
+  if (S_ISDIR(status.st_mode)) throw InputError("cannot read " + name + ": it is a directory, expected a file");
+  const std::string too_large = name + " is larger than 4 MiB, the most that is read";
+  if (S_ISREG(status.st_mode) && static_cast<std::size_t>(status.st_size) > largest_input) throw InputError(too_large);
+
+  // The size of a pipe or device is not known beforehand, so the limit is kept while reading as well.
+  std::string text;
+  std::string block(std::size_t{1} << 16, '\0');
+  while (true) {
+    const ssize_t count = ::read(file.get(), block.data(), std::min(block.size(), largest_input + 1 - text.size()));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw InputError("cannot read " + name + ": " + reason(errno));
+    if (count == 0) return text;
+    text.append(block, 0, static_cast<std::size_t>(count));
+    if (text.size() > largest_input) throw InputError(too_large);
+  }
+}
+
+void require_text(const std::string& text, const fs::path& path) {
+  std::size_t line = 1;
+  const auto refuse = [&](const std::string& found) {
+    throw InputError(path.string() + ':' + std::to_string(line) + ":1: found " + found + ", expected UTF-8 text");
+  };
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    if (lead == '\n') ++line;
+    if (lead == 0) refuse("a zero byte (a binary file?)");
+    std::size_t length = 1;
+    if (lead >= 0x80)
+      length = lead >= 0xc2 && lead < 0xe0 ? 2 : lead >= 0xe0 && lead < 0xf0 ? 3 : lead >= 0xf0 && lead < 0xf5 ? 4 : 0;
+    bool good = length > 0 && i + length <= text.size();
+    for (std::size_t k = 1; good && k < length; ++k) good = (static_cast<unsigned char>(text[i + k]) & 0xc0U) == 0x80U;
+    if (good && length > 2) {
+      const auto second = static_cast<unsigned char>(text[i + 1]);
+      // Overlong forms, surrogates, and code points that do not exist.
+      if ((lead == 0xe0 && second < 0xa0) || (lead == 0xed && second >= 0xa0) || (lead == 0xf0 && second < 0x90) ||
+          (lead == 0xf4 && second >= 0x90)) {
+        good = false;
+      }
+    }
+    if (!good) refuse("bytes that are not UTF-8");
+    i += length;
+  }
+}
+
+StagedFiles::StagedFiles(fs::path directory) : directory_(std::move(directory)) {
+  if (directory_.empty()) directory_ = ".";
+  std::error_code error;
+  for (fs::path path = directory_; !path.empty() && !fs::exists(path, error); path = path.parent_path()) {
+    made_.insert(made_.begin(), path);
+    if (path == path.parent_path()) break;
+  }
+  fs::create_directories(directory_, error);
+  if (!error && !fs::is_directory(directory_, error)) error = std::make_error_code(std::errc::not_a_directory);
+  if (error) {
+    for (auto path = made_.rbegin(); path != made_.rend(); ++path) ::rmdir(path->c_str());
+    throw InputError("cannot write into '" + directory_.string() + "': " + error.message());
+  }
+  std::string pattern = (directory_ / ".tendril-XXXXXX").string();
+  if (::mkdtemp(pattern.data()) == nullptr) {
+    const int number = errno;
+    for (auto path = made_.rbegin(); path != made_.rend(); ++path) ::rmdir(path->c_str());
+    throw InputError("cannot write into '" + directory_.string() + "': " + reason(number));
+  }
+  staging_ = pattern;
+}
+
+StagedFiles::~StagedFiles() {
+  std::error_code ignored;
+  fs::remove_all(staging_, ignored);
+  if (published_) return;
+  // rmdir removes empty directories only, so nothing that somebody else put there is lost.
+  for (auto path = made_.rbegin(); path != made_.rend(); ++path) ::rmdir(path->c_str());
+}
+
+void StagedFiles::write(const std::string& name, const std::string& content) {
+  const fs::path path = staging_ / name;
+  const Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  bool good = file.valid();
+  for (std::size_t done = 0; good && done < content.size();) {
+    const ssize_t count = ::write(file.get(), content.data() + done, content.size() - done);
+    if (count < 0 && errno == EINTR) continue;
+    good = count > 0;
+    if (good) done += static_cast<std::size_t>(count);
+  }
+  if (!good) throw InputError("cannot write '" + (directory_ / name).string() + "': " + reason(errno));
+  names_.push_back(name);
+}
+
+void StagedFiles::adopt(const std::string& name) { names_.push_back(name); }
+
+void StagedFiles::publish() {
+  for (const std::string& name : names_) synchronize(staging_ / name);
+  std::vector<std::string> moved;
+  for (const std::string& name : names_) {
+    std::error_code error;
+    // A directory in the way would make the last of several renames fail; look before the first.
+    if (fs::is_directory(directory_ / name, error)) {
+      throw InputError("cannot write '" + (directory_ / name).string() + "': it is a directory");
+    }
+  }
+  for (const std::string& name : names_) {
+    std::error_code error;
+    fs::rename(staging_ / name, directory_ / name, error);
+    if (error) {
+      for (const std::string& other : moved) fs::remove(directory_ / other, error);
+      throw InputError("cannot write '" + (directory_ / name).string() + "': " + error.message());
+    }
+    moved.push_back(name);
+  }
+  synchronize(directory_);
+  published_ = true;
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,238 @@
+#include "tendril/app/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tendril/tolerances.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+/// Units that suit the size of the rod.
+struct DisplayUnits {
+  const char* length = "m";
+  double length_size = 1.0;
+
+  explicit DisplayUnits(double rod_length) {
+    if (rod_length < 2e-3) {
+      length = "um";
+      length_size = 1e-6;
+    } else if (rod_length < 2.0) {
+      length = "mm";
+      length_size = 1e-3;
+    }
+  }
+  std::string lengths(double si) const { return fmt::format("{:.6g} {}", si / length_size, length); }
+  std::string point(Vec2 p) const {
+    return fmt::format("({:.6g}, {:.6g}) {}", p.x / length_size, p.y / length_size, length);
+  }
+  std::string moment(double si) const { return fmt::format("{:.6g} N {}", si / length_size, length); }
+};
+
+std::string force(double si) {
+  const double size = std::abs(si);
+  if (size >= 1.0 || size == 0.0) return fmt::format("{:.6g} N", si);
+  if (size >= 1e-3) return fmt::format("{:.6g} mN", si * 1e3);
+  return fmt::format("{:.6g} uN", si * 1e6);
+}
+
+std::string angle(double rad) { return fmt::format("{:.6g} rad ({:.4g} deg)", rad, rad * 180.0 / std::numbers::pi); }
+
+std::string seconds(double s) {
+  if (s < 1e-3) return fmt::format("{:.3g} us", s * 1e6);
+  return s < 1.0 ? fmt::format("{:.3g} ms", s * 1e3) : fmt::format("{:.3g} s", s);
+}
+
+/// Text of a scene must not move the cursor or change colours.
+std::string printable(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += (c >= 0 && c < ' ') || c == 127 ? '?' : c;
+  return out;
+}
+
+std::string heading(const Scene& scene) {
+  const std::string file = printable(scene.file);
+  return scene.title.empty() ? file + "\n" : fmt::format("{} ({})\n", printable(scene.title), file);
+}
+
+std::string line(const std::string& name, const std::string& value) { return fmt::format("{:<15}{}\n", name, value); }
+
+/// Rows of cells, each column as wide as its widest cell.
+class Grid {
+ public:
+  void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+  bool empty() const { return rows_.empty(); }
+  std::string text(const std::string& indent) const {
+    std::vector<std::size_t> widths;
+    for (const auto& cells : rows_) {
+      widths.resize(std::max(widths.size(), cells.size()), 0);
+      for (std::size_t i = 0; i < cells.size(); ++i) widths[i] = std::max(widths[i], cells[i].size());
+    }
+    std::string out;
+    for (const auto& cells : rows_) {
+      std::string one = indent;
+      for (std::size_t i = 0; i < cells.size(); ++i) one += fmt::format("{:<{}}", cells[i], widths[i] + 2);
+      out += one.substr(0, one.find_last_not_of(' ') + 1) + '\n';
+    }
+    return out;
+  }
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+std::string shape_text(const Plan& plan, const DisplayUnits& units) {
+  std::string text;
+  text += line("tip", units.point({plan.tip_x, plan.tip_y}) + ", " + angle(plan.tip_angle));
+  if (plan.target_error) text += line("target error", units.lengths(*plan.target_error));
+  std::string terms;
+  for (const auto& [name, value] : plan.terms)
+    terms += fmt::format("{}{} {:.6g}", terms.empty() ? "" : " + ", name, value);
+  text += line("objective", fmt::format("{:.6g}{}", plan.objective, terms.empty() ? "" : " = " + terms));
+  return text;
+}
+
+std::string moments_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
+  if (plan.moments.empty()) return "";
+  Grid grid;
+  grid.row({"moment", "value", "from", "to", "where"});
+  for (std::size_t i = 0; i < plan.moments.size() && i < scene.rod.actuators.size(); ++i) {
+    const ActuatorSpec& actuator = scene.rod.actuators[i];
+    const double value = plan.moments[i];
+    const double close = 1e-6 * std::max(std::abs(actuator.minimum), std::abs(actuator.maximum));
+    const bool at_limit = value >= actuator.maximum - close || value <= actuator.minimum + close;
+    const auto limit = [&](double v) { return std::isfinite(v) ? units.moment(v) : std::string("no limit"); };
+    grid.row({std::to_string(i + 1), units.moment(value), limit(actuator.minimum), limit(actuator.maximum),
+              std::isfinite(close) && at_limit ? "at its limit" : "inside"});
+  }
+  return '\n' + grid.text("");
+}
+
+std::string contacts_text(const Plan& plan, const DisplayUnits& units) {
+  if (plan.contacts.empty()) return "";
+  Grid grid;
+  grid.row({"contact", "arc length", "force", "gap", "point"});
+  for (const PlannedContact& contact : plan.contacts) {
+    grid.row({printable(contact.obstacle_name) + (contact.at_tip ? " (tip)" : ""), units.lengths(contact.arc_length),
+              force(contact.force), units.lengths(contact.gap), units.point(contact.point)});
+  }
+  return '\n' + grid.text("");
+}
+
+std::string certificate_text(const Certificate& certificate) {
+  Grid grid;
+  grid.row({"certificate", "value", "required", ""});
+  const auto entry = [&](const char* name, double value, const std::string& required, bool good) {
+    grid.row({name, std::isfinite(value) ? fmt::format("{:.3g}", value) : "none", required, good ? "ok" : "FAILS"});
+  };
+  const auto at_most = [&](const char* name, double value, double limit) {
+    entry(name, value, fmt::format("<= {:g}", limit), value <= limit);
+  };
+  at_most("equilibrium", certificate.equilibrium, tolerance::equilibrium);
+  at_most("bounds", certificate.bounds, tolerance::bounds);
+  at_most("penetration", certificate.penetration, tolerance::penetration);
+  at_most("complementarity", certificate.complementarity, tolerance::complementarity);
+  at_most("closest point", certificate.closest_point, tolerance::closest_point);
+  at_most("stationarity", certificate.stationarity, tolerance::stationarity);
+  grid.row({"  kind", certificate.stationarity_kind, "S", certificate.stationarity_kind == "S" ? "ok" : "FAILS"});
+  entry("stability", certificate.stability, fmt::format("> {:g}", tolerance::stability),
+        certificate.stability > tolerance::stability);
+  const auto information = [&](const char* name, double value, const char* what) {
+    if (std::isfinite(value)) grid.row({name, fmt::format("{:.3g}", value), what, ""});
+  };
+  information("convexity", certificate.contact_convexity, "> 0 at contacts");
+  information("moment balance", certificate.moment_balance, "(model error)");
+  information("quadrature", certificate.quadrature, "(change if doubled)");
+  std::string text = '\n' + grid.text("");
+  for (const std::string& failure : certificate.failures) text += "  " + printable(failure) + '\n';
+  return text;
+}
+
+std::string left_out_text(const std::vector<LeftOut>& items) {
+  if (items.empty()) return "";
+  Grid grid;
+  for (const LeftOut& item : items) grid.row({printable(item.what), printable(item.why)});
+  return "\nleft out\n" + grid.text("  ");
+}
+
+std::string counts_text(const std::vector<Description::Count>& counts) {
+  Grid grid;
+  int sum = 0;
+  for (const Description::Count& count : counts) {
+    grid.row({count.name, std::to_string(count.count), count.kind});
+    sum += count.count;
+  }
+  grid.row({"together", std::to_string(sum)});
+  return grid.text("  ");
+}
+
+int total(const std::vector<Description::Count>& counts) {
+  int sum = 0;
+  for (const Description::Count& count : counts) sum += count.count;
+  return sum;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + printable(word);
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run) {
+  const DisplayUnits units(scene.rod.length());
+  std::string text = heading(scene) + '\n';
+  text += line("status", std::string(to_string(plan.status)));
+  if (!plan.message.empty()) text += line("", printable(plan.message));
+  // Without a shape there is nothing to tell of it.
+  const bool has_shape = !plan.backbone.empty();
+  if (has_shape) text += shape_text(plan, units);
+  text += line("coordinates", fmt::format("{}, order {}, {} values{}", plan.coordinates_name, plan.order,
+                                          plan.coordinates.size(), plan.split_at_contact ? ", split at contact" : ""));
+  text += line("solver", fmt::format("{}: {} ({}), {} iterations, {} evaluations", plan.solver_name,
+                                     to_string(plan.solver.status),
+                                     plan.solver.native_status.empty() ? "-" : printable(plan.solver.native_status),
+                                     plan.solver.iterations, plan.solver.evaluations.values));
+  if (has_shape)
+    text += moments_text(scene, plan, units) + contacts_text(plan, units) + certificate_text(plan.certificate);
+  if (!plan.modes.empty()) {
+    Grid modes;
+    for (const ModeRecord& mode : plan.modes) {
+      modes.row({printable(mode.mode), printable(mode.outcome),
+                 fmt::format("{} solves, {} polishes", mode.solves, mode.polishes)});
+    }
+    text += "\nways of being in contact\n" + modes.text("  ");
+  }
+  text += left_out_text(plan.left_out);
+  text += fmt::format("\ntime: read {}, open plugins {}, assemble {}, solve {}, certify {}\n",
+                      seconds(run.seconds_read), seconds(run.seconds_open), seconds(plan.seconds_assemble),
+                      seconds(plan.seconds_solve), seconds(plan.seconds_certify));
+  return text;
+}
+
+std::string description_report(const Scene& scene, const Description& description, const RunInfo& run) {
+  const DisplayUnits units(scene.rod.length());
+  std::string text = heading(scene) + '\n';
+  text += "variables\n" + counts_text(description.variables);
+  text += "\nrows\n" + counts_text(description.rows);
+  text += '\n' + line("terms", joined(description.terms)) + line("energies", joined(description.energies));
+  text += line("units", fmt::format("lengths in {}, forces in {}", units.lengths(description.length_unit),
+                                    force(description.force_unit)));
+  Grid modes;
+  for (const Description::Mode& mode : description.modes) {
+    modes.row({printable(mode.name), fmt::format("{} variables, {} rows", total(mode.variables), total(mode.rows))});
+  }
+  if (!modes.empty()) text += "\nways of being in contact\n" + modes.text("  ");
+  Grid plugins;
+  for (const UsedComponent& component : run.components)
+    plugins.row({component.kind, component.name, printable(component.file)});
+  if (!plugins.empty()) text += "\nplugins opened\n" + plugins.text("  ");
+  return text + left_out_text(description.left_out);
+}
+
+}  // namespace tendril::app

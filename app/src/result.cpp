@@ -1,0 +1,327 @@
+#include "tendril/app/result.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tendril/app/files.hpp"
+#include "tendril/app/input_error.hpp"
+#include "tendril/version.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json numbers(const std::vector<double>& values) {
+  Json array = Json::array();
+  for (const double value : values) array.push_back(number(value));
+  return array;
+}
+
+Json left_out_json(const std::vector<LeftOut>& items) {
+  Json array = Json::array();
+  for (const LeftOut& item : items) array.push_back({{"what", item.what}, {"why", item.why}});
+  return array;
+}
+
+Json components_json(const std::vector<UsedComponent>& components) {
+  Json array = Json::array();
+  for (const UsedComponent& component : components) {
+    array.push_back({{"kind", component.kind},
+                     {"name", component.name},
+                     {"file", component.file.empty() ? Json(nullptr) : Json(component.file)}});
+  }
+  return array;
+}
+
+Json versions_json() {
+  return {{"tendril", TENDRIL_VERSION},
+          {"plugin_interface", TENDRIL_INTERFACE_VERSION},
+          {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+          {"nlohmann_json", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
+                                        NLOHMANN_JSON_VERSION_PATCH)},
+          {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
+          {"compiler", __VERSION__}};
+}
+
+Json certificate_json(const Certificate& certificate) {
+  return {{"equilibrium", number(certificate.equilibrium)},
+          {"penetration", number(certificate.penetration)},
+          {"complementarity", number(certificate.complementarity)},
+          {"closest_point", number(certificate.closest_point)},
+          {"stationarity", number(certificate.stationarity)},
+          {"stationarity_kind", certificate.stationarity_kind},
+          {"bounds", number(certificate.bounds)},
+          {"stability", number(certificate.stability)},
+          {"moment_balance", number(certificate.moment_balance)},
+          {"contact_convexity", number(certificate.contact_convexity)},
+          {"quadrature", number(certificate.quadrature)},
+          {"failures", certificate.failures}};
+}
+
+Json solver_json(const Plan& plan) {
+  const OptimalityReport& report = plan.solver;
+  return {{"name", plan.solver_name},
+          {"status", to_string(report.status)},
+          {"native_status", report.native_status},
+          {"message", report.message},
+          {"iterations", report.iterations},
+          {"evaluations",
+           {{"values", report.evaluations.values},
+            {"first_derivatives", report.evaluations.first_derivatives},
+            {"hessians", report.evaluations.hessians}}},
+          {"infeasibility", number(report.infeasibility)},
+          {"stationarity", number(report.stationarity)},
+          {"multipliers_recovered", report.multipliers_recovered},
+          {"seconds", number(report.seconds)},
+          {"seconds_evaluating", number(report.seconds_evaluating)},
+          {"options", report.effective_options}};
+}
+
+/// Values by name; a name that occurs again gets a number ("tip_pose 2").
+Json terms_json(const std::vector<std::pair<std::string, double>>& terms) {
+  Json object = Json::object();
+  for (const auto& [name, value] : terms) {
+    std::string unique = name;
+    for (int i = 2; object.contains(unique); ++i) unique = fmt::format("{} {}", name, i);
+    object[unique] = number(value);
+  }
+  return object;
+}
+
+Json contacts_json(const std::vector<PlannedContact>& contacts) {
+  Json array = Json::array();
+  for (const PlannedContact& contact : contacts) {
+    array.push_back({{"obstacle", contact.obstacle_name},
+                     {"obstacle_index", contact.obstacle},
+                     {"at_tip", contact.at_tip},
+                     {"arc_length", number(contact.arc_length)},
+                     {"point", {number(contact.point.x), number(contact.point.y)}},
+                     {"normal", {number(contact.normal.x), number(contact.normal.y)}},
+                     {"force", number(contact.force)},
+                     {"gap", number(contact.gap)}});
+  }
+  return array;
+}
+
+std::string written(const Json& json) {
+  // Text that is not UTF-8 (a file name, for instance) must not cost the whole result.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+Json counts_json(const std::vector<Description::Count>& counts, bool with_kind) {
+  Json array = Json::array();
+  for (const Description::Count& count : counts) {
+    Json entry{{"name", count.name}, {"count", count.count}};
+    if (with_kind) entry["kind"] = count.kind;
+    array.push_back(std::move(entry));
+  }
+  return array;
+}
+
+/// Reads members of a JSON value that anybody may have written.
+class Reader {
+ public:
+  Reader(const Json& json, std::string file, std::string path)
+      : json_(json), file_(std::move(file)), path_(std::move(path)) {}
+
+  [[noreturn]] void fail(const std::string& expected) const {
+    throw InputError(fmt::format("{}: found {} at '{}', expected {}", file_, json_.type_name(),
+                                 path_.empty() ? "/" : path_, expected));
+  }
+  Reader member(const std::string& name) const {
+    const auto found = json_.is_object() ? json_.find(name) : json_.end();
+    if (!json_.is_object() || found == json_.end()) {
+      throw InputError(
+          fmt::format("{}: '{}/{}' is missing, expected a result of 'tendril plan --json'", file_, path_, name));
+    }
+    return {*found, file_, path_ + '/' + name};
+  }
+  bool has(const std::string& name) const { return json_.is_object() && json_.contains(name); }
+  double real() const {
+    if (!json_.is_number()) fail("a number");
+    const double value = json_.get<double>();
+    if (!std::isfinite(value)) fail("a finite number");
+    return value;
+  }
+  int whole(int minimum, int maximum) const {
+    const double value = real();
+    if (value < minimum || value > maximum || value != std::floor(value))
+      fail(fmt::format("a whole number from {} to {}", minimum, maximum));
+    return static_cast<int>(value);
+  }
+  bool truth() const {
+    if (!json_.is_boolean()) fail("true or false");
+    return json_.get<bool>();
+  }
+  std::string text() const {
+    if (!json_.is_string()) fail("text");
+    return json_.get<std::string>();
+  }
+  std::vector<Reader> list() const {
+    if (!json_.is_array()) fail("a list");
+    std::vector<Reader> entries;
+    for (std::size_t i = 0; i < json_.size(); ++i) entries.push_back({json_[i], file_, fmt::format("{}/{}", path_, i)});
+    return entries;
+  }
+  std::vector<double> reals() const {
+    std::vector<double> values;
+    for (const Reader& entry : list()) values.push_back(entry.real());
+    return values;
+  }
+  Vec2 point() const {
+    const std::vector<double> values = reals();
+    if (values.size() != 2) fail("a list of two numbers");
+    return {values[0], values[1]};
+  }
+
+ private:
+  const Json& json_;
+  std::string file_;
+  std::string path_;
+};
+
+void read_contacts(const Reader& root, const Scene& scene, Plan& plan) {
+  for (const Reader& entry : root.member("contacts").list()) {
+    PlannedContact contact;
+    contact.obstacle_name = entry.member("obstacle").text();
+    const auto obstacle = std::find_if(scene.obstacles.begin(), scene.obstacles.end(),
+                                       [&](const ObstacleSpec& o) { return o.name == contact.obstacle_name; });
+    contact.arc_length = entry.member("arc_length").real();
+    contact.point = entry.member("point").point();
+    contact.normal = entry.member("normal").point();
+    contact.force = entry.member("force").real();
+    contact.gap = entry.member("gap").real();
+    if (entry.has("at_tip")) contact.at_tip = entry.member("at_tip").truth();
+    if (obstacle == scene.obstacles.end()) continue;
+    if (contact.arc_length < 0.0 || contact.arc_length > scene.rod.length() * (1.0 + 1e-9)) {
+      entry.member("arc_length").fail("an arc length on the rod");
+    }
+    contact.obstacle = static_cast<int>(obstacle - scene.obstacles.begin());
+    plan.contacts.push_back(std::move(contact));
+  }
+}
+
+void read_backbone(const Reader& root, const Scene& scene, Plan& plan) {
+  const double length = scene.rod.length();
+  for (const Reader& entry : root.member("backbone").list()) {
+    const std::vector<double> values = entry.reals();
+    if (values.size() != 5) entry.fail("five numbers: s, x, y, angle, curvature");
+    if (!plan.backbone.empty() && values[0] < plan.backbone.back()[0]) entry.fail("arc lengths in ascending order");
+    plan.backbone.push_back({values[0], values[1], values[2], values[3], values[4]});
+  }
+  // A plan for another rod is no start: its shape would have to be stretched.
+  const bool spans = plan.backbone.size() >= 2 && std::abs(plan.backbone.front()[0]) <= 1e-9 * length &&
+                     std::abs(plan.backbone.back()[0] - length) <= 1e-9 * length;
+  if (!spans) root.member("backbone").fail(fmt::format("a backbone from 0 to the rod's length, {} m", length));
+}
+
+}  // namespace
+
+std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) {
+  Json json;
+  json["schema"] = 1;
+  json["status"] = to_string(plan.status);
+  json["message"] = plan.message;
+  json["scene"] = scene.file;
+  json["title"] = scene.title;
+  json["problem"] = to_string(scene.problem);
+  json["coordinates"] = {{"name", plan.coordinates_name},
+                         {"order", plan.order},
+                         {"split_at_contact", plan.split_at_contact},
+                         {"dimension", plan.coordinates.size()},
+                         {"values", numbers(plan.coordinates)}};
+  json["solver"] = solver_json(plan);
+  // A plan that came to no shape has no tip and no objective either.
+  const bool has_shape = !plan.backbone.empty();
+  json["objective"] = has_shape ? number(plan.objective) : Json(nullptr);
+  json["terms"] = terms_json(plan.terms);
+  json["tip"] = {{"x", has_shape ? number(plan.tip_x) : Json(nullptr)},
+                 {"y", has_shape ? number(plan.tip_y) : Json(nullptr)},
+                 {"angle", has_shape ? number(plan.tip_angle) : Json(nullptr)}};
+  json["target_error"] = plan.target_error ? number(*plan.target_error) : Json(nullptr);
+  json["moments"] = numbers(plan.moments);
+  json["contacts"] = contacts_json(plan.contacts);
+  json["certificate"] = certificate_json(plan.certificate);
+  Json modes = Json::array();
+  for (const ModeRecord& mode : plan.modes) {
+    modes.push_back(
+        {{"mode", mode.mode}, {"outcome", mode.outcome}, {"solves", mode.solves}, {"polishes", mode.polishes}});
+  }
+  json["modes"] = std::move(modes);
+  json["left_out"] = left_out_json(plan.left_out);
+  json["seconds"] = {{"read", number(run.seconds_read)},
+                     {"open", number(run.seconds_open)},
+                     {"assemble", number(plan.seconds_assemble)},
+                     {"solve", number(plan.seconds_solve)},
+                     {"certify", number(plan.seconds_certify)}};
+  Json backbone = Json::array();
+  for (const BackbonePoint& point : plan.backbone) backbone.push_back(numbers({point.begin(), point.end()}));
+  json["backbone"] = std::move(backbone);
+  json["plugins"] = components_json(run.components);
+  json["versions"] = versions_json();
+  return written(json);
+}
+
+std::string description_json(const Scene& scene, const Description& description, const RunInfo& run) {
+  Json json;
+  json["schema"] = 1;
+  json["scene"] = scene.file;
+  json["title"] = scene.title;
+  json["problem"] = to_string(scene.problem);
+  json["variables"] = counts_json(description.variables, false);
+  json["rows"] = counts_json(description.rows, true);
+  json["terms"] = description.terms;
+  json["energies"] = description.energies;
+  json["plugins"] = components_json(run.components);
+  json["left_out"] = left_out_json(description.left_out);
+  Json modes = Json::array();
+  for (const Description::Mode& mode : description.modes) {
+    modes.push_back({{"name", mode.name},
+                     {"variables", counts_json(mode.variables, false)},
+                     {"rows", counts_json(mode.rows, true)}});
+  }
+  json["modes"] = std::move(modes);
+  json["units"] = {{"length", number(description.length_unit)}, {"force", number(description.force_unit)}};
+  json["versions"] = versions_json();
+  return written(json);
+}
+
+Plan read_start(const std::filesystem::path& path, const Scene& scene) {
+  const std::string file = path.string();
+  const Json json = Json::parse(read_input(path, "start"), nullptr, false);
+  if (json.is_discarded())
+    throw InputError("start '" + file + "' is not JSON, expected a result of 'tendril plan --json'");
+  const Reader root(json, file, "");
+  if (const int schema = root.member("schema").whole(0, 1'000'000); schema != 1) {
+    throw InputError(fmt::format("{}: found schema {}, expected 1", file, schema));
+  }
+  Plan plan;
+  const Reader coordinates = root.member("coordinates");
+  plan.coordinates_name = coordinates.member("name").text();
+  plan.order = coordinates.member("order").whole(0, 1'000'000);
+  plan.split_at_contact = coordinates.member("split_at_contact").truth();
+  plan.coordinates = coordinates.member("values").reals();
+  plan.moments = root.member("moments").reals();
+  if (plan.moments.size() != scene.rod.actuators.size()) {
+    throw InputError(fmt::format("{}: found {} moments, expected one for each of the scene's {} actuators", file,
+                                 plan.moments.size(), scene.rod.actuators.size()));
+  }
+  const Reader tip = root.member("tip");
+  plan.tip_x = tip.member("x").real();
+  plan.tip_y = tip.member("y").real();
+  plan.tip_angle = tip.member("angle").real();
+  read_contacts(root, scene, plan);
+  read_backbone(root, scene, plan);
+  return plan;
+}
+
+}  // namespace tendril::app

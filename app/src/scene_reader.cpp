@@ -1,0 +1,566 @@
+#include "tendril/app/scene_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <optional>
+
+#include "tendril/app/input_error.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+/// What a scene plans with if it names no plugin; core itself knows none.
+constexpr const char* default_coordinates = "legendre";
+constexpr const char* default_solver = "nlopt";
+
+using dimension::none;
+
+/// What every key needs while it is being read.
+struct Context {
+  const Document& document;
+  const Units& units;
+
+  [[noreturn]] void fail(const Node& node, const std::string& expected) const {
+    document.fail(node.position, "found " + describe_value(node) + ", expected " + expected);
+  }
+};
+
+/// A key and where its value goes. `read` is made from the same declaration as `spec`, so the two cannot differ.
+template <class Target>
+struct Key {
+  KeySpec spec;
+  std::function<void(const Context&, const Node&, Target&)> read;
+};
+
+template <class Target>
+struct Table {
+  std::vector<Key<Target>> keys;
+  std::function<void(Target&, const std::string&, RawValue)> option{};  ///< takes every other key, if given
+
+  std::vector<KeySpec> specs() const {
+    std::vector<KeySpec> all;
+    for (const Key<Target>& key : keys) all.push_back(key.spec);
+    return all;
+  }
+};
+
+std::string quoted_choices(const std::vector<std::string>& choices) {
+  std::string text;
+  for (const std::string& choice : choices) text += (text.empty() ? "\"" : ", \"") + choice + '"';
+  return text;
+}
+
+template <class Target>
+void read_table(const Context& context, const Node& node, const std::string& name, const Table<Target>& table,
+                Target& target) {
+  const auto* entries = std::get_if<Node::Table>(&node.value);
+  if (entries == nullptr) context.fail(node, "a table [" + name + "]");
+  std::vector<std::string> known;
+  for (const Key<Target>& key : table.keys) {
+    if (key.spec.unavailable.empty()) known.push_back(key.spec.name);
+  }
+  const auto key_of = [&](const std::string& entry) {
+    return std::find_if(table.keys.begin(), table.keys.end(), [&](const auto& key) { return key.spec.name == entry; });
+  };
+
+  // A misspelt key is often a required one that then seems to be missing: complain about the spelling.
+  for (const Node::Entry& entry : *entries) {
+    if (key_of(entry.key) == table.keys.end() && !table.option) {
+      const std::string where = name.empty() ? "a scene" : "[" + name + "]";
+      context.document.fail(entry.position, "found the key '" + entry.key.substr(0, 200) + "', which " + where +
+                                                " does not have" + did_you_mean(entry.key, known));
+    }
+  }
+  for (const Key<Target>& key : table.keys) {
+    if (key.spec.required && node.find(key.spec.name) == nullptr) {
+      const std::string where = name.empty() ? "the scene" : "[" + name + "]";
+      context.document.fail(node.position,
+                            where + " has no '" + key.spec.name + "', expected " +
+                                (key.spec.type == KeyType::quantity ? expected_quantity(key.spec.dimension)
+                                 : key.spec.description.empty()     ? "one"
+                                                                    : key.spec.description));
+    }
+  }
+  for (const Node::Entry& entry : *entries) {
+    const auto key = key_of(entry.key);
+    if (key == table.keys.end()) {
+      table.option(target, entry.key, to_raw_value(context.document, entry.node));
+    } else if (!key->spec.unavailable.empty()) {
+      context.document.fail(entry.position, key->spec.unavailable);
+    } else {
+      key->read(context, entry.node, target);
+    }
+  }
+}
+
+double read_quantity(const Context& context, const Node& node, const KeySpec& spec) {
+  double value = 0.0;
+  if (const auto* integer = std::get_if<std::int64_t>(&node.value)) {
+    value = static_cast<double>(*integer);
+  } else if (const auto* real = std::get_if<double>(&node.value)) {
+    value = *real;
+  } else if (const auto* text = std::get_if<std::string>(&node.value)) {
+    try {
+      value = context.units.read(*text, spec.dimension);
+    } catch (const Error& error) {
+      context.document.fail(node.position, error.what());
+    }
+  } else {
+    context.fail(node, expected_quantity(spec.dimension));
+  }
+  if (!std::isfinite(value)) context.fail(node, expected_quantity(spec.dimension, " that is finite"));
+  if (spec.minimum_excluded ? value <= spec.minimum : value < spec.minimum) {
+    const std::string restriction =
+        fmt::format(" {} {}", spec.minimum_excluded ? "greater than" : "not below", spec.minimum);
+    context.fail(node, expected_quantity(spec.dimension, restriction));
+  }
+  return value;
+}
+
+/// Restrictions of a number, and the text of its default.
+struct Range {
+  double minimum = -std::numeric_limits<double>::infinity();
+  bool minimum_excluded = false;
+};
+constexpr Range any{};
+constexpr Range positive{0.0, true};
+constexpr Range not_negative{0.0, false};
+
+enum class Need { optional, required };
+
+template <class Target, class Set>
+Key<Target> quantity(std::string name, const Dimension& dimension, Range range, std::string default_text,
+                     std::string description, Set set, Need need = Need::optional) {
+  KeySpec spec{std::move(name), KeyType::quantity,      dimension, std::move(default_text), std::move(description),
+               range.minimum,   range.minimum_excluded, {},        need == Need::required};
+  return {spec, [spec, set](const Context& context, const Node& node, Target& target) {
+            set(target, read_quantity(context, node, spec));
+          }};
+}
+
+template <class Target, class Set>
+Key<Target> point(std::string name, const Dimension& dimension, std::string default_text, std::string description,
+                  Set set) {
+  KeySpec spec{std::move(name), KeyType::point, dimension, std::move(default_text), std::move(description)};
+  return {spec, [spec, set](const Context& context, const Node& node, Target& target) {
+            const auto* list = std::get_if<Node::List>(&node.value);
+            if (list == nullptr || list->size() != 2) {
+              context.fail(node, "a list of two entries [x, y], each " + expected_quantity(spec.dimension));
+            }
+            const double x = read_quantity(context, (*list)[0], spec);
+            set(target, Vec2{x, read_quantity(context, (*list)[1], spec)});
+          }};
+}
+
+template <class Target, class Set>
+Key<Target> text(std::string name, std::string default_text, std::string description, Set set,
+                 std::vector<std::string> choices = {}, Need need = Need::optional) {
+  KeySpec spec{std::move(name), KeyType::text, none, std::move(default_text), std::move(description)};
+  spec.choices = std::move(choices);
+  spec.required = need == Need::required;
+  return {spec, [spec, set](const Context& context, const Node& node, Target& target) {
+            const auto* value = std::get_if<std::string>(&node.value);
+            if (value == nullptr)
+              context.fail(node, spec.choices.empty() ? "text" : "one of " + quoted_choices(spec.choices));
+            if (!spec.choices.empty() &&
+                std::find(spec.choices.begin(), spec.choices.end(), *value) == spec.choices.end()) {
+              const std::string near = nearest_name(*value, spec.choices);
+              context.fail(node, "one of " + quoted_choices(spec.choices) +
+                                     (near.empty() ? "" : "; did you mean '" + near + "'?"));
+            }
+            set(target, *value);
+          }};
+}
+
+template <class Target, class Set>
+Key<Target> boolean(std::string name, std::string default_text, std::string description, Set set) {
+  KeySpec spec{std::move(name), KeyType::boolean, none, std::move(default_text), std::move(description)};
+  return {spec, [set](const Context& context, const Node& node, Target& target) {
+            const auto* value = std::get_if<bool>(&node.value);
+            if (value == nullptr) context.fail(node, "true or false");
+            set(target, *value);
+          }};
+}
+
+template <class Target, class Set>
+Key<Target> integer(std::string name, int minimum, std::string default_text, std::string description, Set set) {
+  KeySpec spec{std::move(name),         KeyType::integer,       none,
+               std::move(default_text), std::move(description), static_cast<double>(minimum)};
+  return {spec, [minimum, set](const Context& context, const Node& node, Target& target) {
+            constexpr int maximum = 1'000'000'000;
+            const auto* value = std::get_if<std::int64_t>(&node.value);
+            if (value == nullptr || *value < minimum || *value > maximum) {
+              context.fail(node, fmt::format("a whole number from {} to {}", minimum, maximum));
+            }
+            set(target, static_cast<int>(*value));
+          }};
+}
+
+template <class Target, class Part, class Select>
+Key<Target> table(std::string name, std::string path, std::string description, Table<Part> content, Select select,
+                  Need need = Need::optional) {
+  KeySpec spec{std::move(name), KeyType::table, none, "", std::move(description)};
+  spec.required = need == Need::required;
+  spec.keys = content.specs();
+  spec.takes_options = static_cast<bool>(content.option);
+  return {spec, [path = std::move(path), content = std::move(content), select](const Context& context, const Node& node,
+                                                                               Target& target) {
+            read_table(context, node, path, content, select(target));
+          }};
+}
+
+template <class Target, class Part, class Select>
+Key<Target> tables(std::string name, std::string path, std::string description, Table<Part> content, Select select) {
+  KeySpec spec{std::move(name), KeyType::tables, none, "", std::move(description)};
+  spec.keys = content.specs();
+  spec.takes_options = static_cast<bool>(content.option);
+  return {spec, [path = std::move(path), content = std::move(content), select](const Context& context, const Node& node,
+                                                                               Target& target) {
+            const auto* list = std::get_if<Node::List>(&node.value);
+            if (list == nullptr) context.fail(node, "tables, each begun by [[" + path + "]]");
+            for (const Node& item : *list) {
+              Part part{};
+              if constexpr (requires { part.position = item.position; }) part.position = item.position;
+              read_table(context, item, path, content, part);
+              select(target).push_back(std::move(part));
+            }
+          }};
+}
+
+/// Native options: names belong to a component, values stay as written.
+template <class Target, class Select>
+Key<Target> options(std::string name, std::string path, std::string description, Select select) {
+  KeySpec spec{std::move(name), KeyType::options, none, "", std::move(description)};
+  spec.takes_options = true;
+  return {spec, [path = std::move(path), select](const Context& context, const Node& node, Target& target) {
+            const auto* entries = std::get_if<Node::Table>(&node.value);
+            if (entries == nullptr) context.fail(node, "a table [" + path + "]");
+            for (const Node::Entry& entry : *entries)
+              select(target)[entry.key] = to_raw_value(context.document, entry.node);
+          }};
+}
+
+template <class Target>
+Key<Target> not_available(const std::string& name, KeyType type, const std::string& problem) {
+  KeySpec spec{name, type};
+  spec.unavailable = "found [" + name + "], which belongs to the problem kind \"" + problem +
+                     "\"; that kind is not available in this version, expected a scene with problem = \"pose\"";
+  return {spec, [](const Context&, const Node&, Target&) {}};
+}
+
+// What a scene says before defaults that depend on other keys are filled in.
+
+struct ActuatorDraft {
+  std::optional<double> from, to, limit, minimum, maximum;
+  double moment_per_pressure = 0.0;
+  SourcePosition position{};
+};
+
+struct RodDraft {
+  std::optional<double> length, bending_stiffness, linear_density, rest_curvature;
+  std::vector<SegmentSpec> segments;
+  std::vector<ActuatorDraft> actuators;
+  Vec2 base_position{};
+  double base_angle = 0.0;
+};
+
+struct SceneDraft {
+  Scene scene;
+  RodDraft rod;
+};
+
+Table<SegmentSpec> segment_table() {
+  using T = SegmentSpec;
+  return {{quantity<T>(
+               "length", dimension::length, positive, "", "Length of the segment.",
+               [](T& t, double v) { t.length = v; }, Need::required),
+           quantity<T>(
+               "bending_stiffness", dimension::stiffness, positive, "", "Bending stiffness EI of the segment.",
+               [](T& t, double v) { t.bending_stiffness = v; }, Need::required),
+           quantity<T>("linear_density", dimension::linear_density, not_negative, "0",
+                       "Mass per length; without it gravity does not act on the segment.",
+                       [](T& t, double v) { t.linear_density = v; }),
+           quantity<T>("rest_curvature", dimension::curvature, any, "0", "Curvature of the unloaded segment.",
+                       [](T& t, double v) { t.rest_curvature = v; })}};
+}
+
+Table<ActuatorDraft> actuator_table() {
+  using T = ActuatorDraft;
+  return {
+      {quantity<T>("from", dimension::length, not_negative, "0", "Arc length at which the actuator begins.",
+                   [](T& t, double v) { t.from = v; }),
+       quantity<T>("to", dimension::length, not_negative, "the rod's length", "Arc length at which the actuator ends.",
+                   [](T& t, double v) { t.to = v; }),
+       quantity<T>("limit", dimension::moment, not_negative, "no limit",
+                   "Largest moment in either direction; instead of min and max. 0 removes the actuator.",
+                   [](T& t, double v) { t.limit = v; }),
+       quantity<T>("min", dimension::moment, any, "no limit", "Smallest moment (positive moments bend to the left).",
+                   [](T& t, double v) { t.minimum = v; }),
+       quantity<T>("max", dimension::moment, any, "no limit", "Largest moment.", [](T& t, double v) { t.maximum = v; }),
+       quantity<T>("moment_per_pressure", dimension::moment_per_pressure, positive, "",
+                   "Moment that a unit of pressure gives; only for reports.",
+                   [](T& t, double v) { t.moment_per_pressure = v; })}};
+}
+
+Table<RodDraft> rod_table() {
+  using T = RodDraft;
+  Table<RodDraft> base{
+      {point<T>("position", dimension::length, "[0, 0]", "Where the rod is clamped.",
+                [](T& t, Vec2 v) { t.base_position = v; }),
+       quantity<T>("angle", dimension::angle, any, "0", "Direction of the rod at the clamp, from the x axis.",
+                   [](T& t, double v) { t.base_angle = v; })}};
+  return {{quantity<T>("length", dimension::length, positive, "", "Length of a uniform rod.",
+                       [](T& t, double v) { t.length = v; }),
+           quantity<T>("bending_stiffness", dimension::stiffness, positive, "",
+                       "Bending stiffness EI of a uniform rod.", [](T& t, double v) { t.bending_stiffness = v; }),
+           quantity<T>("linear_density", dimension::linear_density, not_negative, "0",
+                       "Mass per length of a uniform rod.", [](T& t, double v) { t.linear_density = v; }),
+           quantity<T>("rest_curvature", dimension::curvature, any, "0", "Curvature of an unloaded uniform rod.",
+                       [](T& t, double v) { t.rest_curvature = v; }),
+           table<T>("base", "rod.base", "The clamp.", std::move(base), [](T& t) -> T& { return t; }),
+           tables<T>(
+               "segment", "rod.segment", "A rod of several segments, from the base on; instead of the uniform values.",
+               segment_table(), [](T & t) -> auto& { return t.segments; }),
+           tables<T>(
+               "actuator", "rod.actuator", "A moment between two arc lengths.", actuator_table(),
+               [](T & t) -> auto& { return t.actuators; })}};
+}
+
+Table<ObstacleSpec> obstacle_table() {
+  using T = ObstacleSpec;
+  return {{text<T>("name", "obstacle 1, ...", "Name in reports.", [](T& t, const std::string& v) { t.name = v; }),
+           text<T>(
+               "shape", "", "the name of an obstacle shape, such as \"circle\"",
+               [](T& t, const std::string& v) { t.shape = v; }, {}, Need::required)},
+          [](T& t, const std::string& name, RawValue value) { t.options[name] = std::move(value); }};
+}
+
+Table<ObjectiveSpec> objective_table() {
+  using T = ObjectiveSpec;
+  return {{text<T>(
+               "plugin", "", "the name of an objective plugin, such as \"tip_pose\"",
+               [](T& t, const std::string& v) { t.plugin = v; }, {}, Need::required),
+           quantity<T>("weight", none, not_negative, "1", "Factor of the dimensionless term; 0 leaves the term out.",
+                       [](T& t, double v) { t.weight = v; })},
+          [](T& t, const std::string& name, RawValue value) { t.options[name] = std::move(value); }};
+}
+
+Table<CoordinatesSpec> coordinates_table() {
+  using T = CoordinatesSpec;
+  return {
+      {text<T>("plugin", default_coordinates, "Coordinate plugin.", [](T& t, const std::string& v) { t.plugin = v; }),
+       boolean<T>("split_at_contact", "true", "Puts a knot at each contact point: exact there, at little cost.",
+                  [](T& t, bool v) { t.split_at_contact = v; })},
+      [](T& t, const std::string& name, RawValue value) { t.options[name] = std::move(value); }};
+}
+
+Table<ContactSpec> contact_table() {
+  using T = ContactSpec;
+  return {{text<T>("mode", "allow", "Whether contact is ignored, avoided, allowed or required.",
+                   [](T& t, const std::string& v) {
+                     t.mode = v == "ignore"  ? ContactModeName::ignore
+                              : v == "avoid" ? ContactModeName::avoid
+                              : v == "allow" ? ContactModeName::allow
+                                             : ContactModeName::require;
+                   },
+                   {"ignore", "avoid", "allow", "require"}),
+           quantity<T>("min_force", dimension::force, not_negative, "0",
+                       "Smallest contact force; for mode \"require\".", [](T& t, double v) { t.min_force = v; }),
+           quantity<T>("max_force", dimension::force, not_negative, "no limit", "Largest contact force; 0 means avoid.",
+                       [](T& t, double v) { t.max_force = v; }),
+           integer<T>("count", 1, "1", "Contacts at most.", [](T& t, int v) { t.count = v; }),
+           text<T>("treatment", "penalty", "How complementarity is brought into the program.",
+                   [](T& t, const std::string& v) {
+                     t.treatment = v == "penalty"    ? Treatment::penalty
+                                   : v == "slack"    ? Treatment::slack
+                                   : v == "scholtes" ? Treatment::scholtes
+                                                     : Treatment::fischer_burmeister;
+                   },
+                   {"penalty", "slack", "scholtes", "fischer_burmeister"}),
+           quantity<T>("beta", none, positive, "1", "First weight of the complementarity penalty, dimensionless.",
+                       [](T& t, double v) { t.beta = v; }),
+           integer<T>("check_points", 0, "0",
+                      "A fixed number of clearance points, without refinement; 0: chosen and refined.",
+                      [](T& t, int v) { t.check_points = v; })}};
+}
+
+Table<SolverSpec> solver_table() {
+  using T = SolverSpec;
+  return {
+      {text<T>("plugin", default_solver, "Solver plugin.", [](T& t, const std::string& v) { t.plugin = v; }),
+       quantity<T>("tolerance", none, positive, "1e-9",
+                   "Feasibility and stationarity asked of the solver, dimensionless.",
+                   [](T& t, double v) { t.tolerance = v; }),
+       quantity<T>("time_limit", dimension::time, positive, "10 s", "Wall time for one plan.",
+                   [](T& t, double v) { t.time_limit = v; }),
+       integer<T>("max_iterations", 1, "500", "Iterations of one solve.", [](T& t, int v) { t.max_iterations = v; }),
+       options<T>(
+           "options", "solver.options", "The solver's own options, by their native names.",
+           [](T & t) -> auto& { return t.options; })}};
+}
+
+Table<SceneDraft> scene_table() {
+  using T = SceneDraft;
+  const std::vector<std::string> problems{"pose"};
+  Table<T> scene;
+  scene.keys = {
+      text<T>("title", "", "Title of reports and figures.", [](T& t, const std::string& v) { t.scene.title = v; }),
+      text<T>(
+          "problem", "pose", "Kind of problem.", [](T&, const std::string&) {}, problems),
+      point<T>("gravity", dimension::acceleration, "no gravity", "Gravity.", [](T& t, Vec2 v) { t.scene.gravity = v; }),
+      table<T>(
+          "rod", "rod", "the rod", rod_table(), [](T & t) -> auto& { return t.rod; }, Need::required),
+      table<T>(
+          "tip_load", "tip_load", "A load at the tip.",
+          Table<TipLoadSpec>{
+              {quantity<TipLoadSpec>("mass", dimension::mass, not_negative, "0", "Point mass at the tip.",
+                                     [](TipLoadSpec& t, double v) { t.mass = v; }),
+               point<TipLoadSpec>("force", dimension::force, "[0, 0]", "Dead force at the tip.",
+                                  [](TipLoadSpec& t, Vec2 v) { t.force = v; })}},
+          [](T & t) -> auto& { return t.scene.tip_load; }),
+      table<T>(
+          "coordinates", "coordinates", "How the backbone is described. Further keys are options of the plugin.",
+          coordinates_table(), [](T & t) -> auto& { return t.scene.coordinates; }),
+      table<T>(
+          "start", "start", "Where the search begins.",
+          Table<Scene>{
+              {quantity<Scene>("tip_angle", dimension::angle, any, "0", "Tip angle of a constant-curvature start.",
+                               [](Scene& t, double v) { t.start_tip_angle = v; })}},
+          [](T & t) -> auto& { return t.scene; }),
+      tables<T>(
+          "obstacle", "obstacle", "An obstacle. Further keys are options of its shape.", obstacle_table(),
+          [](T & t) -> auto& { return t.scene.obstacles; }),
+      table<T>(
+          "contact", "contact", "How contact with obstacles is planned.", contact_table(),
+          [](T & t) -> auto& { return t.scene.contact; }),
+      table<T>(
+          "target", "target", "The pose asked for.",
+          Table<TargetSpec>{
+              {point<TargetSpec>("position", dimension::length, "", "Where the tip should be.",
+                                 [](TargetSpec& t, Vec2 v) { t.position = v; }),
+               quantity<TargetSpec>("angle", dimension::angle, any, "", "Direction that the tip should have.",
+                                    [](TargetSpec& t, double v) { t.angle = v; })}},
+          [](T & t) -> auto& { return t.scene.target; }),
+      tables<T>(
+          "objective", "objective", "A term of the objective. Further keys are options of the plugin.",
+          objective_table(), [](T & t) -> auto& { return t.scene.objectives; }),
+      table<T>(
+          "solver", "solver", "The solver.", solver_table(), [](T & t) -> auto& { return t.scene.solver; }),
+      not_available<T>("gripper", KeyType::table, "grasp"),
+      not_available<T>("finger", KeyType::tables, "grasp"),
+      not_available<T>("trajectory", KeyType::table, "trajectory"),
+      not_available<T>("measurement", KeyType::table, "estimate"),
+      not_available<T>("study", KeyType::table, "study")};
+  return scene;
+}
+
+/// A kind of problem that exists in the format but not in this version deserves a better answer than "unknown word".
+void refuse_other_problems(const Document& document) {
+  const Node* node = document.root().find("problem");
+  if (node == nullptr) return;
+  const auto* kind = std::get_if<std::string>(&node->value);
+  if (kind == nullptr) return;
+  for (const std::string_view other : {"grasp", "trajectory", "execute", "estimate", "study"}) {
+    if (*kind == other) {
+      document.fail(node->position,
+                    "found problem = \"" + *kind + "\", which is not available in this version, expected \"pose\"");
+    }
+  }
+}
+
+RodSpec finish_rod(const Document& document, const RodDraft& draft) {
+  RodSpec rod;
+  rod.base_position = draft.base_position;
+  rod.base_angle = draft.base_angle;
+  if (!draft.segments.empty()) {
+    for (const char* key : {"length", "bending_stiffness", "linear_density", "rest_curvature"}) {
+      if (document.root().find("rod")->find(key) != nullptr) {
+        document.fail(
+            document.find(std::string("rod.") + key),
+            std::string("found '") + key + "' beside [[rod.segment]], expected either uniform values or segments");
+      }
+    }
+    rod.segments = draft.segments;
+  } else {
+    if (!draft.length)
+      document.fail(document.find("rod"),
+                    "[rod] has no 'length' and no [[rod.segment]], expected " + expected_quantity(dimension::length));
+    if (!draft.bending_stiffness)
+      document.fail(document.find("rod"),
+                    "[rod] has no 'bending_stiffness', expected " + expected_quantity(dimension::stiffness));
+    rod.segments = {{*draft.length, *draft.bending_stiffness, draft.linear_density.value_or(0.0),
+                     draft.rest_curvature.value_or(0.0)}};
+  }
+  double length = 0.0;
+  for (const SegmentSpec& segment : rod.segments) length += segment.length;
+  for (std::size_t i = 0; i < draft.actuators.size(); ++i) {
+    const ActuatorDraft& actuator = draft.actuators[i];
+    const std::string path = fmt::format("rod.actuator[{}].", i);
+    if (actuator.limit && (actuator.minimum || actuator.maximum)) {
+      document.fail(document.find(path + "limit"),
+                    "found 'limit' beside 'min' or 'max', expected either limit or min and max");
+    }
+    ActuatorSpec spec;
+    spec.from = actuator.from.value_or(0.0);
+    spec.to = actuator.to.value_or(length);
+    spec.moment_per_pressure = actuator.moment_per_pressure;
+    if (actuator.limit) {
+      spec.minimum = -*actuator.limit;
+      spec.maximum = *actuator.limit;
+    }
+    if (actuator.minimum) spec.minimum = *actuator.minimum;
+    if (actuator.maximum) spec.maximum = *actuator.maximum;
+    if (spec.minimum > spec.maximum) {
+      document.fail(document.find(path + "min"),
+                    fmt::format("found min {} N m above max {} N m, expected min <= max", spec.minimum, spec.maximum));
+    }
+    if (spec.from >= spec.to) {
+      document.fail(document.find(path + (actuator.from ? "from" : "to")),
+                    fmt::format("found an actuator from {} m to {} m, expected from < to", spec.from, spec.to));
+    }
+    rod.actuators.push_back(spec);
+  }
+  return rod;
+}
+
+}  // namespace
+
+std::vector<KeySpec> scene_keys() { return scene_table().specs(); }
+
+Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
+  const Context context{document, *units};
+  refuse_other_problems(document);
+  SceneDraft draft;
+  draft.scene.coordinates.plugin = default_coordinates;
+  draft.scene.solver.plugin = default_solver;
+  draft.scene.coordinates.position = document.find("coordinates");
+  draft.scene.solver.position = document.find("solver");
+  read_table(context, document.root(), "", scene_table(), draft);
+  Scene scene = std::move(draft.scene);
+  scene.rod = finish_rod(document, draft.rod);
+  if (scene.contact.min_force > scene.contact.max_force) {
+    document.fail(document.find("contact.min_force"),
+                  fmt::format("found min_force {} N above max_force {} N, expected min_force <= max_force",
+                              scene.contact.min_force, scene.contact.max_force));
+  }
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    if (scene.obstacles[i].name.empty()) scene.obstacles[i].name = fmt::format("obstacle {}", i + 1);
+  }
+  scene.file = document.file();
+  scene.read_quantity = [units = std::move(units)](std::string_view number, const Dimension& wanted) {
+    try {
+      return units->read(number, wanted);
+    } catch (const QuantityError& error) {
+      // Whoever resolves options says what was found and expected.
+      throw InputError(error.why());
+    }
+  };
+  return scene;
+}
+
+}  // namespace tendril::app

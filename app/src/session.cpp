@@ -1,0 +1,206 @@
+#include "tendril/app/session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "tendril/app/input_error.hpp"
+#include "tendril/app/interrupt.hpp"
+#include "tendril/app/scene_reader.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+/// Adds the time that it lives to a sum.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  ~Stopwatch() { seconds_ += std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& seconds_;
+  Clock::time_point begin_ = Clock::now();
+};
+
+std::string word_at(const Document& document, const char* table, const char* key, const std::string& otherwise) {
+  const Node* node = document.root().find(table);
+  if (node != nullptr) node = node->find(key);
+  const auto* text = node != nullptr ? std::get_if<std::string>(&node->value) : nullptr;
+  return text != nullptr ? *text : otherwise;
+}
+
+bool declares(const OptionSchema& schema, std::string_view name) {
+  return std::any_of(schema.begin(), schema.end(),
+                     [&](const OptionSpec& spec) { return spec.name == name || spec.name == any_option; });
+}
+
+}  // namespace
+
+/// Runs `make`; what it throws gets the place of `path` in the scene. An option stands below `path`.
+template <class Make>
+decltype(auto) Session::located(const std::string& path, Make&& make) const {
+  try {
+    return make();
+  } catch (const OptionError& error) {
+    const bool in_file = error.position().line > 0;
+    document_.fail(in_file ? error.position() : document_.find(path + '.' + error.option()), error.what());
+  } catch (const SceneError& error) {
+    document_.fail(document_.find(error.path()), error.what());
+  } catch (const plugins::PluginError& error) {
+    // The name of the component, if the scene writes it down.
+    const std::string key = path.starts_with("obstacle") ? ".shape" : ".plugin";
+    document_.fail(document_.find(path + key), error.what());
+  } catch (const InputError&) {
+    throw;
+  } catch (const Error& error) {
+    document_.fail(document_.find(path), error.what());
+  }
+}
+
+Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Units>()) {
+  {
+    const Stopwatch watch(seconds_read_);
+    document_ = Document::read(arguments.scene);
+    const std::string coordinates = word_at(document_, "coordinates", "plugin", CoordinatesSpec{}.plugin);
+    const std::string solver = word_at(document_, "solver", "plugin", SolverSpec{}.plugin);
+    document_.apply(arguments.overrides);
+    scene_ = read_scene(document_, units_);
+    located("", [&] { validate(scene_); });
+    {
+      const Stopwatch open(seconds_open_);
+      registry_ =
+          std::make_unique<plugins::Registry>(plugins::Catalog(plugins::search_places(arguments.plugin_directories)));
+      drop_foreign_options(coordinates, solver);
+    }
+  }
+  seconds_read_ -= seconds_open_;
+}
+
+Session::~Session() = default;
+
+void Session::drop_foreign_options(const std::string& scene_coordinates, const std::string& scene_solver) {
+  const auto drop = [&](RawOptions& options, const OptionSchema& schema, const std::string& table,
+                        const std::string& owner) {
+    for (auto option = options.begin(); option != options.end();) {
+      // What the command line itself asks for is never dropped: its position has no line.
+      if (option->second.position.line > 0 && !declares(schema, option->first)) {
+        dropped_.push_back({fmt::format("option {}.{} of the scene", table, option->first),
+                            fmt::format("{} has no such option", owner)});
+        option = options.erase(option);
+      } else {
+        ++option;
+      }
+    }
+  };
+  if (scene_.coordinates.plugin != scene_coordinates) {
+    const OptionSchema& schema =
+        located(
+            "coordinates", [&]() -> auto& { return registry_->coordinates(scene_.coordinates.plugin); })
+            .options;
+    drop(scene_.coordinates.options, schema, "coordinates", "coordinates plugin '" + scene_.coordinates.plugin + "'");
+  }
+  if (scene_.solver.plugin != scene_solver) {
+    const OptionSchema& schema = located(
+                                     "solver", [&]() -> auto& { return registry_->solver(scene_.solver.plugin); })
+                                     .options;
+    drop(scene_.solver.options, schema, "solver.options", "solver plugin '" + scene_.solver.plugin + "'");
+  }
+}
+
+std::vector<std::unique_ptr<Obstacle>> Session::make_obstacles() {
+  const Scale scale = scale_of(scene_);
+  std::vector<std::unique_ptr<Obstacle>> obstacles;
+  for (std::size_t i = 0; i < scene_.obstacles.size(); ++i) {
+    const ObstacleSpec& spec = scene_.obstacles[i];
+    obstacles.push_back(located(fmt::format("obstacle[{}]", i), [&] {
+      const ObstacleComponent& component = registry_->obstacle(spec.shape);
+      return component.make(resolve_options(component.options, spec.options, scale, scene_.read_quantity,
+                                            "obstacle shape '" + spec.shape + "'"));
+    }));
+  }
+  return obstacles;
+}
+
+Components Session::make_components() {
+  const Scale scale = scale_of(scene_);
+  Components made;
+  made.coordinates = located("coordinates", [&] {
+    const std::string& name = scene_.coordinates.plugin;
+    const CoordinateComponent& component = registry_->coordinates(name);
+    return component.make(resolve_options(component.options, scene_.coordinates.options, scale, scene_.read_quantity,
+                                          "coordinates plugin '" + name + "'"));
+  });
+  if (needs_obstacles(scene_)) made.obstacles = make_obstacles();
+  for (std::size_t i = 0; i < scene_.objectives.size(); ++i) {
+    const ObjectiveSpec& spec = scene_.objectives[i];
+    if (!needs_term(spec)) {
+      made.terms.push_back(nullptr);
+      continue;
+    }
+    made.terms.push_back(located(fmt::format("objective[{}]", i), [&] {
+      const ObjectiveComponent& component = registry_->objective(spec.plugin);
+      return component.make(resolve_options(component.options, spec.options, scale, scene_.read_quantity,
+                                            "objective plugin '" + spec.plugin + "'"));
+    }));
+  }
+  made.solver = located("solver", [&] {
+    const std::string& name = scene_.solver.plugin;
+    const SolverComponent& component = registry_->solver(name);
+    try {
+      return component.make(resolve_options(component.options, scene_.solver.options, scale, scene_.read_quantity,
+                                            "solver plugin '" + name + "'"));
+    } catch (const OptionError& error) {
+      // Options of a solver stand one table deeper than those of other components.
+      if (error.position().line > 0) throw;
+      document_.fail(document_.find("solver.options." + error.option()), error.what());
+    }
+  });
+  return made;
+}
+
+Problem& Session::problem() {
+  if (problem_) return *problem_;
+  Components components;
+  {
+    const Stopwatch open(seconds_open_);
+    components = make_components();
+  }
+  located("", [&] { problem_.emplace(scene_, std::move(components)); });
+  return *problem_;
+}
+
+Plan Session::plan(const std::optional<std::filesystem::path>& start) {
+  std::optional<Plan> earlier;
+  if (start) earlier = read_start(*start, scene_);
+  Problem& ready = problem();
+  const InterruptGuard interrupt;
+  PlanControl control;
+  control.stop = &InterruptGuard::flag();
+  control.start = earlier ? &*earlier : nullptr;
+  constexpr double grace = 2.0;
+  const Watchdog watchdog(
+      std::chrono::duration<double>(scene_.solver.time_limit + grace),
+      fmt::format("tendril: solver '{}' did not return within {} s after the time limit of {} s; no result was written",
+                  scene_.solver.plugin, grace, scene_.solver.time_limit));
+  Plan plan = located("", [&] { return ready.plan(control); });
+  plan.left_out.insert(plan.left_out.end(), dropped_.begin(), dropped_.end());
+  return plan;
+}
+
+RunInfo Session::run_info() const {
+  RunInfo run;
+  for (const plugins::Registry::Opened& opened : registry_->opened()) {
+    run.components.push_back({std::string(to_string(opened.kind)), opened.name, opened.file.string()});
+  }
+  run.seconds_read = seconds_read_;
+  run.seconds_open = seconds_open_;
+  return run;
+}
+
+}  // namespace tendril::app
