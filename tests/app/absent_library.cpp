@@ -1,0 +1,1 @@
+int tendril_test_absent() { return 1; }

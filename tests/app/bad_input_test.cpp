@@ -1,0 +1,184 @@
+// What the real command says to input that it cannot use: one message with the place, and exit code 2.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "command.hpp"
+
+namespace tendril::app {
+namespace {
+
+using test::brace_with;
+using test::CommandRun;
+using test::scene_path;
+using test::TemporaryDirectory;
+using test::tendril;
+
+void expect_refused(const CommandRun& run, const std::string& part) {
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_EQ(run.out, "");
+  EXPECT_EQ(run.err.rfind("tendril: ", 0), 0U) << run.err;
+  EXPECT_NE(run.err.find(part), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("internal error"), std::string::npos) << run.err;
+}
+
+CommandRun plan_text(const std::string& text, std::vector<std::string> more = {}) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.write("s.toml", text);
+  more.insert(more.begin(), {"plan", file, "--json"});
+  return tendril(more);
+}
+
+CommandRun plan_brace(std::vector<std::string> more) {
+  more.insert(more.begin(), {"plan", scene_path("brace.toml"), "--json"});
+  return tendril(more);
+}
+
+struct BadScene {
+  const char* old_text;
+  const char* new_text;
+  const char* message;
+};
+
+void PrintTo(const BadScene& scene, std::ostream* out) { *out << scene.new_text; }
+
+class BadSceneTest : public testing::TestWithParam<BadScene> {};
+
+TEST_P(BadSceneTest, IsRefusedWithItsPlace) {
+  expect_refused(plan_text(brace_with(GetParam().old_text, GetParam().new_text)), GetParam().message);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, BadSceneTest,
+    testing::Values(
+        BadScene{"length =", "lenght =",
+                 "s.toml:6:1: found the key 'lenght', which [rod] does not have; did you mean 'length'?"},
+        BadScene{"\"100 mm\"", "\"100 N\"", "s.toml:6:10: found \"100 N\", whose unit"},
+        BadScene{"\"100 mm\"", "nan", "s.toml:6:10: found the number nan"},
+        BadScene{"\"100 mm\"", "\"0 mm\"", "s.toml:6:10: found \"0 mm\", expected a length greater than 0"},
+        BadScene{"\"8 mm\"", "\"0 mm\"", "s.toml:24:10: option 'radius'"},
+        BadScene{"\"8 mm\"", "\"-8 mm\"", "s.toml:24:10: option 'radius'"},
+        BadScene{"\"8 mm\"", "nan", "s.toml:24:10: option 'radius'"},
+        BadScene{"\"8 mm\"", "\"8 Nm\"", "s.toml:24:10: option 'radius'"},
+        BadScene{"radius", "raduis", "did you mean 'radius'?"}, BadScene{"radius = \"8 mm\"", "", "radius"},
+        BadScene{"\"circle\"", "\"circel\"", "s.toml:22:9: "},
+        BadScene{"\"circle\"", "\"circel\"", "did you mean 'circle'?"},
+        BadScene{"[\"60 mm\", \"0 mm\"]", "[\"0 mm\", \"0 mm\"]", "s.toml:2"},
+        BadScene{"order = 6", "order = 0", "s.toml:15:9: option 'order'"},
+        BadScene{"order = 6", "order = 1000", "s.toml:15:9: option 'order'"},
+        BadScene{"order = 6", "order = 6.5", "s.toml:15:9: option 'order'"},
+        BadScene{"order = 6", "ordr = 6", "s.toml:15:8: coordinates plugin 'legendre' has no option 'ordr'"},
+        BadScene{"\"legendre\"", "\"lgendre\"",
+                 "s.toml:14:10: coordinates plugin 'lgendre' was not found; did you mean 'legendre'?"},
+        BadScene{"\"nlopt\"", "\"nlpt\"", "s.toml:42:10: solver plugin 'nlpt' was not found; did you mean 'nlopt'?"},
+        BadScene{"\"tip_pose\"", "\"tip_pos\"",
+                 "s.toml:34:10: objective plugin 'tip_pos' was not found; did you mean 'tip_pose'?"},
+        BadScene{"\"tip_pose\"", "\"../tip_pose\"", "s.toml:34:10: "},
+        BadScene{"limit = \"2.5 N mm\"", "min = 1\nmax = -1", "s.toml:11:7: found min"},
+        BadScene{"\"pose\"", "\"grasp\"",
+                 "s.toml:2:11: found problem = \"grasp\", which is not available in this version"},
+        BadScene{"[target]\nposition = [\"97 mm\", \"20 mm\"]", "", "target"}));
+
+TEST(BadFile, IsRefused) {
+  const TemporaryDirectory directory;
+  expect_refused(tendril({"plan", directory / "none.toml"}), "none.toml': No such file");
+  expect_refused(tendril({"plan", directory.path().string()}), "it is a directory");
+  expect_refused(plan_text("hello world"), "s.toml:1:7: this is not TOML");
+  expect_refused(plan_text(std::string("a\0b", 3)), "s.toml:1:1: found a zero byte");
+  expect_refused(plan_text("# \xff\n"), "s.toml:1:1: found bytes that are not UTF-8");
+  expect_refused(plan_text(""), "s.toml:1:1: the scene has no 'rod'");
+  expect_refused(tendril({"plan", "/dev/zero"}), "larger than 4 MiB");
+}
+
+TEST(BadFile, OfAnySizeIsRefused) {
+  expect_refused(plan_text(std::string((std::size_t{4} << 20) + 1, '#')), "larger than 4 MiB");
+  // Just below the limit the contents count.
+  expect_refused(plan_text(std::string((std::size_t{4} << 20) - 1, '#')), "has no 'rod'");
+}
+
+TEST(BadFile, OfAnyDepthIsRefused) {
+  std::string key = "a";
+  for (int i = 0; i < 500'000; ++i) key += ".a";
+  expect_refused(plan_text(key + " = 1"), "nested deeper than 64");
+  expect_refused(plan_text('[' + key + ']'), "nested deeper than 64");
+  expect_refused(plan_text("a = " + std::string(1'000'000, '[')), "nested deeper than 64");
+  expect_refused(plan_brace({"--set", key.substr(0, 100'000) + "=1"}), "--set");
+}
+
+TEST(BadArguments, AreRefused) {
+  expect_refused(tendril({}), "");
+  expect_refused(tendril({"plan"}), "SCENE is required");
+  expect_refused(tendril({"pln", "x"}), "did you mean 'plan'?");
+  expect_refused(plan_brace({"--ordr", "3"}), "did you mean '--order'?");
+  expect_refused(plan_brace({"--split", "--no-split"}), "excludes");
+  expect_refused(plan_brace({"--set", "contact.max_force"}), "expected KEY=VALUE");
+  expect_refused(plan_brace({"--verify"}), "--verify is not available in this version");
+  expect_refused(tendril({"execute", scene_path("brace.toml"), "--moments", "1"}),
+                 "'execute' is not available in this version");
+  expect_refused(tendril({"study", scene_path("brace.toml")}), "'study' is not available in this version");
+  expect_refused(plan_brace({"--figure", "x.pdf"}), "expected a name that ends in .svg or .png");
+  expect_refused(plan_brace({"--figure", ""}), "empty name");
+}
+
+TEST(BadSettings, AreRefusedLikeTheFile) {
+  expect_refused(plan_brace({"--set", "contact.max_force=0.5 Nm"}), "--set contact.max_force=0.5 Nm: found \"0.5 Nm\"");
+  expect_refused(plan_brace({"--set", "contact.max_forc=1"}), "--set contact.max_forc=1: found the key 'max_forc'");
+  expect_refused(plan_brace({"--set", "rod.actuator.1.limit=1"}), "--set rod.actuator.1.limit=1: ");
+  expect_refused(plan_brace({"--set", "rod.length=nan"}), "--set rod.length=nan: ");
+  expect_refused(plan_brace({"--set", "obstacle.0.radius=0"}), "--set obstacle.0.radius=0: option 'radius'");
+  expect_refused(plan_brace({"--set", "solver.options.algorithm=LD_SLSQ"}),
+                 "--set solver.options.algorithm=LD_SLSQ: option 'algorithm'");
+  expect_refused(plan_brace({"--order", "0"}), "--order 0: option 'order'");
+  expect_refused(plan_brace({"--order", "1000"}), "--order 1000: option 'order'");
+  expect_refused(plan_brace({"--order", "many"}), "--order many: option 'order'");
+  expect_refused(plan_brace({"--coordinates", "pcc", "--order", "3"}),
+                 "--order 3: coordinates plugin 'pcc' has no option 'order'");
+  expect_refused(plan_brace({"--coordinates", "psc", "--pieces", "0"}), "--pieces 0: ");
+  expect_refused(plan_brace({"--coordinates", "lgendre"}), "--coordinates lgendre: ");
+  expect_refused(plan_brace({"--solver", "nlpt"}), "--solver nlpt: ");
+}
+
+TEST(BadStart, IsRefused) {
+  const TemporaryDirectory directory;
+  expect_refused(plan_brace({"--start", directory / "none.json"}), "none.json': No such file");
+  expect_refused(plan_brace({"--start", directory.write("r.json", "{")}), "is not JSON");
+  expect_refused(plan_brace({"--start", directory.write("r.json", "{}")}), "schema");
+  expect_refused(plan_brace({"--start", directory.write("r.json", R"({"schema": 1, "coordinates": []})")}),
+                 "coordinates");
+  expect_refused(plan_brace({"--start", "/dev/zero"}), "larger than 4 MiB");
+}
+
+TEST(BadPlugin, WithoutItsLibraryIsToldFromAMissingOne) {
+  const CommandRun run = plan_brace({"--plugin-dir", TENDRIL_TEST_PLUGINS, "--solver", "incomplete"});
+  expect_refused(run, "--solver incomplete: ");
+  EXPECT_NE(run.err.find("libtendril-test-absent.so"), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("was not found; did you mean"), std::string::npos) << run.err;
+}
+
+TEST(BadPlugin, IsListedWithTheReason) {
+  const CommandRun run = tendril({"plugins", "--plugin-dir", TENDRIL_TEST_PLUGINS});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.out.find("NOT LOADABLE"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("libtendril-test-absent.so"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("coordinates legendre"), std::string::npos) << run.out;
+}
+
+TEST(BadText, DoesNotSteerTheTerminal) {
+  const CommandRun run = plan_text("\"\\u001b[31mkey\" = 1\n[rod]\nlength = 1\nbending_stiffness = 1\n");
+  expect_refused(run, "found the key '?[31mkey'");
+  EXPECT_EQ(run.err.find('\x1b'), std::string::npos);
+}
+
+TEST(EndlessSolver, IsEndedByTheWatchdog) {
+  const TemporaryDirectory directory;
+  const CommandRun run = plan_brace({"--plugin-dir", TENDRIL_TEST_PLUGINS, "--solver", "endless", "--set",
+                                     "solver.time_limit=0.1 s", "--output", directory / "out"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_EQ(run.out, "");
+  EXPECT_NE(run.err.find("solver 'endless' did not return"), std::string::npos) << run.err;
+  EXPECT_EQ(directory.names(), std::vector<std::string>{});
+}
+
+}  // namespace
+}  // namespace tendril::app

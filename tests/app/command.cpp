@@ -1,0 +1,78 @@
+#include "command.hpp"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "tendril/app/process.hpp"
+
+namespace tendril::app::test {
+
+namespace {
+
+std::string quoted(const std::string& word) {
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+}  // namespace
+
+CommandRun tendril(const std::vector<std::string>& arguments) {
+  const TemporaryDirectory directory;
+  std::string line = quoted(TENDRIL_COMMAND);
+  for (const std::string& argument : arguments) line += ' ' + quoted(argument);
+  line += " >" + quoted(directory / "out") + " 2>" + quoted(directory / "err");
+  // A run that hangs must fail its test and not the whole suite.
+  const ProcessResult result = run_process("/bin/sh", {"-c", line}, std::filesystem::current_path(), 120.0);
+  EXPECT_TRUE(result.started);
+  EXPECT_FALSE(result.timed_out);
+  return {result.exit_code, read_file(directory / "out"), read_file(directory / "err")};
+}
+
+TemporaryDirectory::TemporaryDirectory() {
+  std::string pattern = (std::filesystem::temp_directory_path() / "tendril-test-XXXXXX").string();
+  EXPECT_NE(::mkdtemp(pattern.data()), nullptr);
+  path_ = pattern;
+}
+
+TemporaryDirectory::~TemporaryDirectory() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+std::string TemporaryDirectory::write(const std::string& name, const std::string& content) const {
+  const std::string file = *this / name;
+  std::ofstream(file, std::ios::binary) << content;
+  return file;
+}
+
+std::vector<std::string> TemporaryDirectory::names() const {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(path_))
+    names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string read_file(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+std::string scene_path(const std::string& name) { return std::string(TENDRIL_SCENES "/") + name; }
+
+std::string brace_with(const std::string& old_text, const std::string& new_text) {
+  std::string text = read_file(scene_path("brace.toml"));
+  const auto at = text.find(old_text);
+  EXPECT_NE(at, std::string::npos) << old_text;
+  if (at == std::string::npos) return text;
+  EXPECT_EQ(text.find(old_text, at + 1), std::string::npos) << old_text;
+  return text.replace(at, old_text.size(), new_text);
+}
+
+}  // namespace tendril::app::test

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tendril::app::test {
+
+/// How one run of the real command ended.
+struct CommandRun {
+  int exit_code = -1;
+  std::string out;
+  std::string err;
+};
+
+/// Runs `tendril` with these arguments.
+CommandRun tendril(const std::vector<std::string>& arguments);
+
+/// A directory of its own that is removed at the end.
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory();
+  ~TemporaryDirectory();
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  /// Writes a file and returns its path.
+  std::string write(const std::string& name, const std::string& content) const;
+  /// Names of everything inside, sorted.
+  std::vector<std::string> names() const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string read_file(const std::filesystem::path& path);
+std::string scene_path(const std::string& name);
+/// scenes/brace.toml with one piece of text replaced; fails the test if it does not occur exactly once.
+std::string brace_with(const std::string& old_text, const std::string& new_text);
+
+}  // namespace tendril::app::test

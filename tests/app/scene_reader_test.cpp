@@ -1,0 +1,234 @@
+#include "tendril/app/scene_reader.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "command.hpp"
+#include "tendril/app/input_error.hpp"
+
+namespace tendril::app {
+namespace {
+
+Scene read(const std::string& text) { return read_scene(Document::parse(text, "s.toml"), std::make_shared<Units>()); }
+
+std::string message_of(const std::string& text) {
+  try {
+    read(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// What the table of keys says of a key's default.
+std::string default_text(const std::string& table_name, const std::string& key_name) {
+  for (const KeySpec& table : scene_keys()) {
+    if (table.name != table_name) continue;
+    for (const KeySpec& key : table.keys) {
+      if (key.name == key_name) return key.default_text;
+    }
+  }
+  return "no such key";
+}
+
+TEST(SceneReader, ReadsTheBracedArm) {
+  const Scene scene = read_scene(Document::read(test::scene_path("brace.toml")), std::make_shared<Units>());
+  EXPECT_EQ(scene.title, "Brace on a peg");
+  EXPECT_EQ(scene.problem, ProblemKind::pose);
+  ASSERT_TRUE(scene.gravity);
+  EXPECT_EQ(*scene.gravity, (Vec2{0.0, -9.81}));
+  ASSERT_EQ(scene.rod.segments.size(), 1U);
+  EXPECT_DOUBLE_EQ(scene.rod.segments[0].length, 0.1);
+  EXPECT_DOUBLE_EQ(scene.rod.segments[0].bending_stiffness, 4.9e-4);
+  EXPECT_DOUBLE_EQ(scene.rod.segments[0].linear_density, 0.084);
+  ASSERT_EQ(scene.rod.actuators.size(), 1U);
+  EXPECT_EQ(scene.rod.actuators[0].from, 0.0);
+  EXPECT_DOUBLE_EQ(scene.rod.actuators[0].to, 0.1);
+  EXPECT_DOUBLE_EQ(scene.rod.actuators[0].minimum, -2.5e-3);
+  EXPECT_DOUBLE_EQ(scene.rod.actuators[0].maximum, 2.5e-3);
+  EXPECT_EQ(scene.coordinates.plugin, "legendre");
+  EXPECT_TRUE(scene.coordinates.split_at_contact);
+  EXPECT_EQ(std::get<std::int64_t>(scene.coordinates.options.at("order").value), 6);
+  EXPECT_EQ(scene.coordinates.options.at("order").position.line, 15);
+  EXPECT_EQ(scene.start_tip_angle, 0.5);
+  ASSERT_EQ(scene.obstacles.size(), 1U);
+  EXPECT_EQ(scene.obstacles[0].name, "obstacle 1");
+  EXPECT_EQ(scene.obstacles[0].shape, "circle");
+  EXPECT_EQ(std::get<std::string>(scene.obstacles[0].options.at("radius").value), "8 mm");
+  EXPECT_EQ(scene.contact.mode, ContactModeName::allow);
+  EXPECT_EQ(scene.contact.max_force, 1.0);
+  ASSERT_TRUE(scene.target.position);
+  EXPECT_DOUBLE_EQ(scene.target.position->x, 0.097);
+  EXPECT_FALSE(scene.target.angle);
+  ASSERT_EQ(scene.objectives.size(), 2U);
+  EXPECT_EQ(scene.objectives[0].plugin, "tip_pose");
+  EXPECT_EQ(scene.objectives[0].weight, 100.0);
+  EXPECT_EQ(scene.solver.plugin, "nlopt");
+}
+
+TEST(SceneReader, ReadsEveryOtherKey) {
+  const Scene scene = read(R"(
+    [rod]
+    base = {position = ["1 m", 2], angle = "90 deg"}
+    [[rod.segment]]
+    length = 0.3
+    bending_stiffness = 2
+    rest_curvature = "5 1/m"
+    [[rod.segment]]
+    length = "10 cm"
+    bending_stiffness = 1
+    linear_density = 0
+    [[rod.actuator]]
+    from = 0.1
+    to = 0.3
+    min = "-1 N m"
+    moment_per_pressure = "2 N mm/kPa"
+    [tip_load]
+    mass = "20 g"
+    force = [0, "-1 N"]
+    [contact]
+    mode = "require"
+    min_force = "0.1 N"
+    count = 2
+    treatment = "fischer_burmeister"
+    beta = 3
+    check_points = 20
+    [target]
+    angle = "1 rad"
+    [solver]
+    tolerance = 1e-8
+    time_limit = "1 min"
+    max_iterations = 7
+    [solver.options]
+    mu_init = 0.1
+    )");
+  EXPECT_EQ(scene.rod.base_position, (Vec2{1.0, 2.0}));
+  EXPECT_DOUBLE_EQ(scene.rod.base_angle, std::numbers::pi / 2.0);
+  ASSERT_EQ(scene.rod.segments.size(), 2U);
+  EXPECT_EQ(scene.rod.segments[0].rest_curvature, 5.0);
+  EXPECT_DOUBLE_EQ(scene.rod.segments[1].length, 0.1);
+  EXPECT_EQ(scene.rod.actuators[0].minimum, -1.0);
+  EXPECT_EQ(scene.rod.actuators[0].maximum, infinity);
+  EXPECT_DOUBLE_EQ(scene.rod.actuators[0].moment_per_pressure, 2e-6);
+  EXPECT_DOUBLE_EQ(scene.tip_load.mass, 0.02);
+  EXPECT_EQ(scene.tip_load.force, (Vec2{0.0, -1.0}));
+  EXPECT_EQ(scene.contact.mode, ContactModeName::require);
+  EXPECT_EQ(scene.contact.min_force, 0.1);
+  EXPECT_EQ(scene.contact.max_force, infinity);
+  EXPECT_EQ(scene.contact.count, 2);
+  EXPECT_EQ(scene.contact.treatment, Treatment::fischer_burmeister);
+  EXPECT_EQ(scene.contact.beta, 3.0);
+  EXPECT_EQ(scene.contact.check_points, 20);
+  EXPECT_EQ(scene.target.angle, 1.0);
+  EXPECT_EQ(scene.solver.tolerance, 1e-8);
+  EXPECT_EQ(scene.solver.time_limit, 60.0);
+  EXPECT_EQ(scene.solver.max_iterations, 7);
+  EXPECT_EQ(std::get<double>(scene.solver.options.at("mu_init").value), 0.1);
+  EXPECT_FALSE(scene.gravity);
+}
+
+// The table of keys says what holds if a key is absent. Plugins have their default from the reader, since core knows
+// none by name; for all else Scene's own initial values are what really holds.
+TEST(SceneReader, DefaultsAreThoseOfTheScene) {
+  const Scene scene = read("[rod]\nlength = 1\nbending_stiffness = 1\n");
+  const Scene plain;
+  EXPECT_EQ(scene.coordinates.plugin, "legendre");
+  EXPECT_EQ(scene.solver.plugin, "nlopt");
+  EXPECT_EQ(default_text("coordinates", "plugin"), scene.coordinates.plugin);
+  EXPECT_EQ(default_text("coordinates", "split_at_contact"), plain.coordinates.split_at_contact ? "true" : "false");
+  EXPECT_EQ(default_text("solver", "plugin"), scene.solver.plugin);
+  EXPECT_EQ(std::stod(default_text("solver", "time_limit")), plain.solver.time_limit);
+  EXPECT_EQ(std::stod(default_text("solver", "tolerance")), plain.solver.tolerance);
+  EXPECT_EQ(std::stoi(default_text("solver", "max_iterations")), plain.solver.max_iterations);
+  EXPECT_EQ(default_text("contact", "mode"), to_string(plain.contact.mode));
+  EXPECT_EQ(default_text("contact", "treatment"), to_string(plain.contact.treatment));
+  EXPECT_EQ(std::stoi(default_text("contact", "count")), plain.contact.count);
+  EXPECT_EQ(std::stod(default_text("contact", "beta")), plain.contact.beta);
+  EXPECT_EQ(std::stoi(default_text("contact", "check_points")), plain.contact.check_points);
+}
+
+TEST(SceneReader, DescribesEveryKey) {
+  const auto visit = [](const auto& self, const std::vector<KeySpec>& keys) -> void {
+    for (const KeySpec& key : keys) {
+      EXPECT_NE(key.description.empty(), key.unavailable.empty()) << key.name;
+      self(self, key.keys);
+    }
+  };
+  visit(visit, scene_keys());
+}
+
+struct Wrong {
+  const char* old_text;
+  const char* new_text;
+  const char* message;  ///< part of it, place included
+};
+
+void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.new_text; }
+
+class SceneReaderRefuses : public testing::TestWithParam<Wrong> {};
+
+TEST_P(SceneReaderRefuses, WithThePlace) {
+  const std::string message = message_of(test::brace_with(GetParam().old_text, GetParam().new_text));
+  EXPECT_NE(message.find(GetParam().message), std::string::npos) << message;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, SceneReaderRefuses,
+    testing::Values(
+        Wrong{"length =", "lenght =",
+              "s.toml:6:1: found the key 'lenght', which [rod] does not have; did you mean 'length'?"},
+        Wrong{"[contact]", "[contct]",
+              "s.toml:26:2: found the key 'contct', which a scene does not have; did you mean 'contact'?"},
+        Wrong{"\"100 mm\"", "nan", "s.toml:6:10: found the number nan"},
+        Wrong{"\"100 mm\"", "inf", "s.toml:6:10: found the number inf"},
+        Wrong{"\"100 mm\"", "\"0 mm\"", "s.toml:6:10: found \"0 mm\", expected a length greater than 0"},
+        Wrong{"\"100 mm\"", "-0.1", "s.toml:6:10: found the number -0.1, expected a length greater than 0"},
+        Wrong{"\"100 mm\"", "\"100 N\"", "s.toml:6:10: found \"100 N\", whose unit is not that of a length"},
+        Wrong{"\"100 mm\"", "[1, 2]", "s.toml:6:10: found a list of 2 entries, expected a length"},
+        Wrong{"\"100 mm\"", "1979-05-27", "s.toml:6:10: found a date, expected a length"},
+        Wrong{"\"100 mm\"", "true", "s.toml:6:10: found true, expected a length"},
+        Wrong{"length = \"100 mm\"\n", "", "s.toml:5:1: [rod] has no 'length'"},
+        Wrong{"\"84 g/m\"", "\"-84 g/m\"", "s.toml:8:18: found \"-84 g/m\", expected a linear density not below 0"},
+        Wrong{"\"2.5 N mm\"", "\"2.5 Nmm\"", "s.toml:11:9: found \"2.5 Nmm\""},
+        Wrong{"limit = \"2.5 N mm\"", "min = 1\nmax = -1", "s.toml:11:7: found min 1 N m above max -1 N m"},
+        Wrong{"limit = \"2.5 N mm\"", "min = 1\nlimit = 1", "found 'limit' beside 'min' or 'max'"},
+        Wrong{"limit = \"2.5 N mm\"", "limit = 1\nfrom = 0.1", "s.toml:12:8: found an actuator from 0.1 m to 0.1 m"},
+        Wrong{"mode = \"allow\"", "mode = \"alow\"",
+              "s.toml:27:8: found \"alow\", expected one of \"ignore\", \"avoid\", \"allow\", \"require\"; did you "
+              "mean 'allow'?"},
+        Wrong{"max_force = \"1 N\"", "max_force = 1\nmin_force = 2",
+              "s.toml:29:13: found min_force 2 N above max_force 1 N"},
+        Wrong{"[\"97 mm\", \"20 mm\"]", "[\"97 mm\"]",
+              "s.toml:31:12: found a list of 1 entry, expected a list of two entries"},
+        Wrong{"[\"97 mm\", \"20 mm\"]", "[1, nan]", "s.toml:31:16: found the number nan"},
+        Wrong{"weight = 100", "weight = -1", "s.toml:35:10: found the number -1"},
+        Wrong{"split_at_contact = true", "split_at_contact = 1",
+              "s.toml:16:20: found the number 1, expected true or false"},
+        Wrong{"title = \"Brace on a peg\"", "title = 3", "s.toml:1:9: found the number 3, expected text"},
+        Wrong{"shape = \"circle\"\n", "", "[obstacle] has no 'shape'"},
+        Wrong{"\"pose\"", "\"grasp\"",
+              "s.toml:2:11: found problem = \"grasp\", which is not available in this version"},
+        Wrong{"\"pose\"", "\"poes\"", "did you mean 'pose'?"},
+        Wrong{"[start]", "[gripper]\nhalf_palm = 1\n[start]", "not available in this version"},
+        Wrong{"[start]", "[[finger]]\n[start]", "not available in this version"},
+        Wrong{"[start]", "[trajectory]\n[start]", "not available in this version"},
+        Wrong{"[start]", "[measurement]\n[start]", "not available in this version"},
+        Wrong{"[start]", "[study]\n[start]", "not available in this version"},
+        Wrong{"[solver]", "[[rod.segment]]\nlength = 1\nbending_stiffness = 1\n[solver]",
+              "s.toml:6:10: found 'length' beside [[rod.segment]]"}));
+
+TEST(SceneReader, RefusesASceneWithoutARod) {
+  EXPECT_EQ(message_of("").rfind("s.toml:1:1: the scene has no 'rod'", 0), 0U);
+  EXPECT_EQ(message_of("rod = 3").rfind("s.toml:1:7: found the number 3", 0), 0U);
+  EXPECT_EQ(message_of("rod = [1]").rfind("s.toml:1:7: found a list", 0), 0U);
+}
+
+TEST(SceneReader, ReadsQuantitiesInsideOptions) {
+  const Scene scene = read("[rod]\nlength = 1\nbending_stiffness = 1\n");
+  EXPECT_DOUBLE_EQ(scene.read_quantity("8 mm", dimension::length), 0.008);
+  EXPECT_THROW(scene.read_quantity("8 N", dimension::length), Error);
+}
+
+}  // namespace
+}  // namespace tendril::app

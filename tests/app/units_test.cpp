@@ -1,0 +1,101 @@
+#include "tendril/app/units.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numbers>
+
+namespace tendril::app {
+namespace {
+
+struct Reading {
+  const char* text;
+  Dimension dimension;
+  double si;
+};
+
+void PrintTo(const Reading& reading, std::ostream* out) { *out << reading.text; }
+
+class UnitsRead : public testing::TestWithParam<Reading> {};
+
+TEST_P(UnitsRead, GivesTheSiValue) {
+  const Units units;
+  // A unit's factor and the product are each rounded once or twice.
+  EXPECT_NEAR(units.read(GetParam().text, GetParam().dimension), GetParam().si,
+              4.0 * std::numeric_limits<double>::epsilon() * std::abs(GetParam().si));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Quantities, UnitsRead,
+    testing::Values(Reading{"60 mm", dimension::length, 0.06}, Reading{"60mm", dimension::length, 0.06},
+                    Reading{" +60 mm ", dimension::length, 0.06}, Reading{"0 mm", dimension::length, 0.0},
+                    Reading{"1 in", dimension::length, 0.0254}, Reading{"60 \u00b5m", dimension::length, 60e-6},
+                    Reading{"2.5 N mm", dimension::moment, 2.5e-3}, Reading{"2.5 N*mm", dimension::moment, 2.5e-3},
+                    Reading{"1 lbf in", dimension::moment, 4.4482216152605 * 0.0254},
+                    Reading{"4.9e-4 N m^2", dimension::stiffness, 4.9e-4},
+                    Reading{"490 N mm2", dimension::stiffness, 4.9e-4},
+                    Reading{"84 g/m", dimension::linear_density, 0.084},
+                    Reading{"30 deg", dimension::angle, std::numbers::pi / 6.0},
+                    Reading{"0.5 rad", dimension::angle, 0.5}, Reading{"5 1/m", dimension::curvature, 5.0},
+                    Reading{"5 m^-1", dimension::curvature, 5.0}, Reading{"5 rad/m", dimension::curvature, 5.0},
+                    Reading{"18 deg/cm", dimension::curvature, 10.0 * std::numbers::pi},
+                    Reading{"-9.81 m/s^2", dimension::acceleration, -9.81}, Reading{"2 min", dimension::time, 120.0},
+                    Reading{"1 N mm/kPa", dimension::moment_per_pressure, 1e-6}, Reading{"0.5", dimension::none, 0.5}));
+
+struct Refusal {
+  const char* text;
+  Dimension dimension;
+  const char* reason;  ///< part of the message
+};
+
+void PrintTo(const Refusal& refusal, std::ostream* out) { *out << refusal.text; }
+
+class UnitsRefuse : public testing::TestWithParam<Refusal> {};
+
+TEST_P(UnitsRefuse, WithTheReason) {
+  const Units units;
+  try {
+    const double value = units.read(GetParam().text, GetParam().dimension);
+    FAIL() << "read as " << value;
+  } catch (const QuantityError& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find(GetParam().reason), std::string::npos) << message;
+    EXPECT_EQ(message.rfind("found \"", 0), 0U) << message;
+    EXPECT_NE(message.find(", expected "), std::string::npos) << message;
+  }
+}
+
+// UDUNITS alone would take several of these: it inverts "1/m", multiplies "3 4 m", and shifts by "@ 3".
+INSTANTIATE_TEST_SUITE_P(Traps, UnitsRefuse,
+                         testing::Values(Refusal{"100 1/m", dimension::length, "whose unit is not that of a length"},
+                                         Refusal{"3 4 m", dimension::length, "\"4 m\" is not a unit"},
+                                         Refusal{"100 mm @ 3", dimension::length, "is not a unit"},
+                                         Refusal{"5 m since 1970", dimension::length, "is not a unit"},
+                                         Refusal{"5 rad m", dimension::length, "whose unit is not that of a length"},
+                                         Refusal{"5 %", dimension::length, "whose unit is not that of a length"},
+                                         Refusal{"5 degC", dimension::length, "whose unit is not that of a length"},
+                                         Refusal{"5 lg(re m)", dimension::length, "whose unit is not that of a length"},
+                                         Refusal{"1,5 mm", dimension::length, "is not a unit"},
+                                         Refusal{"0x10 m", dimension::length, "is not a known unit"},
+                                         Refusal{"nan m", dimension::length, "not finite"},
+                                         Refusal{"-inf m", dimension::length, "not finite"},
+                                         Refusal{"1e400 m", dimension::length, "too large"},
+                                         Refusal{"1e300 Ym", dimension::length, "too large"},
+                                         Refusal{"60", dimension::length, "without a unit"},
+                                         Refusal{"", dimension::length, "does not begin with a number"},
+                                         Refusal{"mm", dimension::length, "does not begin with a number"},
+                                         Refusal{"\u22125 mm", dimension::length, "does not begin with a number"},
+                                         Refusal{"5 m^99999999999", dimension::length, "is not"},
+                                         Refusal{"0.5 m", dimension::none, "has a unit"},
+                                         Refusal{"2.5 Nm", dimension::moment, "did you mean 'N m'?"},
+                                         Refusal{"2.5 Nmm", dimension::moment, "did you mean 'N mm'?"},
+                                         Refusal{"4.9e-4 Nm^2", dimension::stiffness, "did you mean 'N m^2'?"},
+                                         Refusal{"2.5 N", dimension::moment, "whose unit is not that of a moment"}));
+
+TEST(Units, RefuseAVeryLongUnit) {
+  const Units units;
+  EXPECT_THROW(units.read("1 " + std::string(100'000, '('), dimension::length), QuantityError);
+}
+
+}  // namespace
+}  // namespace tendril::app

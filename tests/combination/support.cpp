@@ -1,0 +1,93 @@
+#include "support.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "tendril/app/document.hpp"
+#include "tendril/app/scene_reader.hpp"
+
+namespace tendril::combination {
+
+namespace {
+
+struct Found {
+  std::vector<std::filesystem::path> directories;
+  std::optional<plugins::Registry> registry;
+};
+
+Found& found() {
+  static Found instance;
+  return instance;
+}
+
+Scene read(app::Document document, const std::vector<std::string>& overrides) {
+  std::vector<app::Override> settings{{"solver.time_limit=120", "solver.time_limit", "120"}};
+  for (const std::string& text : overrides) {
+    const std::size_t equals = text.find('=');
+    settings.push_back({text, text.substr(0, equals), text.substr(equals + 1)});
+  }
+  document.apply(settings);
+  return app::read_scene(document, std::make_shared<app::Units>());
+}
+
+}  // namespace
+
+void find_plugins(std::vector<std::string>& arguments) {
+  std::vector<std::string> rest;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    if (arguments[i] == "--plugin-dir" && i + 1 < arguments.size()) {
+      found().directories.emplace_back(arguments[++i]);
+    } else {
+      rest.push_back(arguments[i]);
+    }
+  }
+  arguments = rest;
+  found().registry.emplace(fresh_registry());
+}
+
+plugins::Registry& registry() { return *found().registry; }
+
+plugins::Registry fresh_registry() {
+  return plugins::Registry(plugins::Catalog(plugins::search_places(found().directories)));
+}
+
+Scene scene(const std::string& name, const std::vector<std::string>& overrides) {
+  return read(app::Document::read(std::filesystem::path(TENDRIL_SCENES) / (name + ".toml")), overrides);
+}
+
+Scene scene_from_text(const std::string& text, const std::vector<std::string>& overrides) {
+  return read(app::Document::parse(text, "test.toml"), overrides);
+}
+
+Problem problem(const Scene& scene, plugins::Registry& from) {
+  const Scale scale = scale_of(scene);
+  const auto make = [&](const auto& component, const RawOptions& options) {
+    return component.make(resolve_options(component.options, options, scale, scene.read_quantity, component.name));
+  };
+  Components made;
+  made.coordinates = make(from.coordinates(scene.coordinates.plugin), scene.coordinates.options);
+  if (needs_obstacles(scene)) {
+    for (const ObstacleSpec& spec : scene.obstacles) {
+      made.obstacles.push_back(make(from.obstacle(spec.shape), spec.options));
+    }
+  }
+  for (const ObjectiveSpec& spec : scene.objectives) {
+    made.terms.push_back(needs_term(spec) ? make(from.objective(spec.plugin), spec.options) : nullptr);
+  }
+  made.solver = make(from.solver(scene.solver.plugin), scene.solver.options);
+  return Problem(scene, std::move(made));
+}
+
+Plan plan(const Scene& scene, const PlanControl& control) { return problem(scene).plan(control); }
+
+testing::AssertionResult certified(const Plan& plan) {
+  if (plan.status == PlanStatus::solved && plan.certificate.valid()) return testing::AssertionSuccess();
+  auto failure = testing::AssertionFailure();
+  failure << to_string(plan.status) << ": " << plan.message;
+  for (const std::string& line : plan.certificate.failures) failure << "\n  " << line;
+  for (const ModeRecord& mode : plan.modes) failure << "\n  " << mode.mode << ": " << mode.outcome;
+  return failure;
+}
+
+}  // namespace tendril::combination
