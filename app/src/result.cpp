@@ -253,8 +253,13 @@ std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) 
   json["certificate"] = certificate_json(plan.certificate);
   Json modes = Json::array();
   for (const ModeRecord& mode : plan.modes) {
-    modes.push_back(
-        {{"mode", mode.mode}, {"outcome", mode.outcome}, {"solves", mode.solves}, {"polishes", mode.polishes}});
+    modes.push_back({{"mode", mode.mode},
+                     {"outcome", mode.outcome},
+                     {"solves", mode.solves},
+                     {"polishes", mode.polishes},
+                     {"iterations", mode.iterations},
+                     {"evaluations", mode.evaluations},
+                     {"seconds", number(mode.seconds)}});
   }
   json["modes"] = std::move(modes);
   json["left_out"] = left_out_json(plan.left_out);

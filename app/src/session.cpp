@@ -114,54 +114,13 @@ void Session::drop_foreign_options(const std::string& scene_coordinates, const s
 }
 
 std::vector<std::unique_ptr<Obstacle>> Session::make_obstacles() {
-  const Scale scale = scale_of(scene_);
-  std::vector<std::unique_ptr<Obstacle>> obstacles;
-  for (std::size_t i = 0; i < scene_.obstacles.size(); ++i) {
-    const ObstacleSpec& spec = scene_.obstacles[i];
-    obstacles.push_back(located(fmt::format("obstacle[{}]", i), [&] {
-      const ObstacleComponent& component = registry_->obstacle(spec.shape);
-      return component.make(resolve_options(component.options, spec.options, scale, scene_.read_quantity,
-                                            "obstacle shape '" + spec.shape + "'"));
-    }));
-  }
-  return obstacles;
+  return plugins::make_obstacles(*registry_, scene_, place());
 }
 
-Components Session::make_components() {
-  const Scale scale = scale_of(scene_);
-  Components made;
-  made.coordinates = located("coordinates", [&] {
-    const std::string& name = scene_.coordinates.plugin;
-    const CoordinateComponent& component = registry_->coordinates(name);
-    return component.make(resolve_options(component.options, scene_.coordinates.options, scale, scene_.read_quantity,
-                                          "coordinates plugin '" + name + "'"));
-  });
-  if (needs_obstacles(scene_)) made.obstacles = make_obstacles();
-  for (std::size_t i = 0; i < scene_.objectives.size(); ++i) {
-    const ObjectiveSpec& spec = scene_.objectives[i];
-    if (!needs_term(spec)) {
-      made.terms.push_back(nullptr);
-      continue;
-    }
-    made.terms.push_back(located(fmt::format("objective[{}]", i), [&] {
-      const ObjectiveComponent& component = registry_->objective(spec.plugin);
-      return component.make(resolve_options(component.options, spec.options, scale, scene_.read_quantity,
-                                            "objective plugin '" + spec.plugin + "'"));
-    }));
-  }
-  made.solver = located("solver", [&] {
-    const std::string& name = scene_.solver.plugin;
-    const SolverComponent& component = registry_->solver(name);
-    try {
-      return component.make(resolve_options(component.options, scene_.solver.options, scale, scene_.read_quantity,
-                                            "solver plugin '" + name + "'"));
-    } catch (const OptionError& error) {
-      // Options of a solver stand one table deeper than those of other components.
-      if (error.position().line > 0) throw;
-      document_.fail(document_.find("solver.options." + error.option()), error.what());
-    }
-  });
-  return made;
+Components Session::make_components() { return plugins::make_components(*registry_, scene_, place()); }
+
+plugins::Located Session::place() const {
+  return [this](const std::string& path, const std::function<void()>& step) { located(path, step); };
 }
 
 Problem& Session::problem() {

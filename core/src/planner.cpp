@@ -25,10 +25,11 @@ constexpr double contact_neighbourhood =
     0.02;  ///< no check point this near (in L) to a touching contact's own obstacle
 constexpr int most_exchanges = 25;
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
-constexpr int most_pieces_away = 3;  ///< of an unsplit rod, from where the start comes nearest to the obstacle
-constexpr int most_starts = 5;       ///< per mode, before a program may be called infeasible
-constexpr double restored = 1e-8;    ///< violation below which a point counts as feasible
-constexpr double beats = 1e-12;      ///< an objective must be lower by this to win
+constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
+constexpr int most_starts = 5;            ///< per mode, before a program may be called infeasible
+constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
+constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
+constexpr double beats = 1e-12;           ///< an objective must be lower by this to win
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -196,6 +197,9 @@ OptimalityReport Planner::solve(ModeState& state, NonlinearProgram& program, con
   }
   OptimalityReport report = d_.components.solver->solve(program, start, limits());
   ++state.record.solves;
+  state.record.iterations += report.iterations;
+  state.record.evaluations += report.evaluations.values;
+  state.record.seconds_evaluating += report.seconds_evaluating;
   state.last = report;
   tally_.iterations += report.iterations;
   tally_.seconds += report.seconds;
@@ -222,6 +226,8 @@ bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, 
     if (!report.x.allFinite() || report.x.size() != full.size()) return false;
     full = report.x;
     if (must_stop() || report.status == SolveStatus::unsupported || report.status == SolveStatus::failed) break;
+    // A larger beta moves no row, and a smaller eps only tightens them: what is infeasible now stays so.
+    if (report.infeasibility > nearly_feasible) break;
     double undecided = 0.0;
     const VectorView c = program.constraints(full.head(program.variable_count()));
     for (const ComplementaryPair& p : pairs) undecided = std::max(undecided, std::min(c[p.row], full[p.variable]));
@@ -240,7 +246,7 @@ bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, 
     const double force = x[pairs[static_cast<std::size_t>(k)].variable];
     program.set_branch(k, gap <= force ? Branch::touching : Branch::separated);
   }
-  return report.infeasibility < 1e-3;
+  return report.infeasibility <= nearly_feasible;
 }
 
 bool Planner::sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed) {
@@ -275,7 +281,7 @@ bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd
     OptimalityReport r = solve(state, program, x);
     if (!r.x.allFinite() || r.x.size() != x.size()) return false;
     x = r.x;
-    if (r.infeasibility <= 1e-3) return true;
+    if (r.infeasibility <= nearly_feasible) return true;
   } else {
     if (treat(state, program, x, d_.scene.contact.treatment)) return true;
     // With a plan in hand the branch that touches is tried directly; the slower treatment is for when nothing else
@@ -297,7 +303,7 @@ bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   const FeasibilityReport f = restore_feasibility(program, x, restored);
   if (f.feasible) {
     const OptimalityReport r = solve(state, program, f.x);
-    x = r.x.allFinite() && r.x.size() == x.size() && r.infeasibility <= 1e-3 ? r.x : f.x;
+    x = r.x.allFinite() && r.x.size() == x.size() && r.infeasibility <= nearly_feasible ? r.x : f.x;
     return true;
   }
   if (f.stationary_violation) ++state.stationary_violations;
@@ -424,9 +430,12 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
     }
     return touching;
   };
+  const int stationary_before = state.stationary_violations;
   const bool touching = search(required ? Branch::touching : Branch::open);
-  // A contact that the treatment let go, or could not decide: the branch that touches is a program of its own.
-  const bool missing = !mode.contacts.empty() && !required && (!touching || !state.best.certified());
+  // A contact that the treatment let go, or could not decide: the branch that touches is a program of its own. It is
+  // part of the one just searched, so where that has nothing feasible and a plan is at hand, it is not searched again.
+  const bool hopeless = have_plan_ && !state.best.has_point && state.stationary_violations > stationary_before;
+  const bool missing = !mode.contacts.empty() && !required && !hopeless && (!touching || !state.best.certified());
   if (missing && !must_stop()) search(Branch::touching);
 }
 
@@ -569,7 +578,9 @@ Plan Planner::run() {
         continue;
       }
       const int before = state.stationary_violations;
+      const double begin = now();
       try_start(state, start_shape(round, mode));
+      state.record.seconds += now() - begin;
       // One start is one piece of evidence, however many programs it led to.
       state.stationary_violations = std::min(state.stationary_violations, before + 1);
       if (state.best.certified() && state.best.objective < best_objective() - beats) winner = state.mode;
@@ -618,6 +629,8 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
     if (!mode.skip.empty()) {
       state.record.outcome = "skipped: " + mode.skip;
     } else if (state.best.has_point) {
+      state.record.certified = state.best.certified();
+      state.record.objective = state.best.objective * d_.objective_scale;
       char text[80];
       std::snprintf(text, sizeof text, "%s, objective %.6g", state.best.certified() ? "certified" : "not certified",
                     state.best.objective * d_.objective_scale);

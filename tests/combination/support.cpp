@@ -61,22 +61,7 @@ Scene scene_from_text(const std::string& text, const std::vector<std::string>& o
 }
 
 Problem problem(const Scene& scene, plugins::Registry& from) {
-  const Scale scale = scale_of(scene);
-  const auto make = [&](const auto& component, const RawOptions& options) {
-    return component.make(resolve_options(component.options, options, scale, scene.read_quantity, component.name));
-  };
-  Components made;
-  made.coordinates = make(from.coordinates(scene.coordinates.plugin), scene.coordinates.options);
-  if (needs_obstacles(scene)) {
-    for (const ObstacleSpec& spec : scene.obstacles) {
-      made.obstacles.push_back(make(from.obstacle(spec.shape), spec.options));
-    }
-  }
-  for (const ObjectiveSpec& spec : scene.objectives) {
-    made.terms.push_back(needs_term(spec) ? make(from.objective(spec.plugin), spec.options) : nullptr);
-  }
-  made.solver = make(from.solver(scene.solver.plugin), scene.solver.options);
-  return Problem(scene, std::move(made));
+  return Problem(scene, plugins::make_components(from, scene));
 }
 
 Plan plan(const Scene& scene, const PlanControl& control) { return problem(scene).plan(control); }

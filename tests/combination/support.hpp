@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tendril/planner.hpp"
-#include "tendril/plugins/registry.hpp"
+#include "tendril/plugins/components.hpp"
 
 /// Scenes become plans here without the command: read as a user writes them, their components made from whatever is on
 /// the plugin path.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -60,6 +61,12 @@ struct ModeRecord {
   std::string outcome;  ///< "certified, objective 0.0123", "skipped: out of reach", ...
   int solves = 0;
   int polishes = 0;
+  int iterations = 0;               ///< of the solver, over all solves
+  std::int64_t evaluations = 0;     ///< of values inside the solves
+  double seconds = 0.0;             ///< wall time spent on this mode, certificate included
+  double seconds_evaluating = 0.0;  ///< of it, inside the program while a solver ran
+  bool certified = false;
+  double objective = infinity;  ///< dimensionless, of the best point found
 };
 
 /// A plan in SI units, except where said.

@@ -10,7 +10,7 @@
 #include "tendril/app/result.hpp"
 #include "tendril/app/units.hpp"
 #include "tendril/planner.hpp"
-#include "tendril/plugins/registry.hpp"
+#include "tendril/plugins/components.hpp"
 
 namespace tendril::app {
 
@@ -46,6 +46,7 @@ class Session {
  private:
   void drop_foreign_options(const std::string& scene_coordinates, const std::string& scene_solver);
   Components make_components();
+  plugins::Located place() const;
   template <class Make>
   decltype(auto) located(const std::string& path, Make&& make) const;
 

@@ -1,0 +1,66 @@
+#include "tendril/plugins/components.hpp"
+
+namespace tendril::plugins {
+
+namespace {
+
+void run(const Located& at, const std::string& path, const std::function<void()>& step) {
+  if (at) {
+    at(path, step);
+  } else {
+    step();
+  }
+}
+
+std::string numbered(const char* table, std::size_t i) { return std::string(table) + '[' + std::to_string(i) + ']'; }
+
+/// Makes components of one scene, each with its options resolved.
+struct Maker {
+  const Scene& scene;
+  Scale scale = scale_of(scene);
+
+  template <class Component>
+  auto operator()(const Component& component, const RawOptions& options, const std::string& kind) const {
+    return component.make(
+        resolve_options(component.options, options, scale, scene.read_quantity, kind + " '" + component.name + "'"));
+  }
+};
+
+}  // namespace
+
+std::vector<std::unique_ptr<Obstacle>> make_obstacles(Registry& registry, const Scene& scene, const Located& at) {
+  const Maker make{scene};
+  std::vector<std::unique_ptr<Obstacle>> made;
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const ObstacleSpec& spec = scene.obstacles[i];
+    run(at, numbered("obstacle", i),
+        [&] { made.push_back(make(registry.obstacle(spec.shape), spec.options, "obstacle shape")); });
+  }
+  return made;
+}
+
+Components make_components(Registry& registry, const Scene& scene, const Located& at) {
+  const Maker make{scene};
+  Components made;
+  run(at, "coordinates", [&] {
+    made.coordinates =
+        make(registry.coordinates(scene.coordinates.plugin), scene.coordinates.options, "coordinates plugin");
+  });
+  if (needs_obstacles(scene)) made.obstacles = make_obstacles(registry, scene, at);
+  for (std::size_t i = 0; i < scene.objectives.size(); ++i) {
+    const ObjectiveSpec& spec = scene.objectives[i];
+    if (!needs_term(spec)) {
+      made.terms.push_back(nullptr);
+      continue;
+    }
+    run(at, numbered("objective", i),
+        [&] { made.terms.push_back(make(registry.objective(spec.plugin), spec.options, "objective plugin")); });
+  }
+  const SolverComponent* solver = nullptr;
+  run(at, "solver", [&] { solver = &registry.solver(scene.solver.plugin); });
+  // A solver's options stand one table deeper than those of other components.
+  run(at, "solver.options", [&] { made.solver = make(*solver, scene.solver.options, "solver plugin"); });
+  return made;
+}
+
+}  // namespace tendril::plugins
