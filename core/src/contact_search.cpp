@@ -49,8 +49,8 @@ std::vector<ContactSetup> contact_slots(int stretches, int obstacles) {
   return slots;
 }
 
-std::optional<std::vector<std::vector<ContactSetup>>> every_assignment(const std::vector<ContactSetup>& slots, int count,
-                                                                       std::size_t at_most) {
+std::optional<std::vector<std::vector<ContactSetup>>> every_assignment(const std::vector<ContactSetup>& slots,
+                                                                       int count, std::size_t at_most) {
   std::vector<std::vector<ContactSetup>> all;
   std::vector<ContactSetup> chosen;
   if (!enumerate(slots, 0, count, at_most, chosen, all)) return std::nullopt;
@@ -71,7 +71,8 @@ double assignment_count(int stretches, int obstacles, int count) {
     ways = product;
   };
   std::vector<double> in_a_stretch{1.0};  // m different obstacles in any order
-  for (int m = 1; m <= std::min(count, obstacles); ++m) in_a_stretch.push_back(in_a_stretch.back() * (obstacles - m + 1));
+  for (int m = 1; m <= std::min(count, obstacles); ++m)
+    in_a_stretch.push_back(in_a_stretch.back() * (obstacles - m + 1));
   for (int r = 0; r < stretches; ++r) multiply(in_a_stretch);
   multiply({1.0, static_cast<double>(obstacles)});
   double sum = 0.0;
@@ -115,18 +116,18 @@ std::vector<Extension> extensions(const Problem::Data& problem, const std::vecto
 
   const bool has_tip = std::any_of(contacts.begin(), contacts.end(), [](const ContactSetup& c) { return c.at_tip; });
   std::vector<Extension> all;
-  for (const ContactSetup& slot : contact_slots(static_cast<int>(stretches), static_cast<int>(problem.obstacles.size()))) {
+  for (const ContactSetup& slot :
+       contact_slots(static_cast<int>(stretches), static_cast<int>(problem.obstacles.size()))) {
     if (slot.at_tip && has_tip) continue;
     if (std::any_of(contacts.begin(), contacts.end(), [&](const ContactSetup& c) { return same(c, slot); })) continue;
     const auto o = static_cast<std::size_t>(slot.obstacle);
-    const Nearest place =
-        slot.at_tip ? Nearest{of_tip[o], 1.0} : nearest[o][static_cast<std::size_t>(slot.region)];
+    const Nearest place = slot.at_tip ? Nearest{of_tip[o], 1.0} : nearest[o][static_cast<std::size_t>(slot.region)];
     std::size_t position = 0;
     while (position < contacts.size()) {
       const ContactSetup& c = contacts[position];
-      const bool before = slot.at_tip || (!c.at_tip && (c.region < slot.region ||
-                                                        (c.region == slot.region &&
-                                                         shape.arc_lengths[position] < place.arc_length)));
+      const bool before =
+          slot.at_tip || (!c.at_tip && (c.region < slot.region ||
+                                        (c.region == slot.region && shape.arc_lengths[position] < place.arc_length)));
       if (!before) break;
       ++position;
     }

@@ -20,10 +20,10 @@ inline constexpr std::size_t most_extensions = 6;
 /// Places for a contact: in each stretch with each obstacle, then at the tip with each obstacle.
 std::vector<ContactSetup> contact_slots(int stretches, int obstacles);
 
-/// Every ordered choice of 1 to `count` contacts, small ones first: interior ones by ascending stretch, within a stretch
-/// in any order, none twice; a tip contact last. Empty if there are more than `at_most`.
-std::optional<std::vector<std::vector<ContactSetup>>> every_assignment(const std::vector<ContactSetup>& slots, int count,
-                                                                       std::size_t at_most);
+/// Every ordered choice of 1 to `count` contacts, small ones first: interior ones by ascending stretch, within a
+/// stretch in any order, none twice; a tip contact last. Empty if there are more than `at_most`.
+std::optional<std::vector<std::vector<ContactSetup>>> every_assignment(const std::vector<ContactSetup>& slots,
+                                                                       int count, std::size_t at_most);
 
 /// How many choices every_assignment() would give.
 double assignment_count(int stretches, int obstacles, int count);
@@ -35,8 +35,8 @@ struct Extension {
   double distance = 0.0;  ///< of the rod of the start to the new contact's obstacle
 };
 
-/// Everything that can be added to `contacts`, the nearest obstacles of the rod `shape` first. The order along the rod is
-/// that of the rod.
+/// Everything that can be added to `contacts`, the nearest obstacles of the rod `shape` first. The order along the rod
+/// is that of the rod.
 std::vector<Extension> extensions(const Problem::Data& problem, const std::vector<ContactSetup>& contacts,
                                   const StartShape& shape);
 

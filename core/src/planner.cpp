@@ -606,8 +606,7 @@ void Planner::grow() {
   for (int size = 1; size < d_.scene.contact.count && !must_stop(); ++size) {
     for (const std::size_t parent : parents(size)) {
       const ModeState& from = states_[parent];
-      const StartShape shape =
-          from.best.has_point ? from.best.program->shape_of(from.best.x) : from.nearest;
+      const StartShape shape = from.best.has_point ? from.best.program->shape_of(from.best.x) : from.nearest;
       std::size_t added = 0;
       for (const Extension& extension : extensions(d_, modes_[parent].contacts, shape)) {
         if (added == most_extensions || must_stop()) break;

@@ -169,8 +169,9 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
     }
     if (!d.enumerated) d.left_out.push_back(search_note(d));
     if (count > 1) {
-      d.left_out.push_back({"two contacts inside the rod with one obstacle",
-                            "within one segment only one is planned; a second one may be at the tip or on another segment"});
+      d.left_out.push_back(
+          {"two contacts inside the rod with one obstacle",
+           "within one segment only one is planned; a second one may be at the tip or on another segment"});
     }
   }
 
@@ -285,11 +286,12 @@ Description Problem::describe() const {
   out.force_unit = d.scale.force();
   std::size_t largest = 0;
   int most = -1;
-  std::vector<Mode> shown(d.modes.begin(), d.modes.begin() + static_cast<std::ptrdiff_t>(
-                                                                   std::min(d.modes.size(), most_enumerated + 1)));
+  std::vector<Mode> shown(d.modes.begin(),
+                          d.modes.begin() + static_cast<std::ptrdiff_t>(std::min(d.modes.size(), most_enumerated + 1)));
   if (shown.size() < d.modes.size()) {
-    out.left_out.push_back({"programs of " + std::to_string(d.modes.size() - shown.size()) + " ways of being in contact",
-                            "not described, but tried by a plan"});
+    out.left_out.push_back(
+        {"programs of " + std::to_string(d.modes.size() - shown.size()) + " ways of being in contact",
+         "not described, but tried by a plan"});
   }
   if (!d.enumerated) shown.push_back(d.largest_mode());
   for (const Mode& mode : shown) {
