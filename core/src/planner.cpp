@@ -578,6 +578,7 @@ std::optional<std::vector<ContactSetup>> Planner::contacts_of_start() const {
     return std::pair(a.second.at_tip, a.first) < std::pair(b.second.at_tip, b.first);
   });
   std::vector<ContactSetup> contacts;
+  contacts.reserve(holding.size());
   for (const auto& [s, contact] : holding) contacts.push_back(contact);
   return contacts;
 }

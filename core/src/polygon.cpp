@@ -59,6 +59,7 @@ ObstacleComponent polygon_component() {
       [](const Options& options) -> std::unique_ptr<Obstacle> {
         const NumberTable& table = options.table("vertices");
         std::vector<Vec2> points;
+        points.reserve(static_cast<std::size_t>(table.rows));
         for (int i = 0; i < table.rows; ++i) points.push_back({table(i, 0), table(i, 1)});
         return std::make_unique<RoundedHull>(convex(std::move(points)), options.real("rounding"));
       }};

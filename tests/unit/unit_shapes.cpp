@@ -183,7 +183,7 @@ INSTANTIATE_TEST_SUITE_P(All, Shape, testing::ValuesIn(shapes()),
 
 using List = RawValue::List;
 
-RawValue at(std::vector<double> numbers) {
+RawValue at(const std::vector<double>& numbers) {
   List list;
   for (const double value : numbers) list.push_back({value});
   return {list};
@@ -283,6 +283,7 @@ TEST(ShapeOptions, RefuseWhatIsNoConvexPolygon) {
   refused({{0, 0}, {1, 1}, {1, 0}, {0, 1}}, "vertex");
   refused({{0, 0}, {std::nan(""), 0}, {0, 1}}, "not a finite number");
   std::vector<Vec2> star;
+  star.reserve(5);
   for (int i = 0; i < 5; ++i) star.push_back({std::cos(0.8 * pi * i), std::sin(0.8 * pi * i)});
   refused(star, "sides that cross");
   expect_refused("polygon", {{"vertices", points({{0, 0}, {1, 0}, {0, 1}})}, {"rounding", {0.0}}}, "out of range");
