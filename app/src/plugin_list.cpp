@@ -68,6 +68,8 @@ const char* type_name(OptionType type) {
       return "text";
     case OptionType::list:
       return "list";
+    case OptionType::points:
+      return "list of points";
     case OptionType::matrix:
       return "matrix";
   }

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "shape_options.hpp"
 #include "tendril/error.hpp"
-#include "tendril/registrar.hpp"
 
 namespace tendril {
 
@@ -36,26 +36,13 @@ void Circle::outline(std::span<Vec2> points, Vec2, Vec2) const {
   }
 }
 
-void register_builtin_obstacles(Registrar& registrar) {
-  OptionSpec center;
-  center.name = "center";
-  center.type = OptionType::list;
-  center.size = 2;
-  center.required = true;
-  center.dimension = dimension::length;
-  center.description = "centre of the circle";
-  OptionSpec radius;
-  radius.name = "radius";
-  radius.type = OptionType::real;
-  radius.required = true;
-  radius.minimum = 0.0;
-  radius.minimum_excluded = true;
-  radius.dimension = dimension::length;
-  radius.description = "radius of the circle";
-  registrar.add(ObstacleComponent{"circle", "a disc", {center, radius}, [](const Options& options) {
-                                    const NumberTable& at = options.table("center");
-                                    return std::make_unique<Circle>(Vec2{at(0, 0), at(0, 1)}, options.real("radius"));
-                                  }});
+ObstacleComponent circle_component() {
+  return {"circle",
+          "a disc",
+          {point_option("center", "centre of the circle"), positive_length_option("radius", "radius of the circle")},
+          [](const Options& options) {
+            return std::make_unique<Circle>(point_of(options, "center"), options.real("radius"));
+          }};
 }
 
 }  // namespace tendril

@@ -104,44 +104,55 @@ struct Interval {
   int depth;
 };
 
+/// Where the rod meets the core the square of the distance bounds nothing. The signed distance to a convex shape is
+/// convex: it lies above its tangent at the middle, which bounds it like a wall.
+double support_bound(const Curve& curve, const Obstacle& obstacle, const Interval& at, double& lowest_seen) {
+  const Vec2 middle = curve.position(at.piece, 0.5 * (at.from + at.to));
+  const SurfacePoint s = obstacle.at(middle);
+  lowest_seen = std::min(lowest_seen, s.distance);
+  const double from = dot(s.normal, curve.position(at.piece, at.from) - middle);
+  const double to = dot(s.normal, curve.position(at.piece, at.to) - middle);
+  const double h = (at.to - at.from) * curve.length(at.piece);
+  return s.distance + std::min(from, to) - h * h / 8.0 * curve.curvature_bound(at.piece);
+}
+
 }  // namespace
 
 double certified_depth(const Curve& curve, const Obstacle& obstacle) {
   const double radius = obstacle.rounding();
   const bool flat = !std::isfinite(obstacle.smallest_radius());
+  double lowest_seen = 0.0;  // only depth counts
   const auto core = [&](int piece, double sigma) {
     const Vec2 p = curve.position(piece, sigma);
-    return flat ? obstacle.at(p).distance : obstacle.core_distance(p);
+    const double value = flat ? obstacle.at(p).distance : obstacle.core_distance(p);
+    // Inside of the core only the signed distance tells how deep.
+    lowest_seen = std::min(lowest_seen, flat ? value : value > 0.0 ? value - radius : obstacle.at(p).distance);
+    return value;
   };
   double depth = 0.0;
-  double lowest_seen = 0.0;  // only depth counts
   std::vector<Interval> open;
   for (int j = 0; j < curve.piece_count(); ++j) {
-    open.push_back({j, 0.0, 1.0, core(j, 0.0), core(j, 1.0), 0});
-    const double low = std::min(open.back().core_from, open.back().core_to);
-    lowest_seen = std::min(lowest_seen, flat ? low : low - radius);
+    const double from = core(j, 0.0);
+    open.push_back({j, 0.0, 1.0, from, core(j, 1.0), 0});
   }
   while (!open.empty()) {
     const Interval at = open.back();
     open.pop_back();
     const double h = (at.to - at.from) * curve.length(at.piece);
     const double kappa = curve.curvature_bound(at.piece);
-    double bound = 0.0;  // of the distance to the obstacle
     const double low = std::min(at.core_from, at.core_to);
+    const double farthest = std::max(at.core_from, at.core_to) + 0.5 * h;
+    const double square = low * low - 0.25 * h * h * (1.0 + kappa * farthest);
+    double bound = 0.0;  // of the distance to the obstacle
     if (flat) {
       bound = low - h * h / 8.0 * kappa;
+    } else if (square > 0.0) {
+      bound = std::sqrt(square) - radius;
     } else {
-      const double farthest = std::max(at.core_from, at.core_to) + 0.5 * h;
-      const double square = low * low - 0.25 * h * h * (1.0 + kappa * farthest);
-      bound = std::sqrt(std::max(0.0, square)) - radius;
-    }
-    lowest_seen = std::min(lowest_seen, flat ? low : low - radius);
-    if (bound >= lowest_seen - tolerance::clearance_sharpness) {
-      depth = std::max(depth, -bound);
-      continue;
+      bound = support_bound(curve, obstacle, at, lowest_seen);
     }
     // 60 halvings reach the spacing of doubles: nothing is hidden between two neighbours.
-    if (at.depth >= 60) {
+    if (bound >= lowest_seen - tolerance::clearance_sharpness || at.depth >= 60) {
       depth = std::max(depth, -bound);
       continue;
     }

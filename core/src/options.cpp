@@ -109,6 +109,8 @@ std::string expected(const OptionSpec& spec) {
     case OptionType::list:
       return "a list of " + (spec.size > 0 ? std::to_string(spec.size) + ' ' : std::string()) + "numbers" +
              range_text(spec);
+    case OptionType::points:
+      return "a list of at least " + std::to_string(std::max(1, spec.size)) + " points [x, y]" + range_text(spec);
     case OptionType::matrix:
       return "a matrix (rows of numbers of equal length), its diagonal (a list) or one number";
   }
@@ -138,6 +140,8 @@ class Reader {
         return text(raw);
       case OptionType::list:
         return list(raw);
+      case OptionType::points:
+        return points(raw);
       case OptionType::matrix:
         return matrix(raw);
     }
@@ -162,6 +166,7 @@ class Reader {
         if (std::holds_alternative<std::string>(given)) return given;
         break;
       case OptionType::list:
+      case OptionType::points:
       case OptionType::matrix:
         if (const NumberTable* v = std::get_if<NumberTable>(&given)) {
           NumberTable table = *v;
@@ -230,6 +235,21 @@ class Reader {
     }
     NumberTable table{1, static_cast<int>(entries->size()), {}};
     for (const RawValue& entry : *entries) table.values.push_back(number(entry, raw.position));
+    return table;
+  }
+
+  OptionValue points(const RawValue& raw) const {
+    const auto* rows = std::get_if<RawValue::List>(&raw.value);
+    if (!rows) refuse(raw);
+    if (rows->size() < static_cast<std::size_t>(std::max(1, spec_.size))) {
+      refuse(raw, std::to_string(rows->size()) + (rows->size() == 1 ? " entry" : " entries"));
+    }
+    NumberTable table{static_cast<int>(rows->size()), 2, {}};
+    for (const RawValue& row : *rows) {
+      const auto* point = std::get_if<RawValue::List>(&row.value);
+      if (!point || point->size() != 2) refuse(row, "no point", raw.position);
+      for (const RawValue& entry : *point) table.values.push_back(number(entry, raw.position));
+    }
     return table;
   }
 

@@ -2,8 +2,10 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 
+#include "contact_search.hpp"
 #include "problem_data.hpp"
 #include "tendril/certificate.hpp"
 #include "tendril/complementarity.hpp"
@@ -54,7 +56,7 @@ struct Tally {
 class Planner {
  public:
   Planner(Problem::Data& data, const PlanControl& control)
-      : d_(data), control_(control), deadline_(now() + data.scene.solver.time_limit) {}
+      : d_(data), control_(control), modes_(data.modes), deadline_(now() + data.scene.solver.time_limit) {}
 
   Plan run();
 
@@ -67,6 +69,8 @@ class Planner {
     int stationary_violations = 0;  ///< starts that ended where no direction reduces the violation
     std::string trouble;            ///< how the last attempt failed
     OptimalityReport last;          ///< of the last solve
+    StartShape nearest;             ///< where the violation of the rows was least, as long as there is no point
+    double violation = infinity;    ///< there
   };
 
   bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
@@ -100,13 +104,31 @@ class Planner {
                 const std::vector<Branch>& branches);
   bool exchange(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
                 std::vector<CheckPoint>& checks) const;
+  /// Whether a plan from this start could still win; then it is looked for.
+  void consider(ModeState& state, const StartShape& shape);
+  /// Adds contacts to the best modes of each size.
+  void grow();
+  std::size_t state_of(const std::vector<ContactSetup>& contacts);
+  /// The contacts that hold the earlier plan, if this scene can have them.
+  std::optional<std::vector<ContactSetup>> contacts_of_start() const;
+  std::vector<std::size_t> parents(int contacts) const;
+  static bool all_press(const ModeState& state) {
+    const PoseProgram::Layout& at = state.best.program->layout();
+    return at.forces == 0 || state.best.x.segment(at.first_force, at.forces).minCoeff() > tolerance::force;
+  }
+  double best_objective() const {
+    return winner_ < 0 ? infinity : states_[static_cast<std::size_t>(winner_)].best.objective;
+  }
   Plan report(std::vector<ModeState>& states, int winner);
   void fill_backbone(const PoseProgram& program, std::vector<BackbonePoint>& out) const;
 
   Problem::Data& d_;
   const PlanControl& control_;
+  std::vector<Mode> modes_;  ///< those of the problem, then what the search adds
   double deadline_;
   Tally tally_;
+  std::vector<ModeState> states_;
+  int winner_ = -1;
   bool have_plan_ = false;  ///< some mode is certified
 };
 
@@ -307,6 +329,10 @@ bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
     return true;
   }
   if (f.stationary_violation) ++state.stationary_violations;
+  if (f.x.allFinite() && f.infeasibility < state.violation) {
+    state.nearest = program.shape_of(f.x);
+    state.violation = f.infeasibility;
+  }
   char text[96];
   std::snprintf(text, sizeof text, "no feasible point near: violation %.2e%s", f.infeasibility,
                 f.stationary_violation ? ", stationary" : "");
@@ -366,7 +392,7 @@ bool Planner::exchange(const PoseProgram& program, ConstVectorRef x, Certifier& 
 
 bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& every_check,
                        Eigen::VectorXd x, const std::vector<Branch>& branches) {
-  const Mode& mode = d_.modes[static_cast<std::size_t>(state.mode)];
+  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
   const bool exchanges = d_.scene.contact.check_points == 0 && !d_.obstacles.empty();
   int nodes = d_.nodes;
   std::vector<CheckPoint> checks = every_check;
@@ -411,7 +437,7 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
 }
 
 void Planner::attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions) {
-  const Mode& mode = d_.modes[static_cast<std::size_t>(state.mode)];
+  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
   PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
   std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
   const bool required = d_.min_force > 0.0;
@@ -440,7 +466,7 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
 }
 
 void Planner::try_start(ModeState& state, const StartShape& shape) {
-  const Mode& mode = d_.modes[static_cast<std::size_t>(state.mode)];
+  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
   ++state.starts_used;
   std::vector<int> regions;
   for (const ContactSetup& c : mode.contacts) regions.push_back(c.region);
@@ -509,85 +535,129 @@ void Planner::try_start(ModeState& state, const StartShape& shape) {
       }
     }
     if (!hopped) break;
-    const Eigen::VectorXd x = state.best.x;
-    const PoseProgram::Layout& at = program.layout();
-    const std::shared_ptr<Backbone> from = std::make_shared<Backbone>(program.chain(), d_.rod.base, d_.rod.base_angle);
-    from->move(x.head(at.coordinates), {});
-    // The shape of the old piece's program, kept by value: the program itself may be replaced by a better one.
-    std::vector<double> curvature;
-    static constexpr int samples = 2000;
-    for (int i = 0; i <= samples; ++i) curvature.push_back(from->at((i + 0.5) / (samples + 1.0)).curvature);
-    next_shape.curvature = [curvature](double s) {
-      return curvature[static_cast<std::size_t>(std::clamp(static_cast<int>(s * (samples + 1)), 0, samples))];
-    };
-    next_shape.moments.clear();
-    for (std::size_t a = 0; a < d_.rod.actuators.size(); ++a) {
-      const int variable = program.moment_variable(static_cast<int>(a));
-      next_shape.moments.push_back(variable < 0 ? 0.0 : x[variable]);
-    }
-    next_shape.arc_lengths.assign(pieces.size(), std::numeric_limits<double>::quiet_NaN());
-    next_shape.forces.clear();
-    for (std::size_t k = 0; k < pieces.size(); ++k) {
-      if (!mode.contacts[k].at_tip) next_shape.arc_lengths[k] = x[at.first_arc_length + static_cast<int>(k)];
-      next_shape.forces.push_back(x[at.first_force + static_cast<int>(k)]);
+    next_shape = program.shape_of(state.best.x);
+  }
+}
+
+void Planner::consider(ModeState& state, const StartShape& shape) {
+  if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty() || must_stop()) return;
+  if (best_objective() <= d_.objective_bound + beats) {
+    if (state.starts_used == 0) state.record.outcome = "skipped: no plan can cost less than the one found";
+    return;
+  }
+  const int before = state.stationary_violations;
+  const double begin = now();
+  try_start(state, shape);
+  state.record.seconds += now() - begin;
+  // One start is one piece of evidence, however many programs it led to.
+  state.stationary_violations = std::min(state.stationary_violations, before + 1);
+  // A grown mode whose new contact does not press is the smaller one with one more knot: no better a plan.
+  const bool grown = static_cast<std::size_t>(state.mode) >= d_.modes.size();
+  const bool repeats = grown && winner_ >= 0 && state.best.has_point && !all_press(state);
+  if (state.best.certified() && !repeats && state.best.objective < best_objective() - beats) winner_ = state.mode;
+  have_plan_ = winner_ >= 0;
+}
+
+std::size_t Planner::state_of(const std::vector<ContactSetup>& contacts) {
+  const auto same = [](const ContactSetup& a, const ContactSetup& b) {
+    return a.obstacle == b.obstacle && a.at_tip == b.at_tip && a.region == b.region;
+  };
+  for (std::size_t i = 0; i < modes_.size(); ++i) {
+    const std::vector<ContactSetup>& own = modes_[i].contacts;
+    if (std::equal(own.begin(), own.end(), contacts.begin(), contacts.end(), same)) return i;
+  }
+  modes_.push_back(d_.mode(contacts));
+  ModeState state;
+  state.mode = static_cast<int>(modes_.size()) - 1;
+  state.record.mode = modes_.back().name;
+  states_.push_back(std::move(state));
+  return modes_.size() - 1;
+}
+
+std::optional<std::vector<ContactSetup>> Planner::contacts_of_start() const {
+  std::vector<std::pair<double, ContactSetup>> holding;
+  for (const PlannedContact& c : control_.start->contacts) {
+    if (!(c.force > 0.0)) continue;
+    const auto name = std::find(d_.obstacle_names.begin(), d_.obstacle_names.end(), c.obstacle_name);
+    if (name == d_.obstacle_names.end()) return std::nullopt;
+    const double s = c.at_tip ? 1.0 : c.arc_length / d_.scale.length;
+    const int obstacle = static_cast<int>(name - d_.obstacle_names.begin());
+    holding.push_back({s, {obstacle, c.at_tip, c.at_tip ? 0 : stretch_at(d_.rod, s)}});
+  }
+  if (static_cast<int>(holding.size()) > d_.scene.contact.count) return std::nullopt;
+  std::stable_sort(holding.begin(), holding.end(), [](const auto& a, const auto& b) {
+    return std::pair(a.second.at_tip, a.first) < std::pair(b.second.at_tip, b.first);
+  });
+  std::vector<ContactSetup> contacts;
+  contacts.reserve(holding.size());
+  for (const auto& [s, contact] : holding) contacts.push_back(contact);
+  return contacts;
+}
+
+std::vector<std::size_t> Planner::parents(int contacts) const {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    const ModeState& state = states_[i];
+    if (static_cast<int>(modes_[i].contacts.size()) != contacts) continue;
+    if (!state.best.has_point && !std::isfinite(state.violation)) continue;
+    // With a contact that does not press the mode is the smaller one without it, which was grown already.
+    if (state.best.has_point && !all_press(state)) continue;
+    found.push_back(i);
+  }
+  const auto rank = [&](std::size_t i) {
+    const Candidate& best = states_[i].best;
+    const double value = best.has_point ? best.objective : states_[i].violation;
+    return std::tuple(best.certified() ? 0 : best.has_point ? 1 : 2, value);
+  };
+  std::stable_sort(found.begin(), found.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+  if (found.size() > beam_width) found.resize(beam_width);
+  return found;
+}
+
+void Planner::grow() {
+  for (int size = 1; size < d_.scene.contact.count && !must_stop(); ++size) {
+    for (const std::size_t parent : parents(size)) {
+      const ModeState& from = states_[parent];
+      const StartShape shape = from.best.has_point ? from.best.program->shape_of(from.best.x) : from.nearest;
+      std::size_t added = 0;
+      for (const Extension& extension : extensions(d_, modes_[parent].contacts, shape)) {
+        if (added == most_extensions || must_stop()) break;
+        if (!d_.mode(extension.contacts).skip.empty()) continue;
+        ++added;
+        const std::size_t known = states_.size();
+        const std::size_t i = state_of(extension.contacts);
+        // Another parent led here before; it is tried again only while there is no plan at all.
+        if (i < known && (have_plan_ || states_[i].best.certified())) continue;
+        consider(states_[i], extension.start);
+      }
     }
   }
 }
 
 Plan Planner::run() {
-  std::vector<ModeState> states(d_.modes.size());
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    states[i].mode = static_cast<int>(i);
-    states[i].record.mode = d_.modes[i].name;
+  states_.resize(modes_.size());
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    states_[i].mode = static_cast<int>(i);
+    states_[i].record.mode = modes_[i].name;
   }
-  // With an earlier plan the mode that won there comes first.
-  std::vector<std::size_t> order(states.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::vector<std::size_t> order;
   if (control_.start != nullptr) {
-    int active = 0;
-    for (const PlannedContact& c : control_.start->contacts) active += c.force > 0.0 ? 1 : 0;
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      const auto matches = [&](std::size_t i) {
-        const Mode& m = d_.modes[i];
-        if (static_cast<int>(m.contacts.size()) != active) return false;
-        return std::all_of(m.contacts.begin(), m.contacts.end(), [&](const ContactSetup& c) {
-          return std::any_of(control_.start->contacts.begin(), control_.start->contacts.end(),
-                             [&](const PlannedContact& p) {
-                               return p.force > 0.0 && p.at_tip == c.at_tip &&
-                                      p.obstacle_name == d_.obstacle_names[static_cast<std::size_t>(c.obstacle)];
-                             });
-        });
-      };
-      return matches(a) && !matches(b);
-    });
+    // With an earlier plan the mode that won there comes first.
+    const auto won = contacts_of_start();
+    if (won && (won->empty() ? d_.min_force == 0.0 : d_.contact_planned())) order.push_back(state_of(*won));
+  }
+  const std::size_t modes = modes_.size();
+  for (std::size_t i = 0; i < modes; ++i) {
+    if (order.empty() || order.front() != i) order.push_back(i);
   }
   const int starts = most_starts + (control_.start != nullptr ? 1 : 0);
-  int winner = -1;
-  const auto best_objective = [&] {
-    return winner < 0 ? infinity : states[static_cast<std::size_t>(winner)].best.objective;
-  };
   for (int round = 0; round < starts && !must_stop(); ++round) {
     // One start per mode finds most plans; only if no mode is certified are more starts spent.
-    if (round > 0 && winner >= 0) break;
-    for (const std::size_t i : order) {
-      ModeState& state = states[i];
-      const Mode& mode = d_.modes[i];
-      if (!mode.skip.empty() || must_stop()) continue;
-      if (best_objective() <= d_.objective_bound + beats) {
-        if (state.starts_used == 0) state.record.outcome = "skipped: no plan can cost less than the one found";
-        continue;
-      }
-      const int before = state.stationary_violations;
-      const double begin = now();
-      try_start(state, start_shape(round, mode));
-      state.record.seconds += now() - begin;
-      // One start is one piece of evidence, however many programs it led to.
-      state.stationary_violations = std::min(state.stationary_violations, before + 1);
-      if (state.best.certified() && state.best.objective < best_objective() - beats) winner = state.mode;
-      have_plan_ = winner >= 0;
-    }
+    if (round > 0 && winner_ >= 0) break;
+    for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
+    if (!d_.enumerated) grow();
   }
-  return report(states, winner);
+  return report(states_, winner_);
 }
 
 void Planner::fill_backbone(const PoseProgram& program, std::vector<BackbonePoint>& out) const {
@@ -625,7 +695,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.left_out = d_.left_out;
   plan.solver_name = d_.scene.solver.plugin;
   for (ModeState& state : states) {
-    const Mode& mode = d_.modes[static_cast<std::size_t>(state.mode)];
+    const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
     if (!mode.skip.empty()) {
       state.record.outcome = "skipped: " + mode.skip;
     } else if (state.best.has_point) {
@@ -685,16 +755,18 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
     bool all_infeasible = true;
     int proofs = 0;
     for (const ModeState& state : states) {
-      if (!d_.modes[static_cast<std::size_t>(state.mode)].skip.empty()) {
+      if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty()) {
         ++proofs;
         continue;
       }
       all_infeasible = all_infeasible && !state.best.has_point && state.stationary_violations >= most_starts;
     }
-    if (all_infeasible) {
+    const bool by_bound = proofs == static_cast<int>(states.size());
+    // A search that is no enumeration proves nothing; but a contact out of reach stays out of reach beside others.
+    if (all_infeasible && (d_.enumerated || by_bound)) {
       plan.status = PlanStatus::infeasible;
-      plan.message = proofs == static_cast<int>(states.size())
-                         ? "infeasible by a bound: " + d_.modes.front().skip
+      plan.message = by_bound
+                         ? "infeasible by a bound: " + modes_.front().skip
                          : "infeasible: from " + std::to_string(most_starts) +
                                " starts per mode every search ended where no change of the plan reduces the violation "
                                "of its constraints";
@@ -714,6 +786,10 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
       if (!refused) {
         for (const ModeState& state : states) {
           if (!state.trouble.empty()) plan.message = state.record.mode + ": " + state.trouble;
+        }
+        if (!d_.enumerated) {
+          plan.message = "no plan in the " + std::to_string(states.size()) +
+                         " assignments of contacts that were tried; others may have one; the last: " + plan.message;
         }
       }
     }

@@ -1,6 +1,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pose_program_data.hpp"
 
@@ -111,6 +112,29 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
     x.segment(j * d.n, d.n) = d.chain.project(scaled);
   }
   return x;
+}
+
+StartShape PoseProgram::shape_of(ConstVectorRef x) const {
+  const Data& d = *data_;
+  const Layout& at = d.layout;
+  const std::span<const double> knots(x.data() + at.first_arc_length,
+                                      d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
+  Backbone backbone(d.chain, d.spec.rod->base, d.spec.rod->base_angle);
+  backbone.move(x.head(at.coordinates), knots);
+  static constexpr int samples = 2000;
+  std::vector<double> curvature;
+  for (int i = 0; i <= samples; ++i) curvature.push_back(backbone.at((i + 0.5) / (samples + 1.0)).curvature);
+  StartShape shape;
+  shape.curvature = [curvature](double s) {
+    return curvature[static_cast<std::size_t>(std::clamp(static_cast<int>(s * (samples + 1)), 0, samples))];
+  };
+  for (const int variable : d.moment_variable) shape.moments.push_back(variable < 0 ? 0.0 : x[variable]);
+  for (int k = 0; k < at.forces; ++k) {
+    const int variable = arc_length_variable(k);
+    shape.arc_lengths.push_back(variable < 0 ? std::numeric_limits<double>::quiet_NaN() : x[variable]);
+    shape.forces.push_back(x[at.first_force + k]);
+  }
+  return shape;
 }
 
 }  // namespace tendril

@@ -2,8 +2,8 @@
 #include <chrono>
 #include <cmath>
 #include <numeric>
-#include <set>
 
+#include "contact_search.hpp"
 #include "problem_data.hpp"
 #include "tendril/chain.hpp"
 
@@ -12,39 +12,12 @@ namespace {
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-/// More modes than this are not enumerated: a scene with so many asks for fewer contacts or obstacles at a time.
-constexpr std::size_t most_modes = 512;
-
 std::string contact_name(const ContactSetup& c, const std::vector<std::string>& obstacles, std::size_t stretches) {
   const std::string on = "'" + obstacles[static_cast<std::size_t>(c.obstacle)] + "'";
   if (c.at_tip) return "tip contact with " + on;
   std::string name = "interior contact with " + on;
   if (stretches > 1) name += " on segment " + std::to_string(c.region + 1);
   return name;
-}
-
-/// Every ordered choice of up to `count` contacts: interior ones by ascending stretch, a tip contact last.
-void enumerate(const std::vector<ContactSetup>& slots, std::size_t from, int count, std::vector<ContactSetup>& chosen,
-               std::vector<std::vector<ContactSetup>>& out) {
-  if (!chosen.empty()) out.push_back(chosen);
-  if (static_cast<int>(chosen.size()) == count || out.size() >= most_modes) return;
-  for (std::size_t i = from; i < slots.size(); ++i) {
-    // Within a stretch the order along the rod is part of the choice, so later slots of the same stretch may come
-    // first.
-    if (!chosen.empty() && chosen.back().at_tip) return;
-    std::size_t next = i + 1;
-    if (!slots[i].at_tip) {
-      next = i;
-      while (next > 0 && slots[next - 1].region == slots[i].region) --next;
-    }
-    const bool repeated = std::any_of(chosen.begin(), chosen.end(), [&](const ContactSetup& c) {
-      return c.obstacle == slots[i].obstacle && c.at_tip == slots[i].at_tip && c.region == slots[i].region;
-    });
-    if (repeated) continue;
-    chosen.push_back(slots[i]);
-    enumerate(slots, next, count, chosen, out);
-    chosen.pop_back();
-  }
 }
 
 }  // namespace
@@ -186,32 +159,19 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
     d.modes.push_back(std::move(none));
   }
   if (d.contact_planned()) {
-    std::vector<ContactSetup> slots;
-    for (int r = 0; r < static_cast<int>(stretches); ++r) {
-      for (int o = 0; o < static_cast<int>(d.obstacles.size()); ++o) slots.push_back({o, false, r});
+    const auto obstacles = static_cast<int>(d.obstacles.size());
+    const int count = scene.contact.count;
+    const std::vector<ContactSetup> slots = contact_slots(static_cast<int>(stretches), obstacles);
+    const auto few = every_assignment(slots, count, most_enumerated);
+    d.enumerated = few.has_value() || count == 1;
+    for (const std::vector<ContactSetup>& contacts : few ? *few : *every_assignment(slots, 1, slots.size())) {
+      d.modes.push_back(d.mode(contacts));
     }
-    for (int o = 0; o < static_cast<int>(d.obstacles.size()); ++o) slots.push_back({o, true, 0});
-    std::vector<std::vector<ContactSetup>> choices;
-    std::vector<ContactSetup> chosen;
-    enumerate(slots, 0, scene.contact.count, chosen, choices);
-    std::stable_sort(choices.begin(), choices.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
-    for (const std::vector<ContactSetup>& contacts : choices) {
-      Mode mode;
-      mode.contacts = contacts;
-      for (const ContactSetup& c : contacts) {
-        if (!mode.name.empty()) mode.name += " and ";
-        mode.name += contact_name(c, d.obstacle_names, stretches);
-        // A point at arc length s is at most s away from the base.
-        const double reach = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
-        if (d.obstacles[static_cast<std::size_t>(c.obstacle)]->at(d.rod.base).distance > reach) {
-          mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
-        }
-      }
-      d.modes.push_back(std::move(mode));
-    }
-    if (choices.size() >= most_modes) {
+    if (!d.enumerated) d.left_out.push_back(search_note(d));
+    if (count > 1) {
       d.left_out.push_back(
-          {"further contact assignments", "only the first " + std::to_string(most_modes) + " are tried"});
+          {"two contacts inside the rod with one obstacle",
+           "within one segment only one is planned; a second one may be at the tip or on another segment"});
     }
   }
 
@@ -223,6 +183,22 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
   }
   d.nodes = suggested_nodes(d.components.coordinates->function_count(), std::min(angle, 30.0));
   d.seconds_assemble = now() - begin;
+}
+
+Mode Problem::Data::mode(std::vector<ContactSetup> contacts) const {
+  const std::vector<double> knots = rod.fixed_knots();
+  Mode mode;
+  mode.contacts = std::move(contacts);
+  for (const ContactSetup& c : mode.contacts) {
+    if (!mode.name.empty()) mode.name += " and ";
+    mode.name += contact_name(c, obstacle_names, knots.size() - 1);
+    // A point at arc length s is at most s away from the base.
+    const double reach = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
+    if (obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > reach) {
+      mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
+    }
+  }
+  return mode;
 }
 
 PoseProgramSpec Problem::Data::spec(const Mode& mode, const std::vector<int>& regions, int with_nodes) const {
@@ -285,6 +261,19 @@ std::vector<CheckPoint> Problem::Data::first_checks(const PoseProgramSpec& spec,
   return checks;
 }
 
+/// One of the assignments with the most contacts, for its size.
+Mode Problem::Data::largest_mode() const {
+  const int stretches = static_cast<int>(rod.fixed_knots().size()) - 1;
+  std::vector<ContactSetup> contacts;
+  for (const ContactSetup& slot : contact_slots(stretches, static_cast<int>(obstacles.size()))) {
+    if (static_cast<int>(contacts.size()) == scene.contact.count) break;
+    if (!slot.at_tip || contacts.empty() || !contacts.back().at_tip) contacts.push_back(slot);
+  }
+  Mode largest = mode(contacts);
+  largest.name = std::to_string(contacts.size()) + " contacts, as one of the assignments that a plan searches";
+  return largest;
+}
+
 Description Problem::describe() const {
   const Data& d = *data_;
   Description out;
@@ -297,7 +286,15 @@ Description Problem::describe() const {
   out.force_unit = d.scale.force();
   std::size_t largest = 0;
   int most = -1;
-  for (const Mode& mode : d.modes) {
+  std::vector<Mode> shown(d.modes.begin(),
+                          d.modes.begin() + static_cast<std::ptrdiff_t>(std::min(d.modes.size(), most_enumerated + 1)));
+  if (shown.size() < d.modes.size()) {
+    out.left_out.push_back(
+        {"programs of " + std::to_string(d.modes.size() - shown.size()) + " ways of being in contact",
+         "not described, but tried by a plan"});
+  }
+  if (!d.enumerated) shown.push_back(d.largest_mode());
+  for (const Mode& mode : shown) {
     std::vector<int> regions;
     for (const ContactSetup& c : mode.contacts) {
       regions.push_back(c.at_tip || d.scene.coordinates.split_at_contact ? c.region

@@ -30,11 +30,15 @@ struct Problem::Data {
   double objective_bound = 0.0;  ///< no plan can cost less (scaled)
   Target target;
   double min_force = 0.0, max_force = infinity;
-  std::vector<Mode> modes;
+  std::vector<Mode> modes;  ///< all, or those that a search begins with
+  bool enumerated = true;   ///< `modes` are all there are
   std::vector<LeftOut> left_out;
   int nodes = 0;
   double seconds_assemble = 0.0;
 
+  /// The mode with these contacts: its name, and why it cannot be if that is known.
+  Mode mode(std::vector<ContactSetup> contacts) const;
+  Mode largest_mode() const;
   /// The program's parts that do not depend on check points. `regions` replaces the contacts' regions (for an unsplit
   /// rod: pieces).
   PoseProgramSpec spec(const Mode& mode, const std::vector<int>& regions, int with_nodes) const;

@@ -5,11 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <random>
 
 #include "tendril/circle.hpp"
+#include "tendril/clearance.hpp"
+#include "tendril/rounded_hull.hpp"
+#include "tendril/wall.hpp"
 
 namespace tendril {
 namespace {
@@ -102,6 +106,7 @@ struct Case {
   bool split;
   bool tip_contact;
   int interior_contacts;
+  const char* shapes = "circles";
 };
 
 std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name; }
@@ -119,7 +124,8 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
     const Case& c = GetParam();
     spec.rod = &rod;
     spec.model = c.model.get();
-    spec.obstacles = {&upper, &lower};
+    make_obstacles(c.shapes);
+    spec.obstacles = {upper.get(), lower.get()};
     const bool contacts = c.tip_contact || c.interior_contacts > 0;
     everything = std::make_unique<Everything>(contacts);
     spec.terms = {{everything.get(), 1.3, "everything"}};
@@ -132,7 +138,7 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
     program = std::make_unique<PoseProgram>(spec);
   }
 
-  Eigen::VectorXd random_point(std::mt19937& random) const {
+  Eigen::VectorXd random_point(std::mt19937& random) {
     std::uniform_real_distribution<double> d(-0.4, 0.4);
     Eigen::VectorXd x(program->variable_count());
     const PoseProgram::Layout& at = program->layout();
@@ -147,8 +153,44 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
         x[at.first_arc_length + k] = low + (high - low) * (k + 1.0 + 0.5 * d(random)) / (at.arc_lengths + 1.0);
       }
       for (int k = 0; k < at.forces; ++k) x[at.first_force + k] = 0.5 + d(random);
-    } while (a_knot_meets_a_sample(x));
+    } while (a_knot_meets_a_sample(x) || a_point_meets_a_seam(x));
     return x;
+  }
+
+  void make_obstacles(const std::string& shapes) {
+    if (shapes == "circles") {
+      upper = std::make_unique<Circle>(Vec2{0.5, 0.6}, 0.2);
+      lower = std::make_unique<Circle>(Vec2{0.7, -0.5}, 0.15);
+    } else if (shapes == "walls") {
+      upper = std::make_unique<Wall>(Vec2{0.5, 0.6}, Vec2{0.2, -0.9});
+      lower = std::make_unique<Wall>(Vec2{0.7, -0.5}, Vec2{-0.3, 0.8});
+    } else {
+      upper = std::make_unique<RoundedHull>(std::vector<Vec2>{{0.3, 0.7}, {0.6, 0.6}}, 0.2);
+      lower = std::make_unique<RoundedHull>(std::vector<Vec2>{{0.6, -0.4}, {0.5, -0.8}, {0.9, -0.6}, {0.8, -0.5}}, 0.1);
+    }
+  }
+
+  /// The curvature of an obstacle jumps at its seams: no second derivative there.
+  bool a_point_meets_a_seam(const Eigen::VectorXd& x) {
+    program->constraints(x);
+    std::vector<std::pair<const Obstacle*, Vec2>> points;
+    for (std::size_t k = 0; k < program->contacts().size(); ++k) {
+      points.emplace_back(spec.obstacles[static_cast<std::size_t>(spec.contacts[k].obstacle)],
+                          program->contacts()[k].point);
+    }
+    Curve curve(std::make_shared<CurveTables>(program->chain().rule()));
+    curve.follow(program->backbone());
+    for (const CheckPoint& c : spec.checks) {
+      points.emplace_back(spec.obstacles[static_cast<std::size_t>(c.obstacle)], curve.position(c.piece, c.sigma));
+    }
+    return std::any_of(points.begin(), points.end(), [](const auto& p) {
+      const int patch = p.first->patch_at(p.second);
+      for (int i = 0; i < 8; ++i) {
+        const Vec2 away = 20.0 * step * Vec2{std::cos(0.785 * i), std::sin(0.785 * i)};
+        if (p.first->patch_at(p.second + away) != patch) return true;
+      }
+      return false;
+    });
   }
 
   /// The curvature at a fixed arc length jumps when a knot passes: no derivative there.
@@ -165,8 +207,7 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
   }
 
   Rod rod;
-  Circle upper{{0.5, 0.6}, 0.2};
-  Circle lower{{0.7, -0.5}, 0.15};
+  std::unique_ptr<Obstacle> upper, lower;
   std::unique_ptr<Everything> everything;
   PoseProgramSpec spec;
   std::unique_ptr<PoseProgram> program;
@@ -243,12 +284,18 @@ std::vector<Case> cases() {
       }
     }
   }
+  for (const bool split : {false, true}) {
+    for (const char* shapes : {"walls", "hulls"}) {
+      all.push_back({split ? "legendre6_split" : "legendre6", legendre(6), split, true, 2, shapes});
+    }
+  }
   return all;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PoseDerivatives, testing::ValuesIn(cases()), [](const auto& each) {
   const Case& c = each.param;
-  return std::string(c.name) + "_" + std::to_string(c.interior_contacts) + "inside" + (c.tip_contact ? "_tip" : "");
+  return std::string(c.name) + "_" + std::to_string(c.interior_contacts) + "inside" + (c.tip_contact ? "_tip" : "") +
+         (std::string(c.shapes) == "circles" ? "" : "_" + std::string(c.shapes));
 });
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include "core_support.hpp"
 #include "tendril/circle.hpp"
 #include "tendril/clearance.hpp"
+#include "tendril/rounded_hull.hpp"
+#include "tendril/wall.hpp"
 
 namespace tendril::support {
 namespace {
@@ -97,6 +99,62 @@ TEST(CoreClearanceReference, DepthOfCirclesOfAllSizes) {
       }
     }
   }
+}
+
+// Any shape: the exact depth of an arc, by sampling that leaves less than 1e-7 and a search within the deepest cell.
+double sampled_depth(const Arc& arc, const Obstacle& shape) {
+  constexpr int samples = 4000;
+  double deepest = 0.0;
+  const auto depth = [&](double s) { return -shape.at(arc.at(s)).distance; };
+  for (int i = 0; i <= samples; ++i) deepest = std::max(deepest, depth(static_cast<double>(i) / samples));
+  for (int i = 0; i <= samples; ++i) {
+    const double s = static_cast<double>(i) / samples;
+    if (depth(s) < deepest - 2.0 / samples) continue;
+    double low = std::max(0.0, s - 1.0 / samples);
+    double high = std::min(1.0, s + 1.0 / samples);
+    for (int step = 0; step < 80; ++step) {
+      const double a = low + (high - low) / 3.0;
+      const double b = high - (high - low) / 3.0;
+      (depth(a) < depth(b) ? low : high) = depth(a) < depth(b) ? a : b;
+    }
+    deepest = std::max(deepest, depth(0.5 * (low + high)));
+  }
+  return deepest;
+}
+
+TEST(CoreClearanceReference, DepthOfWallsCapsulesAndPolygons) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const auto offset = [&](double size) { return size * Vec2{2.0 * unit(random) - 1.0, 2.0 * unit(random) - 1.0}; };
+  int deep = 0;
+  for (const double turn : {-3.0, 0.02, 2.5}) {
+    const Arc arc(turn, 6, 2);
+    for (int trial = 0; trial < 60; ++trial) {
+      const Vec2 near = arc.at(unit(random)) + offset(0.1);
+      const double size = std::pow(10.0, -2.0 + 2.0 * unit(random));
+      std::unique_ptr<Obstacle> shape;
+      if (trial % 3 == 0) {
+        shape = std::make_unique<Wall>(near, offset(1.0));
+      } else if (trial % 3 == 1) {
+        shape = std::make_unique<RoundedHull>(std::vector<Vec2>{near, near + offset(size)}, 0.2 * size);
+      } else {
+        // Mostly core: the rod goes right through it.
+        const double start = unit(random);
+        std::vector<Vec2> corners;
+        for (int i = 0; i < 5; ++i) {
+          const double angle = 2.0 * pi * (start + 0.2 * i);
+          corners.push_back(near + size * Vec2{std::cos(angle), 0.7 * std::sin(angle)});
+        }
+        shape = std::make_unique<RoundedHull>(corners, 1e-3 * size);
+      }
+      const double exact = sampled_depth(arc, *shape);
+      const double depth = certified_depth(arc.curve, *shape);
+      deep += exact > 1e-3 * size ? 1 : 0;
+      EXPECT_GE(depth, exact - 1e-14) << trial << " turn " << turn;
+      EXPECT_LE(depth, exact + 1e-9) << trial << " turn " << turn;
+    }
+  }
+  EXPECT_GT(deep, 50);
 }
 
 TEST(CoreClearanceReference, DepthAtTheEndsOfTheRod) {

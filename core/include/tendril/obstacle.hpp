@@ -15,13 +15,26 @@ struct SurfacePoint {
   double curvature_rate = 0.0;  ///< dk/dtau
 };
 
+/// A line on which the level-set curvature jumps: points of the patch have normal . P >= offset.
+struct Seam {
+  Vec2 normal{};
+  double offset = 0.0;
+};
+
 /// A fixed body of the plane. Dimensionless.
 class TENDRIL_API Obstacle {
  public:
   virtual ~Obstacle();
 
-  /// Undefined only on the shape's medial axis (a circle's centre), where any unit normal may be returned.
+  /// Undefined only on the shape's medial axis (a circle's centre), where a unit normal of any nearest boundary point
+  /// is returned.
   virtual SurfacePoint at(Vec2 point) const = 0;
+  /// Patches are the parts of the plane in which at() is smooth; a shape without seams is one patch. patch_at() names
+  /// the one that holds a point, on_patch() is its surface continued beyond its seams.
+  virtual int patch_at(Vec2 point) const;
+  virtual SurfacePoint on_patch(int patch, Vec2 point) const;
+  /// The straight lines that bound a patch outside of the core. None: the shape is smooth.
+  virtual std::span<const Seam> seams(int patch) const;
   /// A point that stands for the obstacle in objectives (a circle's centre).
   virtual Vec2 reference_point() const = 0;
   /// Smallest radius of curvature of the boundary; infinity for a wall.
@@ -32,7 +45,8 @@ class TENDRIL_API Obstacle {
   virtual double rounding() const = 0;
   /// Axis-aligned box for figures; unbounded shapes return infinities.
   virtual void bounding_box(Vec2& low, Vec2& high) const = 0;
-  /// `count` points around the boundary, for figures; unbounded shapes clip to the given box.
+  /// Points around the boundary, for figures; unbounded shapes clip to the given box, and put the points at infinity if
+  /// nothing of them lies in it.
   virtual void outline(std::span<Vec2> points, Vec2 low, Vec2 high) const = 0;
 };
 

@@ -37,8 +37,9 @@ enum class OptionType {
   integer,
   real,
   text,
-  list,   ///< numbers in a row
-  matrix  ///< rows of numbers of equal length; a list is taken as the diagonal, a number as a multiple of the identity
+  list,    ///< numbers in a row
+  points,  ///< [x, y] each
+  matrix   ///< rows of numbers of equal length; a list is taken as the diagonal, a number as a multiple of the identity
 };
 
 /// Numbers in row-major order. A list has one row.
@@ -63,7 +64,7 @@ struct OptionSpec {
   std::vector<std::string> choices{};  ///< for text: the only words allowed; empty: any
   bool required = false;
   bool minimum_excluded = false;  ///< `minimum` itself is refused (a radius of 0)
-  int size = 0;                   ///< for a list: number of entries; 0: any
+  int size = 0;                   ///< for a list: number of entries, 0: any; for points: least number
 };
 
 using OptionSchema = std::vector<OptionSpec>;

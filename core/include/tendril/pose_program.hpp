@@ -107,6 +107,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   /// A start of the given shape; contacts sit where the shape comes nearest to their obstacles unless the shape says
   /// where.
   Eigen::VectorXd start_from(const StartShape& shape) const;
+  /// What x looks like, as a start of another program on the same rod: sampled curvature, moments, places and forces.
+  StartShape shape_of(ConstVectorRef x) const;
 
   /// State at the point computed last.
   struct ContactState {
