@@ -175,6 +175,20 @@ Problem& Session::problem() {
   return *problem_;
 }
 
+Description Session::describe() {
+  if (scene_.problem != ProblemKind::estimate) return problem().describe();
+  return located("", [&] { return describe_estimate(scene_); });
+}
+
+Estimate Session::estimate() {
+  const InterruptGuard interrupt;
+  PlanControl control;
+  control.stop = &InterruptGuard::flag();
+  Estimate estimate = located("", [&] { return tendril::estimate(scene_, control); });
+  estimate.left_out.insert(estimate.left_out.end(), dropped_.begin(), dropped_.end());
+  return estimate;
+}
+
 Plan Session::plan(const std::optional<std::filesystem::path>& start) {
   std::optional<Plan> earlier;
   if (start) earlier = read_start(*start, scene_);

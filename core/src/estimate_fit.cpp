@@ -127,12 +127,12 @@ ShapeFit fit_shape(const LoadedRod& rod, const MeasuredShape& measured, const Lo
     // A place without a force moves nothing; it must not become singular either.
     const Eigen::VectorXd weights = wanted.normal.diagonal().cwiseMax(1e-12);
     bool accepted = false;
-    while (!accepted && damping < 1e12) {
+    while (!accepted && damping < 1e12 && !limits.reached()) {
       Eigen::MatrixXd damped = wanted.normal;
       damped.diagonal() += damping * weights;
       const Eigen::VectorXd slide = -Eigen::LDLT<Eigen::MatrixXd>(damped).solve(wanted.gradient);
       if (!(slide.lpNorm<Eigen::Infinity>() <= longest_slide)) {
-        damping *= 4.0;
+        damping = std::max(1e-9, 4.0 * damping);
         continue;
       }
       std::vector<NormalForce> moved = fit.shape.forces;
