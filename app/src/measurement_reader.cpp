@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 
@@ -139,6 +140,16 @@ class PointFile {
   }
 
   double value(const Cell& cell, const std::string& unit) const {
+    // A plain number is in m, as everywhere in a scene.
+    double plain = 0.0;
+    const char* end = cell.text.data() + cell.text.size();
+    const auto [rest, error_code] = std::from_chars(cell.text.data(), end, plain);
+    if (unit.empty() && error_code == std::errc() && rest == end) {
+      if (!std::isfinite(plain)) {
+        fail(cell, "found \"" + cell.text + "\", expected " + expected_quantity(dimension::length, " that is finite"));
+      }
+      return plain;
+    }
     try {
       return units_.read(unit.empty() ? cell.text : cell.text + ' ' + unit, dimension::length);
     } catch (const Error& error) {

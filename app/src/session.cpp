@@ -76,7 +76,8 @@ Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Unit
       const Stopwatch open(seconds_open_);
       registry_ =
           std::make_unique<plugins::Registry>(plugins::Catalog(plugins::search_places(arguments.plugin_directories)));
-      drop_foreign_options(coordinates, solver);
+      // An estimate opens no plugin, so nobody knows which options are foreign.
+      if (scene_.problem != ProblemKind::estimate) drop_foreign_options(coordinates, solver);
     }
   }
   seconds_read_ -= seconds_open_;

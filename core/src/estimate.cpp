@@ -384,9 +384,9 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
   if (!out.noise_estimated) out.fit_probability = chi_square_probability(out.chi_square, out.degrees_of_freedom);
   report_contacts(in, refined, chosen->fits, out);
 
-  std::vector<double> places;
-  constexpr int drawn = 101;
-  for (int i = 0; i < drawn; ++i) places.push_back(static_cast<double>(i) / (drawn - 1));
+  constexpr std::size_t drawn = 101;
+  std::vector<double> places(drawn);
+  for (std::size_t i = 0; i < drawn; ++i) places[i] = static_cast<double>(i) / (drawn - 1);
   const std::vector<LoadedRod::Point> points = refined.rod->points(fit.shape, places);
   for (std::size_t i = 0; i < points.size(); ++i) {
     out.backbone.push_back({places[i] * in.scale.length, in.scale.length * points[i].position.x,

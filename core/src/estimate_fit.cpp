@@ -237,8 +237,8 @@ LoadedRod::Curvature measured_curvature(const Rod& rod, const MeasuredShape& mea
 }
 
 std::vector<double> spread_places(int count) {
-  std::vector<double> places;
-  for (int i = 0; i < count; ++i) places.push_back((i + 0.5) / count);
+  std::vector<double> places(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < places.size(); ++i) places[i] = (static_cast<double>(i) + 0.5) / count;
   return places;
 }
 

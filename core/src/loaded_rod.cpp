@@ -235,6 +235,7 @@ LoadedRod::Shape LoadedRod::solve(std::vector<NormalForce> forces, const Curvatu
   move_apart(forces);
   const Chain& chain = pieces(forces).chain();
   std::vector<double> arc_lengths;
+  arc_lengths.reserve(forces.size());
   for (const NormalForce& f : forces) arc_lengths.push_back(f.arc_length);
   Eigen::VectorXd q(chain.coordinate_count());
   std::vector<double> scaled(static_cast<std::size_t>(chain.nodes()));

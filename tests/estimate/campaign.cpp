@@ -5,11 +5,16 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 
 #include "estimate/truth.hpp"
 
 int main(int argc, char** argv) {
   using namespace tendril;
+  if (argc > 1 && std::string(argv[1]) == "points") {
+    std::fputs(test::measurement_file().c_str(), stdout);
+    return 0;
+  }
   const int runs = argc > 1 ? std::atoi(argv[1]) : 200;
   const auto seed = static_cast<std::uint64_t>(argc > 2 ? std::atoll(argv[2]) : 1);
   struct Case {

@@ -112,6 +112,22 @@ Eigen::VectorXd noisy(const Eigen::VectorXd& points, double noise, std::uint64_t
   return out;
 }
 
+std::string measurement_file() {
+  const Truth arm = braced_arm();
+  constexpr int count = 20;
+  const Eigen::VectorXd points = noisy(exact_points(arm, arm.solve(), count), 5e-5, 1);
+  std::string out =
+      "# Exact shape of the braced arm (boundary-value problem) with normal noise of 0.05 mm on x and y.\n"
+      "s [mm], x [mm], y [mm]\n";
+  for (int i = 0; i < count; ++i) {
+    char line[80];
+    std::snprintf(line, sizeof line, "%g, %.3f, %.3f\n", 1e3 * arm.length() * (i + 1) / count, 1e3 * points[2 * i],
+                  1e3 * points[2 * i + 1]);
+    out += line;
+  }
+  return out;
+}
+
 Truth braced_arm() {
   Truth t;
   t.rod.sections = {{0.1, 4.9e-4, 0.084, 0.0}};
