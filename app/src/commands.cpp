@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstdio>
-#include <system_error>
-
+#include "estimate_command.hpp"
+#include "output.hpp"
 #include "tendril/app/figure.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
@@ -16,13 +14,6 @@
 namespace tendril::app {
 
 namespace {
-
-void print(const std::string& text) {
-  const bool good = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-  if (!good) throw InputError("cannot write to standard output: " + std::generic_category().message(errno));
-}
-
-void note(const std::string& text) { fmt::print(stderr, "tendril: {}\n", text); }
 
 void note_dropped(const Session& session) {
   std::string text;
@@ -74,6 +65,7 @@ int run_plan(const PlanArguments& arguments) {
   if (arguments.output) const StagedFiles trial(*arguments.output);
   Session session(arguments.scene);
   note_dropped(session);
+  if (session.scene().problem == ProblemKind::estimate) return run_estimate(session, arguments);
   const Plan plan = session.plan(arguments.start);
   const RunInfo run = session.run_info();
   const std::string json = arguments.json || arguments.output ? plan_json(session.scene(), plan, run) : "";
@@ -86,7 +78,7 @@ int run_plan(const PlanArguments& arguments) {
 int run_describe(const SceneArguments& arguments, bool json) {
   Session session(arguments);
   note_dropped(session);
-  Description description = session.problem().describe();
+  Description description = session.describe();
   description.left_out.insert(description.left_out.end(), session.dropped().begin(), session.dropped().end());
   const RunInfo run = session.run_info();
   print(json ? description_json(session.scene(), description, run)

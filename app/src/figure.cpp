@@ -56,6 +56,7 @@ Box window_of(const FigureScene& scene, const Plan& plan) {
   for (const BackbonePoint& p : plan.backbone) box.add({p[1], p[2]});
   for (const BackbonePoint& p : plan.start_backbone) box.add({p[1], p[2]});
   if (scene.target) box.add(*scene.target);
+  for (const Vec2 p : scene.measured) box.add(p);
   for (const PlannedContact& contact : plan.contacts) {
     if (contact.force > 0.0) box.add(contact.point + 1.25 * arrow_of(plan, contact));
   }
@@ -172,6 +173,8 @@ DataFile data_of(const FigureScene& scene, const Plan& plan, LengthUnit unit) {
     const Vec2 arrow = arrow_of(plan, contact);
     data.row({contact.point.x, contact.point.y, arrow.x, arrow.y});
   }
+  data.block("measured", "x y");
+  for (const Vec2 p : scene.measured) data.row({p.x, p.y});
   data.block("target", "x y");
   if (scene.target) data.row({scene.target->x, scene.target->y});
   if (scene.target && scene.target_angle) {
@@ -195,6 +198,7 @@ Vec2 emptiest_corner(const FigureScene& scene, const Plan& plan, const Box& wind
       for (const BackbonePoint& p : plan.backbone) keep_off({p[1], p[2]});
       for (const BackbonePoint& p : plan.start_backbone) keep_off({p[1], p[2]});
       if (scene.target) keep_off(*scene.target);
+      for (const Vec2 p : scene.measured) keep_off(p);
       for (const PlannedContact& contact : plan.contacts) {
         if (contact.force > 0.0) keep_off(contact.point + arrow_of(plan, contact));
       }
@@ -275,6 +279,11 @@ std::string plot_command(const FigureScene& scene, const Plan& plan, const std::
   }
   if (!plan.backbone.empty()) {
     parts.push_back(data + " index 'rod' using 1:2 with lines linewidth 5 linecolor rgb '#1f4e8c' title 'rod'");
+  }
+  if (!scene.measured.empty()) {
+    parts.push_back(data +
+                    " index 'measured' using 1:2 with points pointtype 6 pointsize 1.1 linewidth 1.5 linecolor rgb "
+                    "'#e08a00' title 'measured'");
   }
   if (largest_force(plan) > 0.0) {
     parts.push_back(data +

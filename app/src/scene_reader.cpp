@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "measurement_reader.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::app {
@@ -272,6 +273,7 @@ struct RodDraft {
 struct SceneDraft {
   Scene scene;
   RodDraft rod;
+  MeasurementDraft measurement;
 };
 
 Table<SegmentSpec> segment_table() {
@@ -404,14 +406,39 @@ Table<SolverSpec> solver_table() {
            [](T & t) -> auto& { return t.options; })}};
 }
 
+/// Keys of [measurement]; lists of rows have a reader of their own.
+Table<MeasurementDraft> measurement_table() {
+  using T = MeasurementDraft;
+  const auto list = [](std::string name, KeyType type, const Dimension& dimension, std::string description, auto read) {
+    return Key<T>{
+        {std::move(name), type, dimension, "", std::move(description)},
+        [read](const Context& context, const Node& node, T& t) { read(context.document, context.units, node, t); }};
+  };
+  return {{list("points", KeyType::points, dimension::length,
+                "Measured backbone points: [s, x, y] each, or [x, y] at equal distances along the rod, the last one at "
+                "the tip.",
+                read_measured_points),
+           text<T>("file", "", "CSV file with the points instead, beside the scene; columns x, y or s, x, y.",
+                   [](T& t, const std::string& v) { t.file = v; }),
+           quantity<T>("noise", dimension::length, positive, "estimated from the residuals",
+                       "Standard deviation of each measured coordinate.", [](T& t, double v) { t.noise = v; }),
+           list("moments", KeyType::quantities, dimension::moment,
+                "Moment of each actuator while the points were measured; not needed where min and max are equal.",
+                read_known_moments)}};
+}
+
 Table<SceneDraft> scene_table() {
   using T = SceneDraft;
-  const std::vector<std::string> problems{"pose"};
+  const std::vector<std::string> problems{"pose", "estimate"};
   Table<T> scene;
   scene.keys = {
       text<T>("title", "", "Title of reports and figures.", [](T& t, const std::string& v) { t.scene.title = v; }),
       text<T>(
-          "problem", "pose", "Kind of problem.", [](T&, const std::string&) {}, problems),
+          "problem", "pose", "Kind of problem.",
+          [](T& t, const std::string& v) {
+            if (v == "estimate") t.scene.problem = ProblemKind::estimate;
+          },
+          problems),
       point<T>("gravity", dimension::acceleration, "no gravity", "Gravity.", [](T& t, Vec2 v) { t.scene.gravity = v; }),
       table<T>(
           "rod", "rod", "the rod", rod_table(), [](T & t) -> auto& { return t.rod; }, Need::required),
@@ -454,7 +481,9 @@ Table<SceneDraft> scene_table() {
       not_available<T>("gripper", KeyType::table, "grasp"),
       not_available<T>("finger", KeyType::tables, "grasp"),
       not_available<T>("trajectory", KeyType::table, "trajectory"),
-      not_available<T>("measurement", KeyType::table, "estimate"),
+      table<T>(
+          "measurement", "measurement", "What was measured of the rod; for the problem kind \"estimate\".",
+          measurement_table(), [](T & t) -> auto& { return t.measurement; }),
       not_available<T>("study", KeyType::table, "study")};
   return scene;
 }
@@ -465,7 +494,7 @@ void refuse_other_problems(const Document& document) {
   if (node == nullptr) return;
   const auto* kind = std::get_if<std::string>(&node->value);
   if (kind == nullptr) return;
-  for (const std::string_view other : {"grasp", "trajectory", "execute", "estimate", "study"}) {
+  for (const std::string_view other : {"grasp", "trajectory", "execute", "study"}) {
     if (*kind == other) {
       document.fail(node->position,
                     "found problem = \"" + *kind + "\", which is not available in this version, expected \"pose\"");
@@ -543,6 +572,7 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
   read_table(context, document.root(), "", scene_table(), draft);
   Scene scene = std::move(draft.scene);
   scene.rod = finish_rod(document, draft.rod);
+  scene.measurement = finish_measurement(document, *units, draft.measurement, scene);
   if (scene.contact.min_force > scene.contact.max_force) {
     document.fail(document.find("contact.min_force"),
                   fmt::format("found min_force {} N above max_force {} N, expected min_force <= max_force",

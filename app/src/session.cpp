@@ -76,7 +76,8 @@ Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Unit
       const Stopwatch open(seconds_open_);
       registry_ =
           std::make_unique<plugins::Registry>(plugins::Catalog(plugins::search_places(arguments.plugin_directories)));
-      drop_foreign_options(coordinates, solver);
+      // An estimate opens no plugin, so nobody knows which options are foreign.
+      if (scene_.problem != ProblemKind::estimate) drop_foreign_options(coordinates, solver);
     }
   }
   seconds_read_ -= seconds_open_;
@@ -132,6 +133,20 @@ Problem& Session::problem() {
   }
   located("", [&] { problem_.emplace(scene_, std::move(components)); });
   return *problem_;
+}
+
+Description Session::describe() {
+  if (scene_.problem != ProblemKind::estimate) return problem().describe();
+  return located("", [&] { return describe_estimate(scene_); });
+}
+
+Estimate Session::estimate() {
+  const InterruptGuard interrupt;
+  PlanControl control;
+  control.stop = &InterruptGuard::flag();
+  Estimate estimate = located("", [&] { return tendril::estimate(scene_, control); });
+  estimate.left_out.insert(estimate.left_out.end(), dropped_.begin(), dropped_.end());
+  return estimate;
 }
 
 Plan Session::plan(const std::optional<std::filesystem::path>& start) {

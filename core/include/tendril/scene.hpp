@@ -92,6 +92,18 @@ struct SolverSpec {
   SourcePosition position{};
 };
 
+struct MeasuredPoint {
+  double arc_length = 0.0;  ///< m
+  Vec2 position{};          ///< m
+};
+
+/// What was measured of a rod in contact with unknown obstacles.
+struct MeasurementSpec {
+  std::vector<MeasuredPoint> points;
+  double noise = 0.0;           ///< m, standard deviation of each coordinate; 0: not known
+  std::vector<double> moments;  ///< N m, one per actuator; empty: not given
+};
+
 struct Scene {
   std::string file;  ///< as named by the user; empty if made in code
   std::string title;
@@ -104,6 +116,7 @@ struct Scene {
   ContactSpec contact;
   TipLoadSpec tip_load;
   TargetSpec target;
+  MeasurementSpec measurement;
   std::vector<ObjectiveSpec> objectives;
   SolverSpec solver;
   QuantityReader read_quantity;  ///< for numbers with units inside raw options; may be empty

@@ -19,6 +19,7 @@ struct FigureScene {
   };
   std::vector<Shape> obstacles;
   bool obstacles_ignored = false;  ///< the plan knows nothing of them
+  std::vector<Vec2> measured;      ///< points that an estimate started from
   std::optional<Vec2> target;
   std::optional<double> target_angle;
   Vec2 base{};

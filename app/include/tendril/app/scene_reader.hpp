@@ -11,7 +11,20 @@
 
 namespace tendril::app {
 
-enum class KeyType { text, boolean, integer, quantity, point, table, tables, options };
+enum class KeyType {
+  text,
+  boolean,
+  integer,
+  quantity,
+  point,
+  texts,
+  quantities,
+  points,
+  targets,
+  table,
+  tables,
+  options
+};
 
 /// Everything there is to know of one key of a scene: read by the reader, by "did you mean", and by the reference page.
 struct KeySpec {

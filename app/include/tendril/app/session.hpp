@@ -9,6 +9,7 @@
 #include "tendril/app/document.hpp"
 #include "tendril/app/result.hpp"
 #include "tendril/app/units.hpp"
+#include "tendril/estimate.hpp"
 #include "tendril/planner.hpp"
 #include "tendril/plugins/components.hpp"
 
@@ -32,6 +33,10 @@ class Session {
   const Scene& scene() const { return scene_; }
   /// Assembles the problem; once.
   Problem& problem();
+  /// The assembled program, or what an estimate would solve.
+  Description describe();
+  /// Estimates contacts until the time limit or Ctrl-C. No plugin is opened.
+  Estimate estimate();
   /// Plans until a certified plan, the time limit, or Ctrl-C (a second one kills). A solver that does not return within
   /// two seconds after the time limit ends the process with exit code 1. Options of the scene that were dropped are
   /// added to the plan's left_out.
