@@ -330,7 +330,8 @@ bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   }
   if (f.stationary_violation) ++state.stationary_violations;
   if (f.x.allFinite() && f.infeasibility < state.violation) {
-    state.nearest = program.shape_of(f.x);
+    // Only the search over assignments goes on from there.
+    if (!d_.enumerated) state.nearest = program.shape_of(f.x);
     state.violation = f.infeasibility;
   }
   char text[96];
@@ -548,6 +549,16 @@ void Planner::consider(ModeState& state, const StartShape& shape) {
   const int before = state.stationary_violations;
   const double begin = now();
   try_start(state, shape);
+  // Where nothing presses, a plan of another mode nearly belongs to this one too: what costs more lies on another side
+  // of an obstacle, and the better side is worth a start.
+  if (winner_ >= 0 && winner_ != state.mode && state.best.certified() && !must_stop() &&
+      state.best.objective > best_objective() + beats) {
+    const Candidate& better = states_[static_cast<std::size_t>(winner_)].best;
+    StartShape from = better.program->shape_of(better.x);
+    from.arc_lengths.clear();
+    from.forces.clear();
+    try_start(state, from);
+  }
   state.record.seconds += now() - begin;
   // One start is one piece of evidence, however many programs it led to.
   state.stationary_violations = std::min(state.stationary_violations, before + 1);

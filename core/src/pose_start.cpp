@@ -119,11 +119,29 @@ StartShape PoseProgram::shape_of(ConstVectorRef x) const {
   const Layout& at = d.layout;
   const std::span<const double> knots(x.data() + at.first_arc_length,
                                       d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
-  Backbone backbone(d.chain, d.spec.rod->base, d.spec.rod->base_angle);
-  backbone.move(x.head(at.coordinates), knots);
-  static constexpr int samples = 2000;
-  std::vector<double> curvature;
-  for (int i = 0; i <= samples; ++i) curvature.push_back(backbone.at((i + 0.5) / (samples + 1.0)).curvature);
+  static constexpr int samples = 500;
+  std::vector<double> curvature(samples + 1);
+  std::vector<double> sigma;
+  Eigen::MatrixXd value(samples + 1, d.n);
+  Eigen::MatrixXd first(samples + 1, d.n);
+  Eigen::MatrixXd second(samples + 1, d.n);
+  std::size_t done = 0;
+  for (int j = 0; j < d.pieces; ++j) {
+    const double from = d.chain.start(j, knots);
+    const double length = d.chain.length(j, knots);
+    sigma.clear();
+    for (std::size_t i = done; i < curvature.size(); ++i) {
+      const double inside = ((static_cast<double>(i) + 0.5) / (samples + 1.0) - from) / length;
+      if (inside > 1.0 && j + 1 < d.pieces) break;
+      sigma.push_back(std::clamp(inside, 0.0, 1.0));
+    }
+    const auto count = static_cast<Eigen::Index>(sigma.size());
+    if (count == 0) continue;
+    d.chain.model().evaluate(sigma, value.topRows(count), first.topRows(count), second.topRows(count));
+    Eigen::Map<Eigen::VectorXd>(curvature.data() + done, count) =
+        first.topRows(count) * x.segment(j * d.n, d.n) / length;
+    done += sigma.size();
+  }
   StartShape shape;
   shape.curvature = [curvature](double s) {
     return curvature[static_cast<std::size_t>(std::clamp(static_cast<int>(s * (samples + 1)), 0, samples))];
