@@ -73,9 +73,22 @@ int suggested_nodes(int functions, double angle) {
   return static_cast<int>(std::ceil(1.5 * functions + 1.2 * std::abs(angle) + 8.0));
 }
 
-Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> knot_stretches, int nodes)
-    : model_(&model), rule_(nodes, model.breaks()), fixed_knots_(rod.fixed_knots()) {
-  table_ = make_table(model, rule_);
+ChainTables::ChainTables(const CoordinateModel& model, int nodes)
+    : rule(nodes, model.breaks()), basis(make_table(model, rule)) {}
+
+std::shared_ptr<const ChainTables> TableStore::of(const CoordinateModel& model, int nodes) {
+  for (const Entry& entry : entries_) {
+    if (entry.model == &model && entry.nodes == nodes) return entry.tables;
+  }
+  entries_.push_back({&model, nodes, std::make_shared<ChainTables>(model, nodes)});
+  return entries_.back().tables;
+}
+
+Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> knot_stretches, int nodes,
+             TableStore* store)
+    : model_(&model),
+      tables_(store != nullptr ? store->of(model, nodes) : std::make_shared<ChainTables>(model, nodes)),
+      fixed_knots_(rod.fixed_knots()) {
   std::vector<double> parts = model.subdivision();
   const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
   if (parts.empty() || !(sum > 0.0)) throw Error("a coordinate model's subdivision must have positive parts");
@@ -167,10 +180,10 @@ Eigen::VectorXd Chain::project(std::span<const double> scaled_curvature) const {
   Eigen::MatrixXd value(nodes(), n);
   Eigen::MatrixXd first(nodes(), n);
   Eigen::MatrixXd second(nodes(), n);
-  model_->evaluate(span_of(table_.sigma), value, first, second);
+  model_->evaluate(span_of(table().sigma), value, first, second);
   const Eigen::Map<const Eigen::VectorXd> target(scaled_curvature.data(), nodes());
-  const Eigen::VectorXd rhs = first.transpose() * table_.weight.cwiseProduct(target);
-  return table_.stiffness.ldlt().solve(rhs);
+  const Eigen::VectorXd rhs = first.transpose() * table().weight.cwiseProduct(target);
+  return table().stiffness.ldlt().solve(rhs);
 }
 
 int Chain::piece_at(double s, std::span<const double> knots) const {

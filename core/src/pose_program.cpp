@@ -35,7 +35,7 @@ int interior_count(const PoseProgramSpec& spec) {
 
 PoseProgram::Data::Data(PoseProgramSpec s)
     : spec(std::move(s)),
-      chain(*spec.rod, *spec.model, knot_stretches(spec), spec.nodes),
+      chain(*spec.rod, *spec.model, knot_stretches(spec), spec.nodes, spec.tables.get()),
       backbone(chain, spec.rod->base, spec.rod->base_angle),
       terms(weighted_terms(spec), spec.target, static_cast<int>(spec.contacts.size()),
             static_cast<int>(spec.rod->actuators.size())),

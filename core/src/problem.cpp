@@ -214,6 +214,7 @@ PoseProgramSpec Problem::Data::spec(const Mode& mode, const std::vector<int>& re
   s.nodes = with_nodes;
   s.min_force = min_force;
   s.max_force = max_force;
+  s.tables = tables;
   return s;
 }
 

@@ -25,6 +25,28 @@ struct BasisTable {
   Eigen::VectorXd slope_bound;             ///< max over [0,1] of |beta_i'|, sampled densely and inflated
 };
 
+/// A rule on [0,1] and a basis at its nodes: what a chain needs beside the rod.
+struct ChainTables {
+  ChainTables(const CoordinateModel& model, int nodes);
+  Quadrature rule;
+  BasisTable basis;
+};
+
+/// Makes the tables of each model and number of nodes once: the many small programs of a plan share them. Models must
+/// outlive it. Not for concurrent use.
+class TENDRIL_API TableStore {
+ public:
+  std::shared_ptr<const ChainTables> of(const CoordinateModel& model, int nodes);
+
+ private:
+  struct Entry {
+    const CoordinateModel* model;
+    int nodes;
+    std::shared_ptr<const ChainTables> tables;
+  };
+  std::vector<Entry> entries_;
+};
+
 /// The rod cut into pieces (model.md section 2): which pieces there are, how long they are as affine functions of the
 /// moving knots, and the tables that never change. Knots are fixed (ends of segments and actuators) or move with a
 /// contact.
@@ -40,12 +62,13 @@ class TENDRIL_API Chain {
   };
 
   /// `knot_stretches`: for each moving knot, in ascending order along the rod, the stretch between fixed knots in which
-  /// it moves. `nodes`: Gauss nodes per smooth interval of a piece.
-  Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> knot_stretches, int nodes);
+  /// it moves. `nodes`: Gauss nodes per smooth interval of a piece. Without `store` the chain makes its own tables.
+  Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> knot_stretches, int nodes,
+        TableStore* store = nullptr);
 
   int piece_count() const { return static_cast<int>(pieces_.size()); }
-  int functions() const { return table_.functions; }
-  int nodes() const { return table_.nodes; }  ///< per piece
+  int functions() const { return table().functions; }
+  int nodes() const { return table().nodes; }  ///< per piece
   int coordinate_count() const { return piece_count() * functions(); }
   int knot_count() const { return static_cast<int>(knot_piece_.size()); }
   const Piece& piece(int j) const { return pieces_[static_cast<std::size_t>(j)]; }
@@ -65,8 +88,8 @@ class TENDRIL_API Chain {
   bool actuated(int a, int j) const { return spans_(a, j) != 0; }
   int actuator_count() const { return static_cast<int>(spans_.rows()); }
 
-  const BasisTable& table() const { return table_; }
-  const Quadrature& rule() const { return rule_; }
+  const BasisTable& table() const { return tables_->basis; }
+  const Quadrature& rule() const { return tables_->rule; }
   const CoordinateModel& model() const { return *model_; }
 
   /// Coordinates of a piece that come nearest (in curvature, L2) to curvature(sigma) * length given at the nodes.
@@ -77,14 +100,13 @@ class TENDRIL_API Chain {
 
  private:
   const CoordinateModel* model_;
-  Quadrature rule_;
+  std::shared_ptr<const ChainTables> tables_;
   std::vector<double> fixed_knots_;
   std::vector<Piece> pieces_;
   std::vector<int> knot_piece_;
   Eigen::VectorXd start0_, length0_;
   Eigen::MatrixXd start_rate_, length_rate_;
   Eigen::MatrixXi spans_;
-  BasisTable table_;
 };
 
 /// Number of Gauss nodes per smooth interval that resolves `functions` coordinates and a change of angle of `angle` per

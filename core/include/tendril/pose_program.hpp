@@ -56,6 +56,7 @@ struct PoseProgramSpec {
   int nodes = 0;  ///< Gauss nodes per smooth interval of a piece
   double min_force = 0.0;
   double max_force = infinity;
+  std::shared_ptr<TableStore> tables{};  ///< shared by programs of one rod and model; null: each makes its own
 };
 
 /// A shape to start from, whatever it was described with.
