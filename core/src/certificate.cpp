@@ -24,7 +24,7 @@ std::string defect(const char* what, double value, double limit) {
 
 struct Certifier::Data {
   explicit Data(const PoseProgramSpec& s) : spec(doubled(s)), program(std::make_unique<PoseProgram>(spec)) {
-    tables = std::make_shared<CurveTables>(program->chain().rule());
+    tables = program->chain().curve_tables();
     curve = std::make_unique<Curve>(tables);
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "tendril/clearance.hpp"
 #include "tendril/error.hpp"
 
 namespace tendril {
@@ -74,7 +75,7 @@ int suggested_nodes(int functions, double angle) {
 }
 
 ChainTables::ChainTables(const CoordinateModel& model, int nodes)
-    : rule(nodes, model.breaks()), basis(make_table(model, rule)) {}
+    : rule(nodes, model.breaks()), basis(make_table(model, rule)), curve(std::make_shared<CurveTables>(rule)) {}
 
 std::shared_ptr<const ChainTables> TableStore::of(const CoordinateModel& model, int nodes) {
   for (const Entry& entry : entries_) {

@@ -674,7 +674,7 @@ Plan Planner::run() {
 void Planner::fill_backbone(const PoseProgram& program, std::vector<BackbonePoint>& out) const {
   const Chain& chain = program.chain();
   const Backbone& shape = program.backbone();
-  Curve curve(std::make_shared<CurveTables>(chain.rule()));
+  Curve curve(chain.curve_tables());
   curve.follow(shape);
   const double length = d_.scale.length;
   const int n = chain.functions();

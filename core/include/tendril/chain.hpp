@@ -25,11 +25,14 @@ struct BasisTable {
   Eigen::VectorXd slope_bound;             ///< max over [0,1] of |beta_i'|, sampled densely and inflated
 };
 
+class CurveTables;
+
 /// A rule on [0,1] and a basis at its nodes: what a chain needs beside the rod.
 struct ChainTables {
   ChainTables(const CoordinateModel& model, int nodes);
   Quadrature rule;
   BasisTable basis;
+  std::shared_ptr<const CurveTables> curve;  ///< for the same rule
 };
 
 /// Makes the tables of each model and number of nodes once: the many small programs of a plan share them. Models must
@@ -90,6 +93,7 @@ class TENDRIL_API Chain {
 
   const BasisTable& table() const { return tables_->basis; }
   const Quadrature& rule() const { return tables_->rule; }
+  const std::shared_ptr<const CurveTables>& curve_tables() const { return tables_->curve; }
   const CoordinateModel& model() const { return *model_; }
 
   /// Coordinates of a piece that come nearest (in curvature, L2) to curvature(sigma) * length given at the nodes.
