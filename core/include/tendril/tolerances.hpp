@@ -17,6 +17,8 @@ inline constexpr double force = 1e-9;            ///< a contact with less force 
 /// 3e-2 on the braced arm); another equilibrium branch lies beyond it. A plan that loses or gains a contact is refused
 /// whatever the distance.
 inline constexpr double model_error = 5e-2;
+/// Local moment balance of an execution: its fine basis has to resolve the rod.
+inline constexpr double moment_balance = 1e-9;
 
 /// The clearance bound is bisected until it is this sharp: a tenth of what is asked for.
 inline constexpr double clearance_sharpness = 1e-10;
