@@ -145,14 +145,28 @@ std::optional<std::vector<Tracker::Event>> Tracker::events(const Step& step, con
   const bool good = add_releases(step, found) && add_touches(step, found) && add_tip(step, tangent, found) &&
                     add_instability(step, tangent, found);
   if (!good) return std::nullopt;
-  if (step.z[load] >= 1.0) {
-    Event end;
-    const double share = (1.0 - now_.z[load]) / (step.z[load] - now_.z[load]);
-    end.z = now_.z + share * (step.z - now_.z);
-    if (!s.solve_at_load(end.z, 1.0, 1e-9).converged) return std::nullopt;
-    end.tau = step.row.dot(end.z - now_.z);
-    found.push_back(std::move(end));
+  // The final loads may lie before the step's end, or between here and a fold at still higher ones.
+  double beyond = step.z[load] >= 1.0 ? step.tau : infinity;
+  for (const Event& e : found) {
+    if (e.kind == EventKind::fold && e.z[load] >= 1.0) beyond = std::min(beyond, e.tau);
   }
+  if (!std::isfinite(beyond)) return found;
+  Event end;
+  double low = 0.0;
+  double high = beyond;
+  end.z = now_.z;
+  for (int i = 0; i < 60 && high - low > 1e-6 * beyond; ++i) {
+    const double middle = 0.5 * (low + high);
+    const std::optional<Eigen::VectorXd> z = corrected(step, tangent, middle);
+    if (!z) return std::nullopt;
+    const bool past = (*z)[load] > 1.0;
+    (past ? high : low) = middle;
+    if (!past) end.z = *z;
+  }
+  if (!s.solve_at_load(end.z, 1.0, 1e-9).converged) return std::nullopt;
+  end.tau = step.row.dot(end.z - now_.z);
+  if (!(end.tau >= -1e-9 && end.tau <= beyond + 1e-9)) return std::nullopt;
+  found.push_back(std::move(end));
   return found;
 }
 
