@@ -92,22 +92,41 @@ std::optional<Tracker::Step> Tracker::try_step(const Eigen::VectorXd& tangent, d
   step.z = now_.z + length * tangent;
   const Eigen::VectorXd predicted = step.z;
   const Statics::NewtonResult r = s.solve(step.z, step.row, step.row.dot(predicted), knot_distance);
-  if (r.leaning >= 0) {
+  const std::vector<double> knots = path_.rod().fixed_knots();
+  const auto handed_over = [&](int k, bool upward) {
+    const auto region = static_cast<std::size_t>(s.contact(k).region);
+    return upward ? knots[region + 1] - knot_distance : knots[region] + knot_distance;
+  };
+  int leaning = r.leaning;
+  bool upward = r.upward;
+  for (int k = 0; r.converged && k < s.contact_count(); ++k) {
+    const int index = s.arc_length_index(k);
+    if (index < 0) continue;
+    for (const bool up : {false, true}) {
+      const double sign = up ? 1.0 : -1.0;
+      if (!(sign * (step.z[index] - handed_over(k, up)) > 0.0) || !(sign * (step.z[index] - now_.z[index]) > 0.0)) continue;
+      leaning = k;
+      upward = up;
+    }
+  }
+  if (leaning >= 0) {
     // The contact reaches the end of its stretch first: that point is the step's end.
-    const int index = s.arc_length_index(r.leaning);
-    const auto region = static_cast<std::size_t>(s.contact(r.leaning).region);
-    const std::vector<double>& knots = s.at(now_.z).chain().fixed_knots();
-    const double target = r.upward ? knots[region + 1] - knot_distance : knots[region] + knot_distance;
+    const int index = s.arc_length_index(leaning);
+    const double target = handed_over(leaning, upward);
     if (std::abs(step.z[index] - target) > 10.0 * knot_distance) return std::nullopt;
+    step.slide.emplace();
+    step.slide->contact = leaning;
+    step.slide->upward = upward;
     Eigen::VectorXd row = Eigen::VectorXd::Zero(s.size() + 1);
     row[index] = 1.0;
-    const double share = (target - now_.z[index]) / (tangent[index] != 0.0 ? tangent[index] : 1.0);
-    step.z = now_.z + std::clamp(share, 0.0, length) * tangent;
-    step.z[index] = target;
-    if (!s.solve(step.z, row, target, 0.5 * knot_distance).converged) return std::nullopt;
-    step.slide.emplace();
-    step.slide->contact = r.leaning;
-    step.slide->upward = r.upward;
+    if ((upward ? now_.z[index] - target : target - now_.z[index]) >= 0.0) {
+      step.z = now_.z;
+    } else {
+      const double share = (target - now_.z[index]) / (tangent[index] != 0.0 ? tangent[index] : 1.0);
+      step.z = now_.z + std::clamp(share, 0.0, length) * tangent;
+      step.z[index] = target;
+      if (!s.solve(step.z, row, target, 0.5 * knot_distance).converged) return std::nullopt;
+    }
   } else if (!r.converged) {
     return std::nullopt;
   }
