@@ -15,6 +15,8 @@ constexpr double straightness = 0.9;     ///< cosine between the tangents at bot
 constexpr double deviation = 0.25;       ///< of the corrected from the predicted point, per step length
 constexpr double knot_distance = 1e-6;   ///< where a contact is handed over to the next stretch or the tip
 constexpr double beyond_bifurcation = 1e-3;  ///< load fraction; see Snap
+constexpr double not_critical = 1e-3;         ///< margin that a fold of the equilibrium cannot have
+constexpr double vanishing_convexity = 1e-2;  ///< d_ss (per L) at a turn of the path that a spreading contact explains
 constexpr int most_steps = 20000;
 constexpr int most_snaps = 50;
 
@@ -30,7 +32,7 @@ bool Tracker::follow() {
       trouble_ = "the path does not end";
       return false;
     }
-    if (spreads() || !advance()) return false;
+    if (spreads(0.0) || !advance()) return false;
     if (coarse() && !resolve(1e-8) && coarse()) {
       trouble_ = "the shape cannot be resolved by the fine basis";
       return false;
@@ -73,9 +75,11 @@ bool Tracker::advance() {
     }
     Event& first = *std::min_element(found->begin(), found->end(),
                                      [](const Event& a, const Event& b) { return a.tau < b.tau; });
+    // Nothing may be violated there that the step's end did not show: a contact made and left within the step.
+    Statics& at_event = first.statics ? *first.statics : *now_.statics;
+    if (!at_event.penetrations(first.z).empty()) continue;
+    if (first.kind == EventKind::touch && at_event.tip_slope(first.z) > tolerance::closest_point) continue;
     if (first.kind == EventKind::end) {
-      // Nothing may be violated at the end that the step did not show.
-      if (!now_.statics->penetrations(first.z).empty()) continue;
       now_.z = first.z;
       done_ = true;
       return true;
@@ -336,6 +340,7 @@ bool Tracker::take(Event& event) {
       return leave_tip(event);
     case EventKind::fold: {
       now_.z = event.z;
+      if (turns_by_spreading()) return false;
       // The place of the fold is a result: as exact as the basis can be.
       const int order = order_;
       const int pieces = pieces_;
@@ -363,6 +368,8 @@ bool Tracker::take(Event& event) {
       return snap(SnapKind::fold, z, &event.direction, z[now_.statics->size()]);
     }
     case EventKind::bifurcation: {
+      now_.z = event.z;
+      if (turns_by_spreading()) return false;
       Statics& s = *now_.statics;
       const double at = event.z[s.size()];
       const double load = std::min(1.0, at + beyond_bifurcation);
@@ -377,6 +384,11 @@ bool Tracker::take(Event& event) {
       break;
   }
   return false;
+}
+
+/// A path also turns, and its margin jumps, where a contact's d_ss passes zero; nothing gives way there.
+bool Tracker::turns_by_spreading() {
+  return now_.statics->margin(now_.z) > not_critical && spreads(vanishing_convexity);
 }
 
 bool Tracker::release(Event& event) {

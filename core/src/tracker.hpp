@@ -88,8 +88,12 @@ class Tracker {
   bool slide(Event& event);
   bool leave_tip(Event& event);
   bool snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::VectorXd* direction, double load);
-  std::optional<Settled> fall(const std::function<double(double)>& curvature, double load, double& energy);
-  bool spreads();
+  /// Downhill at a load that may lie `extra` further, then exactly at the load itself.
+  std::optional<Settled> fall(const std::function<double(double)>& curvature, double load, double extra,
+                              double& energy);
+  /// A contact with force has no more than this d_ss: `trouble_` says where.
+  bool spreads(double least);
+  bool turns_by_spreading();
 
   LoadPath& path_;
   std::function<bool()> must_stop_;

@@ -16,7 +16,12 @@ constexpr int most_repairs = 40;
 constexpr double pull = -1e-10;           ///< a force below it would have to pull
 constexpr double past_knot = 2e-6;        ///< where a contact that slid over a knot starts on the other side
 constexpr double same_place = 2e-3;       ///< a penetration this near to a contact on the same obstacle is its own
-constexpr double pushes[] = {0.03, 0.1, 0.3};  ///< first move along a critical direction, in the metric
+/// First move along a critical direction, in the metric, and how much further the load is while the rod falls: where
+/// contacts hold it, the soft contacts of the descent give way a little later than the rigid ones.
+struct Push {
+  double along, extra;
+};
+constexpr Push pushes[] = {{0.03, 0.0}, {0.1, 0.0}, {0.1, 1e-3}, {0.3, 1e-3}, {0.3, 1e-2}, {0.3, 3e-2}};
 
 std::string text_of(const char* format, double a, double b = 0.0) {
   char text[200];
@@ -103,7 +108,7 @@ bool Tracker::begin(const RodState& guess, bool exact) {
     now_ = std::move(*near);
   } else {
     double energy = 0.0;
-    std::optional<Settled> below = fall(guess.curvature, 0.0, energy);
+    std::optional<Settled> below = fall(guess.curvature, 0.0, 0.0, energy);
     if (!below) {
       trouble_ = "no stable equilibrium was found near the start" + (trouble_.empty() ? "" : ": " + trouble_);
       return false;
@@ -224,10 +229,10 @@ std::optional<Settled> Tracker::settle(RodState guess, double load) {
   return std::nullopt;
 }
 
-bool Tracker::spreads() {
+bool Tracker::spreads(double least) {
   for (int k = 0; k < now_.statics->contact_count(); ++k) {
     if (!(now_.z[now_.statics->force_index(k)] > tolerance::force)) continue;
-    if (now_.statics->convexity(now_.z, k) > 0.0) continue;
+    if (now_.statics->convexity(now_.z, k) > least) continue;
     trouble_ = text_of(
         "contact spreads at load fraction %.6f: from the point at %.4f L on the rod lies along the obstacle, a point "
         "contact does not hold it",
@@ -237,8 +242,9 @@ bool Tracker::spreads() {
   return false;
 }
 
-std::optional<Settled> Tracker::fall(const std::function<double(double)>& curvature, double load, double& energy) {
-  path_.apply(load);
+std::optional<Settled> Tracker::fall(const std::function<double(double)>& curvature, double load, double extra,
+                                     double& energy) {
+  path_.apply(load + extra);
   const Descent down = descend(path_, curvature, must_stop_);
   if (!down.converged) {
     trouble_ = down.reason;
@@ -264,13 +270,13 @@ bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::
   const Shape along = here.direction(critical, weakest);
   std::optional<Settled> best;
   std::string reason;
-  for (const double push : pushes) {
+  for (const auto& [push, extra] : pushes) {
     double lowest = infinity;
     for (const double sign : {1.0, -1.0}) {
       // A fold is left the way it was entered; elsewhere both sides are looked at.
       if (kind == SnapKind::fold && sign < 0.0) continue;
       double energy = infinity;
-      std::optional<Settled> found = fall(from.plus(sign * push, along), load, energy);
+      std::optional<Settled> found = fall(from.plus(sign * push, along), load, extra, energy);
       if (!found) {
         reason = trouble_;
         continue;
