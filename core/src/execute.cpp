@@ -289,6 +289,8 @@ std::string_view to_string(SnapKind kind) {
       return "bifurcation";
     case SnapKind::release:
       return "release";
+    case SnapKind::slip:
+      return "slip";
     case SnapKind::start:
       return "start";
   }

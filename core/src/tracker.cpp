@@ -439,7 +439,14 @@ bool Tracker::slide(Event& event) {
     row[statics->arc_length_index(event.contact)] = 1.0;
     value = s;
   }
-  if (!statics->solve(z, row, value, 0.1 * knot_distance).converged) {
+  const Eigen::VectorXd guess = z;
+  const bool followed = statics->solve(z, row, value, 0.1 * knot_distance).converged;
+  if (to_tip && (!followed || !(statics->margin(z) > 0.0))) {
+    // Inside the rod a contact can give by sliding; at the tip there is no further place to slide to.
+    now_ = {std::move(statics), guess};
+    return snap(SnapKind::slip, guess, nullptr, state.load);
+  }
+  if (!followed) {
     trouble_ = "a contact could not be followed over the end of a stretch";
     return false;
   }

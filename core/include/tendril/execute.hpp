@@ -18,6 +18,7 @@ enum class SnapKind {
   fold,         ///< the branch turns back: no equilibrium near it carries a higher load
   bifurcation,  ///< the branch goes on but is unstable; both sides of it are equal, the larger tip angle is taken
   release,      ///< the last contact that held the rod let go
+  slip,         ///< a contact slid to the tip, where it holds the rod no longer
   start         ///< the shape that was started from is no stable equilibrium of its own loads
 };
 TENDRIL_API std::string_view to_string(SnapKind kind);
