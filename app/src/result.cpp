@@ -108,6 +108,7 @@ Json contacts_json(const std::vector<PlannedContact>& contacts) {
                      {"normal", {number(contact.normal.x), number(contact.normal.y)}},
                      {"force", number(contact.force)},
                      {"gap", number(contact.gap)}});
+    if (contact.extended) array.back()["extended"] = true;
   }
   return array;
 }
@@ -224,16 +225,20 @@ void read_backbone(const Reader& root, const Scene& scene, Plan& plan) {
   if (!spans) root.member("backbone").fail(fmt::format("a backbone from 0 to the rod's length, {} m", length));
 }
 
-}  // namespace
+Json backbone_json(const std::vector<BackbonePoint>& points) {
+  Json array = Json::array();
+  for (const BackbonePoint& point : points) array.push_back(numbers({point.begin(), point.end()}));
+  return array;
+}
 
-std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) {
+Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan, const RunInfo& run) {
   Json json;
   json["schema"] = 1;
   json["status"] = to_string(plan.status);
   json["message"] = plan.message;
   json["scene"] = scene.file;
   json["title"] = scene.title;
-  json["problem"] = to_string(scene.problem);
+  json["problem"] = to_string(problem);
   json["coordinates"] = {{"name", plan.coordinates_name},
                          {"order", plan.order},
                          {"split_at_contact", plan.split_at_contact},
@@ -251,6 +256,11 @@ std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) 
   json["moments"] = numbers(plan.moments);
   json["contacts"] = contacts_json(plan.contacts);
   json["certificate"] = certificate_json(plan.certificate);
+  if (!plan.verification.empty()) {
+    json["model_error"] = plan.model_error ? number(*plan.model_error) : Json(nullptr);
+    json["local_model_error"] = plan.local_model_error ? number(*plan.local_model_error) : Json(nullptr);
+    json["verification"] = plan.verification;
+  }
   Json modes = Json::array();
   for (const ModeRecord& mode : plan.modes) {
     modes.push_back(
@@ -263,11 +273,41 @@ std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) 
                      {"assemble", number(plan.seconds_assemble)},
                      {"solve", number(plan.seconds_solve)},
                      {"certify", number(plan.seconds_certify)}};
-  Json backbone = Json::array();
-  for (const BackbonePoint& point : plan.backbone) backbone.push_back(numbers({point.begin(), point.end()}));
-  json["backbone"] = std::move(backbone);
+  json["backbone"] = backbone_json(plan.backbone);
   json["plugins"] = components_json(run.components);
   json["versions"] = versions_json();
+  return json;
+}
+
+/// A state beside a snap. Its tip is the end of its backbone.
+Json state_json(const std::vector<BackbonePoint>& shape, const std::vector<PlannedContact>& contacts) {
+  const BackbonePoint tip = shape.empty() ? BackbonePoint{} : shape.back();
+  return {{"tip", {{"x", number(tip[1])}, {"y", number(tip[2])}, {"angle", number(tip[3])}}},
+          {"contacts", contacts_json(contacts)},
+          {"backbone", backbone_json(shape)}};
+}
+
+}  // namespace
+
+std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) {
+  return written(plan_object(scene, scene.problem, plan, run));
+}
+
+std::string execution_json(const Scene& scene, const Execution& execution, const RunInfo& run) {
+  Json json = plan_object(scene, ProblemKind::execute, execution.result, run);
+  json["load"] = {
+      {"reached", number(execution.load)}, {"steps", execution.steps}, {"contact_changes", execution.contact_changes}};
+  json["basis"] = {{"name", "legendre"}, {"order", execution.result.order}, {"pieces", execution.pieces}};
+  Json snaps = Json::array();
+  for (const Snap& snap : execution.snaps) {
+    snaps.push_back({{"kind", to_string(snap.kind)},
+                     {"load", number(snap.load)},
+                     {"moments", numbers(snap.moments)},
+                     {"stability_after", number(snap.stability_after)},
+                     {"before", state_json(snap.before, snap.contacts_before)},
+                     {"after", state_json(snap.after, snap.contacts_after)}});
+  }
+  json["snaps"] = std::move(snaps);
   return written(json);
 }
 

@@ -406,12 +406,16 @@ Table<SolverSpec> solver_table() {
 
 Table<SceneDraft> scene_table() {
   using T = SceneDraft;
-  const std::vector<std::string> problems{"pose"};
+  const std::vector<std::string> problems{"pose", "execute"};
   Table<T> scene;
   scene.keys = {
       text<T>("title", "", "Title of reports and figures.", [](T& t, const std::string& v) { t.scene.title = v; }),
       text<T>(
-          "problem", "pose", "Kind of problem.", [](T&, const std::string&) {}, problems),
+          "problem", "pose", "Kind of problem.",
+          [](T& t, const std::string& v) {
+            t.scene.problem = v == to_string(ProblemKind::execute) ? ProblemKind::execute : ProblemKind::pose;
+          },
+          problems),
       point<T>("gravity", dimension::acceleration, "no gravity", "Gravity.", [](T& t, Vec2 v) { t.scene.gravity = v; }),
       table<T>(
           "rod", "rod", "the rod", rod_table(), [](T & t) -> auto& { return t.rod; }, Need::required),
@@ -465,10 +469,10 @@ void refuse_other_problems(const Document& document) {
   if (node == nullptr) return;
   const auto* kind = std::get_if<std::string>(&node->value);
   if (kind == nullptr) return;
-  for (const std::string_view other : {"grasp", "trajectory", "execute", "estimate", "study"}) {
+  for (const std::string_view other : {"grasp", "trajectory", "estimate", "study"}) {
     if (*kind == other) {
-      document.fail(node->position,
-                    "found problem = \"" + *kind + "\", which is not available in this version, expected \"pose\"");
+      document.fail(node->position, "found problem = \"" + *kind +
+                                        "\", which is not available in this version, expected \"pose\" or \"execute\"");
     }
   }
 }

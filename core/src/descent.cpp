@@ -8,9 +8,9 @@
 namespace tendril {
 namespace {
 
-constexpr int order = 6;               ///< functions per piece
-constexpr int pieces_per_rod = 8;      ///< at least
-constexpr int checks_per_rod = 160;    ///< at least, per obstacle
+constexpr int order = 6;                                       ///< functions per piece
+constexpr int pieces_per_rod = 8;                              ///< at least
+constexpr int checks_per_rod = 160;                            ///< at least, per obstacle
 constexpr double first_stiffness = 1e4, last_stiffness = 1e7;  ///< of the penalty, energy per length squared
 constexpr double longest_step = 0.25;  ///< of the trust region, in the metric of the bending energy
 constexpr int most_steps = 600;        ///< per stiffness
@@ -147,8 +147,9 @@ class Valley {
     for (int o = 0; o < static_cast<int>(s.obstacles.size()); ++o) {
       if (s.obstacles[static_cast<std::size_t>(o)]->at(path_.rod().base).distance > 1.0) continue;
       for (int j = 0; j < chain.piece_count(); ++j) {
-        const double wanted = chain.length0()[j] *
-                              std::max<double>(checks_per_rod, 2.0 / s.obstacles[static_cast<std::size_t>(o)]->smallest_radius());
+        const double wanted =
+            chain.length0()[j] *
+            std::max<double>(checks_per_rod, 2.0 / s.obstacles[static_cast<std::size_t>(o)]->smallest_radius());
         const int count = std::clamp(static_cast<int>(std::ceil(wanted)), 2, 200);
         for (int i = 1; i <= count; ++i) s.checks.push_back({j, static_cast<double>(i) / count, o});
       }

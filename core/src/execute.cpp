@@ -146,9 +146,8 @@ bool Executor::grow_overlapped(LoadPath& path, const RodState& start) const {
       core = std::min(core, obstacle.core_distance(curve.position(at.piece, at.sigma)));
     }
     // A contact of an earlier result is closed to rounding, or to the accuracy of its basis.
-    const bool touched = std::any_of(start.contacts.begin(), start.contacts.end(), [&](const PointContact& c) {
-      return c.setup.obstacle == static_cast<int>(o);
-    });
+    const bool touched = std::any_of(start.contacts.begin(), start.contacts.end(),
+                                     [&](const PointContact& c) { return c.setup.obstacle == static_cast<int>(o); });
     if (!(deepest < (touched ? -0.02 : -tolerance::penetration))) continue;
     any = true;
     if (!std::isfinite(obstacle.smallest_radius())) {
@@ -197,9 +196,9 @@ Execution Executor::run() {
   }
   for (TrackedSnap& snap : tracker.snaps()) out.snaps.push_back(to_si(snap, path));
   report(tracker, arrived, out);
-  out.result.start_backbone =
-      control_.start != nullptr ? control_.start->backbone
-                                : outline(constant_curvature(scene_.start_tip_angle), rod_, scale_.length);
+  out.result.start_backbone = control_.start != nullptr
+                                  ? control_.start->backbone
+                                  : outline(constant_curvature(scene_.start_tip_angle), rod_, scale_.length);
   out.result.seconds_solve = now() - begin - out.result.seconds_certify;
   return out;
 }
@@ -226,13 +225,17 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   out.contact_changes = tracker.contact_changes();
   plan.coordinates_name = "legendre";
   plan.split_at_contact = true;
+  plan.solver_name = "continuation";
+  plan.solver.status = arrived ? SolveStatus::converged : SolveStatus::stalled;
+  plan.solver.iterations = tracker.steps();
   plan.moments = moments_;
   plan.message = tracker.trouble();
   const bool stopped = control_.stop != nullptr && control_.stop->load();
   Settled& end = tracker.current();
   if (end.statics == nullptr) {
-    plan.status = stopped ? PlanStatus::interrupted : now() > deadline_ ? PlanStatus::time_limit
-                                                                        : PlanStatus::not_converged;
+    plan.status = stopped             ? PlanStatus::interrupted
+                  : now() > deadline_ ? PlanStatus::time_limit
+                                      : PlanStatus::not_converged;
     return;
   }
   if (arrived) tracker.refine_fully();
@@ -249,8 +252,8 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   out.load = end.z[statics.size()];
   if (arrived) {
     const bool valid = plan.certificate.valid();
-    const bool unstable = !valid && plan.certificate.failures.size() == 1 &&
-                          !(plan.certificate.stability > tolerance::stability);
+    const bool unstable =
+        !valid && plan.certificate.failures.size() == 1 && !(plan.certificate.stability > tolerance::stability);
     plan.status = valid ? PlanStatus::solved : unstable ? PlanStatus::unstable : PlanStatus::not_converged;
     if (!valid) plan.message = plan.certificate.failures.front();
   } else if (stopped) {
@@ -258,8 +261,8 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
     plan.message = "interrupted before the final loads were reached";
   } else if (now() > deadline_) {
     plan.status = PlanStatus::time_limit;
-    plan.message = "the time limit of " + std::to_string(control_.time_limit) +
-                   " s was reached before the final loads were";
+    plan.message =
+        "the time limit of " + std::to_string(control_.time_limit) + " s was reached before the final loads were";
   } else {
     plan.status = PlanStatus::not_converged;
   }
@@ -274,8 +277,7 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   plan.tip_angle = program.backbone().tip_angle();
   if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
   plan.contacts = planned_contacts(program, names_, scale_);
-  std::erase_if(plan.contacts,
-                [&](const PlannedContact& c) { return !(c.force > tolerance::force * scale_.force()); });
+  std::erase_if(plan.contacts, [&](const PlannedContact& c) { return !(c.force > tolerance::force * scale_.force()); });
   plan.backbone = sampled_backbone(program, scale_.length);
 }
 

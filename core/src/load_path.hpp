@@ -29,7 +29,8 @@ class ShrunkObstacle : public Obstacle {
   double by_ = 0.0;
 };
 
-/// Rod and obstacles as functions of the load fraction: everything is affine in it, so that rates are exact differences.
+/// Rod and obstacles as functions of the load fraction: everything is affine in it, so that rates are exact
+/// differences.
 class LoadPath {
  public:
   struct Ends {

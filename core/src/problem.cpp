@@ -65,7 +65,8 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
   validate(scene);
   if (scene.problem != ProblemKind::pose) {
     throw SceneError("problem", "problem \"" + std::string(to_string(scene.problem)) +
-                                    "\" cannot be planned here, expected \"pose\"");
+                                    "\" cannot be planned here, expected \"pose\"" +
+                                    (scene.problem == ProblemKind::execute ? " or the command 'execute'" : ""));
   }
   d.scene = scene;
   d.components = std::move(components);

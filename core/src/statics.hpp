@@ -63,8 +63,8 @@ class Statics {
 
   struct NewtonResult {
     bool converged = false;
-    int leaning = -1;      ///< contact whose arc length wants to leave its stretch, or -1
-    bool upward = false;   ///< towards the tip
+    int leaning = -1;     ///< contact whose arc length wants to leave its stretch, or -1
+    bool upward = false;  ///< towards the tip
     double residual = infinity;
   };
   /// Newton's method on F(z) = 0 and row . z = value, from z.

@@ -9,12 +9,12 @@
 namespace tendril {
 namespace {
 
-constexpr double longest_step = 0.15;    ///< along the path, in the metric of bending energy and load
+constexpr double longest_step = 0.15;  ///< along the path, in the metric of bending energy and load
 constexpr double shortest_step = 1e-8;
-constexpr double straightness = 0.9;     ///< cosine between the tangents at both ends of a step
-constexpr double deviation = 0.25;       ///< of the corrected from the predicted point, per step length
-constexpr double knot_distance = 1e-6;   ///< where a contact is handed over to the next stretch or the tip
-constexpr double beyond_bifurcation = 1e-3;  ///< load fraction; see Snap
+constexpr double straightness = 0.9;          ///< cosine between the tangents at both ends of a step
+constexpr double deviation = 0.25;            ///< of the corrected from the predicted point, per step length
+constexpr double knot_distance = 1e-6;        ///< where a contact is handed over to the next stretch or the tip
+constexpr double beyond_bifurcation = 1e-3;   ///< load fraction; see Snap
 constexpr double not_critical = 1e-3;         ///< margin that a fold of the equilibrium cannot have
 constexpr double vanishing_convexity = 1e-2;  ///< d_ss (per L) at a turn of the path that a spreading contact explains
 constexpr int most_steps = 20000;
@@ -73,8 +73,8 @@ bool Tracker::advance() {
       length_ = std::min(longest_step, 1.5 * length);
       return true;
     }
-    Event& first = *std::min_element(found->begin(), found->end(),
-                                     [](const Event& a, const Event& b) { return a.tau < b.tau; });
+    Event& first =
+        *std::min_element(found->begin(), found->end(), [](const Event& a, const Event& b) { return a.tau < b.tau; });
     // Nothing may be violated there that the step's end did not show: a contact made and left within the step.
     Statics& at_event = first.statics ? *first.statics : *now_.statics;
     if (!at_event.penetrations(first.z).empty()) continue;
@@ -108,7 +108,8 @@ std::optional<Tracker::Step> Tracker::try_step(const Eigen::VectorXd& tangent, d
     if (index < 0) continue;
     for (const bool up : {false, true}) {
       const double sign = up ? 1.0 : -1.0;
-      if (!(sign * (step.z[index] - handed_over(k, up)) > 0.0) || !(sign * (step.z[index] - now_.z[index]) > 0.0)) continue;
+      if (!(sign * (step.z[index] - handed_over(k, up)) > 0.0) || !(sign * (step.z[index] - now_.z[index]) > 0.0))
+        continue;
       leaning = k;
       upward = up;
     }

@@ -27,9 +27,9 @@ struct TrackedSnap {
   double margin = 0.0;
 };
 
-/// Follows the stable equilibrium along a load path by arc-length continuation. Events (a contact made, released, sliding
-/// over a knot or the tip, a fold, a bifurcation) are located exactly, each as one more equation with the load as its
-/// unknown, and the first along the path is taken.
+/// Follows the stable equilibrium along a load path by arc-length continuation. Events (a contact made, released,
+/// sliding over a knot or the tip, a fold, a bifurcation) are located exactly, each as one more equation with the load
+/// as its unknown, and the first along the path is taken.
 class Tracker {
  public:
   Tracker(LoadPath& path, std::function<bool()> must_stop) : path_(path), must_stop_(std::move(must_stop)) {}

@@ -8,14 +8,14 @@
 namespace tendril {
 namespace {
 
-constexpr double coarse_balance = 1e-7;   ///< defect of the moment balance at which the basis is refined on the way
-constexpr double fine_balance = 1e-11;    ///< ... and below which it is fine enough at the end and at folds
+constexpr double coarse_balance = 1e-7;  ///< defect of the moment balance at which the basis is refined on the way
+constexpr double fine_balance = 1e-11;   ///< ... and below which it is fine enough at the end and at folds
 constexpr int orders[] = {12, 16, 22, 30, 40};
 constexpr int most_pieces = 16;
 constexpr int most_repairs = 40;
-constexpr double pull = -1e-10;           ///< a force below it would have to pull
-constexpr double past_knot = 2e-6;        ///< where a contact that slid over a knot starts on the other side
-constexpr double same_place = 2e-3;       ///< a penetration this near to a contact on the same obstacle is its own
+constexpr double pull = -1e-10;      ///< a force below it would have to pull
+constexpr double past_knot = 2e-6;   ///< where a contact that slid over a knot starts on the other side
+constexpr double same_place = 2e-3;  ///< a penetration this near to a contact on the same obstacle is its own
 /// First move along a critical direction, in the metric, and how much further the load is while the rod falls: where
 /// contacts hold it, the soft contacts of the descent give way a little later than the rigid ones.
 struct Push {
@@ -98,8 +98,7 @@ bool Tracker::begin(const RodState& guess, bool exact) {
   const auto stable = [](Settled& s) { return s.statics->margin(s.z) > tolerance::stability; };
   if (near && !exact && stable(*near)) {
     // Newton's method may have gone to another equilibrium than the one below the guess.
-    Eigen::VectorXd from = near->statics->point(
-        {guess.curvature, near->statics->state(near->z).contacts, 0.0});
+    Eigen::VectorXd from = near->statics->point({guess.curvature, near->statics->state(near->z).contacts, 0.0});
     from -= near->z;
     from[near->statics->size()] = 0.0;
     if (std::sqrt(near->statics->metric(near->z, from).dot(from)) > 1.0) near.reset();
@@ -198,10 +197,9 @@ std::optional<Settled> Tracker::settle(RodState guess, double load) {
     }
     const std::vector<Certifier::Approach> deep = s.statics->penetrations(s.z);
     if (!deep.empty()) {
-      const Certifier::Approach& worst =
-          *std::min_element(deep.begin(), deep.end(), [](const Certifier::Approach& a, const Certifier::Approach& b) {
-            return a.at.distance < b.at.distance;
-          });
+      const Certifier::Approach& worst = *std::min_element(
+          deep.begin(), deep.end(),
+          [](const Certifier::Approach& a, const Certifier::Approach& b) { return a.at.distance < b.at.distance; });
       guess = s.statics->state(s.z);
       const bool own = std::any_of(guess.contacts.begin(), guess.contacts.end(), [&](const PointContact& c) {
         return c.setup.obstacle == worst.obstacle && std::abs(c.s - worst.at.arc_length) < same_place;

@@ -34,7 +34,9 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
                  const ExecuteControl& control) {
   Execution reached = execute(scene, obstacles, plan.moments, control);
   const Scale scale = scale_of(scene);
-  const auto distance = [&](const Plan& other) { return std::hypot(plan.tip_x - other.tip_x, plan.tip_y - other.tip_y); };
+  const auto distance = [&](const Plan& other) {
+    return std::hypot(plan.tip_x - other.tip_x, plan.tip_y - other.tip_y);
+  };
   const auto percent = [&](double metres) {
     char text[64];
     std::snprintf(text, sizeof text, "%.3g m (%.2g %% of the length)", metres, 100.0 * metres / scale.length);
@@ -50,7 +52,8 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
     } else if (!(*plan.model_error <= tolerance::model_error * scale.length)) {
       trouble = "the tip ends elsewhere";
     }
-    plan.verification = "loaded from the start the tip comes to rest " + percent(*plan.model_error) + " from the plan's";
+    plan.verification =
+        "loaded from the start the tip comes to rest " + percent(*plan.model_error) + " from the plan's";
     if (!reached.snaps.empty()) plan.verification += ", after " + std::to_string(reached.snaps.size()) + " snap(s)";
   } else {
     trouble = "loading from the start did not arrive: " + reached.result.message;

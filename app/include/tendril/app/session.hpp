@@ -9,6 +9,7 @@
 #include "tendril/app/document.hpp"
 #include "tendril/app/result.hpp"
 #include "tendril/app/units.hpp"
+#include "tendril/execute.hpp"
 #include "tendril/planner.hpp"
 #include "tendril/plugins/registry.hpp"
 
@@ -36,6 +37,11 @@ class Session {
   /// two seconds after the time limit ends the process with exit code 1. Options of the scene that were dropped are
   /// added to the plan's left_out.
   Plan plan(const std::optional<std::filesystem::path>& start);
+  /// What the rod does under `moments` (N m, one per actuator), from an earlier result or from the scene's start.
+  Execution execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start);
+  /// Executes the plan and judges it by what comes of it (core's verify()).
+  void verify(Plan& plan, const std::optional<std::filesystem::path>& start);
+  const Units& units() const { return *units_; }
   /// The scene's obstacles, made once more: the planner owns its own.
   std::vector<std::unique_ptr<Obstacle>> make_obstacles();
 
