@@ -362,7 +362,11 @@ double Statics::tip_slope(const Eigen::VectorXd& z) {
 
 std::vector<Certifier::Approach> Statics::penetrations(const Eigen::VectorXd& z) {
   // A tenth of the depth that the certificate allows: what is found is left outside by a clear margin.
-  return certifier(z).approaches(x_, -0.1 * tolerance::penetration);
+  return approaches(z, -0.1 * tolerance::penetration);
+}
+
+std::vector<Certifier::Approach> Statics::approaches(const Eigen::VectorXd& z, double level) {
+  return certifier(z).approaches(x_, level);
 }
 
 }  // namespace tendril

@@ -87,6 +87,8 @@ class Statics {
   double convexity(const Eigen::VectorXd& z, int k);
   double tip_slope(const Eigen::VectorXd& z);  ///< t.n of a tip contact; -1 without one
   std::vector<Certifier::Approach> penetrations(const Eigen::VectorXd& z);
+  /// Local minima below `level` of the distances between rod and obstacles.
+  std::vector<Certifier::Approach> approaches(const Eigen::VectorXd& z, double level);
   Certificate certify(const Eigen::VectorXd& z);
 
   /// Moves the program to z; the reference stays valid until the next call.

@@ -13,7 +13,6 @@ constexpr double longest_step = 0.15;  ///< along the path, in the metric of ben
 constexpr double shortest_step = 1e-8;
 constexpr double straightness = 0.9;          ///< cosine between the tangents at both ends of a step
 constexpr double deviation = 0.25;            ///< of the corrected from the predicted point, per step length
-constexpr double knot_distance = 1e-6;        ///< where a contact is handed over to the next stretch or the tip
 constexpr double beyond_bifurcation = 1e-3;   ///< load fraction; see Snap
 constexpr double not_critical = 1e-3;         ///< margin that a fold of the equilibrium cannot have
 constexpr double vanishing_convexity = 1e-2;  ///< d_ss (per L) at a turn of the path that a spreading contact explains
@@ -68,6 +67,9 @@ bool Tracker::advance() {
       slide.z = step->z;
       found->push_back(std::move(slide));
     }
+    double before = step->tau;
+    for (const Event& e : *found) before = std::min(before, e.tau);
+    if (passes_through(*step, tangent, before)) continue;
     if (found->empty()) {
       now_.z = step->z;
       length_ = std::min(longest_step, 1.5 * length);
@@ -75,7 +77,7 @@ bool Tracker::advance() {
     }
     Event& first =
         *std::min_element(found->begin(), found->end(), [](const Event& a, const Event& b) { return a.tau < b.tau; });
-    // Nothing may be violated there that the step's end did not show: a contact made and left within the step.
+    // Nothing may be violated there that the step's end did not show.
     Statics& at_event = first.statics ? *first.statics : *now_.statics;
     if (!at_event.penetrations(first.z).empty()) continue;
     if (first.kind == EventKind::touch && at_event.tip_slope(first.z) > tolerance::closest_point) continue;
@@ -119,7 +121,7 @@ std::optional<Tracker::Step> Tracker::try_step(const Eigen::VectorXd& tangent, d
     const int index = s.arc_length_index(leaning);
     const double target = handed_over(leaning, upward);
     if (std::abs(step.z[index] - target) > 10.0 * knot_distance) return std::nullopt;
-    step.slide.emplace();
+    step.slide = Event{};
     step.slide->contact = leaning;
     step.slide->upward = upward;
     Eigen::VectorXd row = Eigen::VectorXd::Zero(s.size() + 1);
@@ -160,170 +162,6 @@ std::optional<Eigen::VectorXd> Tracker::corrected(const Step& step, const Eigen:
   if (step.tau > 0.0) z += (tau / step.tau) * (step.z - now_.z - step.tau * tangent);
   if (!now_.statics->solve(z, step.row, step.row.dot(now_.z) + tau, 1e-9).converged) return std::nullopt;
   return z;
-}
-
-std::optional<std::vector<Tracker::Event>> Tracker::events(const Step& step, const Eigen::VectorXd& tangent) {
-  std::vector<Event> found;
-  Statics& s = *now_.statics;
-  const int load = s.size();
-  const bool good = add_releases(step, found) && add_touches(step, found) && add_tip(step, tangent, found) &&
-                    add_instability(step, tangent, found);
-  if (!good) return std::nullopt;
-  // The final loads may lie before the step's end, or between here and a fold at still higher ones.
-  double beyond = step.z[load] >= 1.0 ? step.tau : infinity;
-  for (const Event& e : found) {
-    if (e.kind == EventKind::fold && e.z[load] >= 1.0) beyond = std::min(beyond, e.tau);
-  }
-  if (!std::isfinite(beyond)) return found;
-  Event end;
-  double low = 0.0;
-  double high = beyond;
-  end.z = now_.z;
-  for (int i = 0; i < 60 && high - low > 1e-6 * beyond; ++i) {
-    const double middle = 0.5 * (low + high);
-    const std::optional<Eigen::VectorXd> z = corrected(step, tangent, middle);
-    if (!z) return std::nullopt;
-    const bool past = (*z)[load] > 1.0;
-    (past ? high : low) = middle;
-    if (!past) end.z = *z;
-  }
-  if (!s.solve_at_load(end.z, 1.0, 1e-9).converged) return std::nullopt;
-  end.tau = step.row.dot(end.z - now_.z);
-  if (!(end.tau >= -1e-9 && end.tau <= beyond + 1e-9)) return std::nullopt;
-  found.push_back(std::move(end));
-  return found;
-}
-
-bool Tracker::add_releases(const Step& step, std::vector<Event>& found) {
-  Statics& s = *now_.statics;
-  for (int k = 0; k < s.contact_count(); ++k) {
-    const int i = s.force_index(k);
-    if (!(step.z[i] < -1e-12)) continue;
-    Event e;
-    e.kind = EventKind::release;
-    e.contact = k;
-    const double share = std::clamp(now_.z[i] / (now_.z[i] - step.z[i]), 0.0, 1.0);
-    e.z = now_.z + share * (step.z - now_.z);
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(s.size() + 1);
-    row[i] = 1.0;
-    if (!s.solve(e.z, row, 0.0, 1e-9).converged) return false;
-    e.tau = step.row.dot(e.z - now_.z);
-    if (!(e.tau >= -1e-7 && e.tau <= step.tau + 1e-7)) return false;
-    found.push_back(std::move(e));
-  }
-  return true;
-}
-
-bool Tracker::add_touches(const Step& step, std::vector<Event>& found) {
-  Statics& s = *now_.statics;
-  const std::vector<double> knots = path_.rod().fixed_knots();
-  for (const Certifier::Approach& valley : s.penetrations(step.z)) {
-    RodState state = s.state(step.z);
-    PointContact c;
-    c.setup.obstacle = valley.obstacle;
-    c.s = valley.at.arc_length;
-    c.setup.at_tip = c.s > 1.0 - knot_distance;
-    if (c.setup.at_tip) {
-      c.s = 1.0;
-    } else {
-      while (c.setup.region + 2 < static_cast<int>(knots.size()) &&
-             c.s >= knots[static_cast<std::size_t>(c.setup.region) + 1]) {
-        ++c.setup.region;
-      }
-      const auto r = static_cast<std::size_t>(c.setup.region);
-      c.s = std::clamp(c.s, knots[r] + 2.0 * knot_distance, knots[r + 1] - 2.0 * knot_distance);
-    }
-    for (const PointContact& other : state.contacts) {
-      if (other.setup.obstacle == c.setup.obstacle && std::abs(other.s - c.s) < 1e-3) return false;
-    }
-    state.contacts.push_back(c);
-    sort_contacts(state.contacts);
-    Event e;
-    e.kind = EventKind::touch;
-    e.statics = make(state.contacts);
-    e.z = e.statics->point(state);
-    for (int k = 0; k < e.statics->contact_count(); ++k) {
-      const PointContact& at = state.contacts[static_cast<std::size_t>(k)];
-      if (at.s == c.s && at.setup.obstacle == c.setup.obstacle) e.contact = k;
-    }
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(e.statics->size() + 1);
-    row[e.statics->force_index(e.contact)] = 1.0;
-    if (!e.statics->solve(e.z, row, 0.0, 1e-9).converged) return false;
-    // The new contact has no force yet: without it this is a point of the current system.
-    RodState before = e.statics->state(e.z);
-    before.contacts.erase(before.contacts.begin() + e.contact);
-    const Eigen::VectorXd here = s.point(before);
-    e.tau = step.row.dot(here - now_.z);
-    if (!(e.tau >= -1e-6 && e.tau <= step.tau + 1e-6)) return false;
-    found.push_back(std::move(e));
-  }
-  return true;
-}
-
-bool Tracker::add_tip(const Step& step, const Eigen::VectorXd& tangent, std::vector<Event>& found) {
-  Statics& s = *now_.statics;
-  const double after = s.tip_slope(step.z);
-  const double before = s.tip_slope(now_.z);
-  if (!(after > 1e-9 && after > before)) return true;
-  Event e;
-  e.kind = EventKind::tip_leaves;
-  double low = 0.0;
-  double high = step.tau;
-  e.z = now_.z;
-  if (before < 0.0) {
-    for (int i = 0; i < 60 && high - low > 1e-12; ++i) {
-      const double middle = 0.5 * (low + high);
-      const std::optional<Eigen::VectorXd> z = corrected(step, tangent, middle);
-      if (!z) return false;
-      const bool past = s.tip_slope(*z) > 0.0;
-      (past ? high : low) = middle;
-      if (!past) e.z = *z;
-    }
-  }
-  e.tau = low;
-  for (int k = 0; k < s.contact_count(); ++k) {
-    if (s.contact(k).at_tip) e.contact = k;
-  }
-  found.push_back(std::move(e));
-  return true;
-}
-
-bool Tracker::add_instability(const Step& step, const Eigen::VectorXd& tangent, std::vector<Event>& found) {
-  Statics& s = *now_.statics;
-  if (!step.turned && s.margin(step.z) > 0.0) return true;
-  // What was found before this: beyond it the system is another one, and its margin means nothing.
-  double first = infinity;
-  for (const Event& e : found) first = std::min(first, e.tau);
-  if (step.turned) {
-    Event e;
-    e.kind = EventKind::fold;
-    for (const Eigen::VectorXd* start : {&step.z, static_cast<const Eigen::VectorXd*>(&now_.z)}) {
-      e.z = *start;
-      if (!s.solve_fold(e.z, e.direction)) continue;
-      e.tau = step.row.dot(e.z - now_.z);
-      if (!(e.tau >= -1e-7 && e.tau <= step.tau + 1e-7)) continue;
-      if (s.metric(e.z, e.direction).dot(tangent) < 0.0) e.direction = -e.direction;
-      found.push_back(std::move(e));
-      return true;
-    }
-    return first < step.tau;
-  }
-  Event e;
-  e.kind = EventKind::bifurcation;
-  double low = 0.0;
-  double high = step.tau;
-  e.z = now_.z;
-  for (int i = 0; i < 40 && high - low > 1e-10; ++i) {
-    const double middle = 0.5 * (low + high);
-    const std::optional<Eigen::VectorXd> z = corrected(step, tangent, middle);
-    if (!z) return false;
-    const bool past = !(s.margin(*z) > 0.0);
-    (past ? high : low) = middle;
-    if (!past) e.z = *z;
-  }
-  e.tau = low;
-  found.push_back(std::move(e));
-  return true;
 }
 
 bool Tracker::take(Event& event) {

@@ -13,6 +13,9 @@
 
 namespace tendril {
 
+/// Where a contact is handed over to the next stretch or the tip (L).
+inline constexpr double knot_distance = 1e-6;
+
 /// A state together with the system that it solves.
 struct Settled {
   std::unique_ptr<Statics> statics;
@@ -83,6 +86,8 @@ class Tracker {
   bool add_touches(const Step& step, std::vector<Event>& found);
   bool add_tip(const Step& step, const Eigen::VectorXd& tangent, std::vector<Event>& found);
   bool add_instability(const Step& step, const Eigen::VectorXd& tangent, std::vector<Event>& found);
+  /// Between the step's beginning and `until` along it the rod passes through an obstacle.
+  bool passes_through(const Step& step, const Eigen::VectorXd& tangent, double until);
   bool take(Event& event);
   bool release(Event& event);
   bool slide(Event& event);
