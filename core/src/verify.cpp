@@ -22,6 +22,18 @@ std::set<std::string> holding(const Plan& plan, double force_unit) {
   return names;
 }
 
+/// An obstacle that holds the rod in both, from opposite sides; empty if there is none.
+std::string other_side(const Plan& plan, const Plan& met, double force_unit) {
+  const auto holds = [&](const PlannedContact& c) { return c.force > trace_of_force * force_unit; };
+  for (const PlannedContact& a : plan.contacts) {
+    const bool opposite = std::any_of(met.contacts.begin(), met.contacts.end(), [&](const PlannedContact& b) {
+      return holds(a) && holds(b) && a.obstacle_name == b.obstacle_name && dot(a.normal, b.normal) < 0.0;
+    });
+    if (opposite) return a.obstacle_name;
+  }
+  return "";
+}
+
 std::string list(const std::set<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += (text.empty() ? "'" : ", '") + name + "'";
@@ -49,6 +61,8 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
     const std::set<std::string> met = holding(reached.result, scale.force());
     if (planned != met) {
       trouble = "the plan rests on " + list(planned) + ", execution on " + list(met);
+    } else if (const std::string turned = other_side(plan, reached.result, scale.force()); !turned.empty()) {
+      trouble = "the plan rests on the other side of '" + turned + "' than execution does";
     } else if (!(*plan.model_error <= tolerance::model_error * scale.length)) {
       trouble = "the tip ends elsewhere";
     }

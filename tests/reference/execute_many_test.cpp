@@ -88,16 +88,6 @@ RodBvp rod_of(const Case& c) {
   return rod;
 }
 
-/// The executed angle between its samples.
-std::function<double(double)> angle_of(const Plan& plan) {
-  return [points = plan.backbone](double s) {
-    std::size_t i = 1;
-    while (i + 1 < points.size() && points[i][0] < s) ++i;
-    const double share = (s - points[i - 1][0]) / (points[i][0] - points[i - 1][0]);
-    return points[i - 1][3] + share * (points[i][3] - points[i - 1][3]);
-  };
-}
-
 class ExecuteMany : public testing::TestWithParam<Case> {
  protected:
   void SetUp() override {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct ForwardScene {
   ForwardScene& weight(double value);
   Execution run(const std::vector<double>& moments, const Plan* start = nullptr) const;
 };
+
+/// The executed backbone angle, between its samples: a start for other methods.
+std::function<double(double)> angle_of(const Plan& plan);
 
 /// A rod clamped upright with a weight and one actuator.
 ForwardScene upright(double weight);
