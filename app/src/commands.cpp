@@ -79,6 +79,8 @@ void try_files(const std::optional<std::filesystem::path>& figure,
 /// One moment per actuator from the text of --moments.
 std::vector<double> read_moments(const std::string& text, const Session& session) {
   std::vector<double> moments;
+  const std::size_t actuators = session.scene().rod.actuators.size();
+  if (actuators == 0 && text.find_first_not_of(" \t") == std::string::npos) return moments;
   for (std::size_t from = 0; from <= text.size();) {
     const std::size_t comma = std::min(text.find(',', from), text.size());
     const std::size_t first = text.find_first_not_of(" \t", from);
@@ -98,7 +100,6 @@ std::vector<double> read_moments(const std::string& text, const Session& session
       throw InputError(fmt::format("--moments, number {}: {}", moments.size() + 1, error.what()));
     }
   }
-  const std::size_t actuators = session.scene().rod.actuators.size();
   if (moments.size() != actuators) {
     throw InputError(fmt::format("--moments: found {} moments, expected one for each of the scene's {} actuators",
                                  moments.size(), actuators));
@@ -126,8 +127,8 @@ int run_execute(const ExecuteArguments& arguments) {
   try_files(arguments.figure, arguments.output);
   Session session(arguments.scene);
   note_dropped(session);
-  const std::vector<double> moments =
-      arguments.plan ? read_start(*arguments.plan, session.scene()).moments : read_moments(arguments.moments, session);
+  const std::vector<double> moments = arguments.plan ? read_start(*arguments.plan, session.scene(), "plan").moments
+                                                     : read_moments(arguments.moments, session);
   const Execution execution = session.execute(moments, arguments.start);
   const RunInfo run = session.run_info();
   const std::string json = arguments.json || arguments.output ? execution_json(session.scene(), execution, run) : "";

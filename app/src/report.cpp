@@ -110,8 +110,11 @@ std::string moments_text(const Scene& scene, const Plan& plan, const DisplayUnit
     const double close = 1e-6 * std::max(std::abs(actuator.minimum), std::abs(actuator.maximum));
     const bool at_limit = value >= actuator.maximum - close || value <= actuator.minimum + close;
     const auto limit = [&](double v) { return std::isfinite(v) ? units.moment(v) : std::string("no limit"); };
+    const bool beyond = value > actuator.maximum + close || value < actuator.minimum - close;
     grid.row({std::to_string(i + 1), units.moment(value), limit(actuator.minimum), limit(actuator.maximum),
-              std::isfinite(close) && at_limit ? "at its limit" : "inside"});
+              !std::isfinite(close) || !at_limit ? "inside"
+              : beyond                           ? "beyond its limit"
+                                                 : "at its limit"});
   }
   return '\n' + grid.text("");
 }

@@ -335,11 +335,11 @@ std::string description_json(const Scene& scene, const Description& description,
   return written(json);
 }
 
-Plan read_start(const std::filesystem::path& path, const Scene& scene) {
+Plan read_start(const std::filesystem::path& path, const Scene& scene, const std::string& what) {
   const std::string file = path.string();
-  const Json json = Json::parse(read_input(path, "start"), nullptr, false);
+  const Json json = Json::parse(read_input(path, what), nullptr, false);
   if (json.is_discarded())
-    throw InputError("start '" + file + "' is not JSON, expected a result of 'tendril plan --json'");
+    throw InputError(what + " '" + file + "' is not JSON, expected a result of 'tendril plan --json'");
   const Reader root(json, file, "");
   if (const int schema = root.member("schema").whole(0, 1'000'000); schema != 1) {
     throw InputError(fmt::format("{}: found schema {}, expected 1", file, schema));

@@ -33,7 +33,8 @@ std::string execution_json(const Scene& scene, const Execution& execution, const
 std::string description_json(const Scene& scene, const Description& description, const RunInfo& run);
 
 /// The plan in a file that plan_json() has written, as a start for `scene`. Throws InputError if it is not such a file
-/// or belongs to another rod. Contacts with obstacles that the scene does not have are left out.
-Plan read_start(const std::filesystem::path& path, const Scene& scene);
+/// or belongs to another rod; `what` the file is to be, for messages. Contacts with obstacles that the scene does not
+/// have are left out.
+Plan read_start(const std::filesystem::path& path, const Scene& scene, const std::string& what = "start");
 
 }  // namespace tendril::app

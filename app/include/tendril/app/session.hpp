@@ -50,6 +50,7 @@ class Session {
   RunInfo run_info() const;
 
  private:
+  ExecuteControl execute_control(const std::optional<Plan>& earlier) const;
   void drop_foreign_options(const std::string& scene_coordinates, const std::string& scene_solver);
   Components make_components();
   template <class Make>
