@@ -16,6 +16,8 @@ constexpr double deviation = 0.25;            ///< of the corrected from the pre
 constexpr double beyond_bifurcation = 1e-3;   ///< load fraction; see Snap
 constexpr double not_critical = 1e-3;         ///< margin that a fold of the equilibrium cannot have
 constexpr double vanishing_convexity = 1e-2;  ///< d_ss (per L) at a turn of the path that a spreading contact explains
+constexpr double pinched_length = 1e-4;       ///< between opposite contacts (L)
+constexpr double pinching_force = 1e4;        ///< of each; a moment of one over the length above (EI/L^2)
 constexpr int most_steps = 20000;
 constexpr int most_snaps = 50;
 
@@ -31,7 +33,11 @@ bool Tracker::follow() {
       trouble_ = "the path does not end";
       return false;
     }
-    if (spreads(0.0) || !advance()) return false;
+    if (spreads(0.0)) return false;
+    if (!advance()) {
+      pinched();
+      return false;
+    }
     if (coarse() && !resolve(1e-8) && coarse()) {
       trouble_ = "the shape cannot be resolved by the fine basis";
       return false;
@@ -179,7 +185,7 @@ bool Tracker::take(Event& event) {
       return leave_tip(event);
     case EventKind::fold: {
       now_.z = event.z;
-      if (turns_by_spreading()) return false;
+      if (turns_by_spreading() || pinched()) return false;
       // The place of the fold is a result: as exact as the basis can be.
       const int order = order_;
       const int pieces = pieces_;
@@ -208,7 +214,7 @@ bool Tracker::take(Event& event) {
     }
     case EventKind::bifurcation: {
       now_.z = event.z;
-      if (turns_by_spreading()) return false;
+      if (turns_by_spreading() || pinched()) return false;
       Statics& s = *now_.statics;
       const double at = event.z[s.size()];
       const double load = std::min(1.0, at + beyond_bifurcation);
@@ -228,6 +234,23 @@ bool Tracker::take(Event& event) {
 /// A path also turns, and its margin jumps, where a contact's d_ss passes zero; nothing gives way there.
 bool Tracker::turns_by_spreading() {
   return now_.statics->margin(now_.z) > not_critical && spreads(vanishing_convexity);
+}
+
+/// Two obstacles that close on the rod press ever harder at one point of it, until nothing can be followed any more.
+bool Tracker::pinched() {
+  const std::vector<PointContact> contacts = now_.statics->state(now_.z).contacts;
+  for (std::size_t k = 0; k + 1 < contacts.size(); ++k) {
+    const PointContact& a = contacts[k];
+    const PointContact& b = contacts[k + 1];
+    if (!(std::abs(a.s - b.s) < pinched_length && std::min(a.force, b.force) > pinching_force)) continue;
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "two obstacles close on the rod at %.4f L and load fraction %.6f: there is no room between them", a.s,
+                  now_.z[now_.statics->size()]);
+    trouble_ = text;
+    return true;
+  }
+  return false;
 }
 
 bool Tracker::release(Event& event) {

@@ -99,6 +99,8 @@ class Tracker {
   /// A contact with force has no more than this d_ss: `trouble_` says where.
   bool spreads(double least);
   bool turns_by_spreading();
+  /// Two obstacles leave the rod no room: `trouble_` says where.
+  bool pinched();
 
   LoadPath& path_;
   std::function<bool()> must_stop_;

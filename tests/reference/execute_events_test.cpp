@@ -143,6 +143,17 @@ TEST(ExecuteEvents, AContactThatSpreadsIsNamed) {
   EXPECT_NEAR(e.load, 1.0 / 0.55 / 6.0, 1e-7);
 }
 
+// Both overlap the start and each other: grown to full size they leave no slit for the rod.
+TEST(ExecuteEvents, ObstaclesWithoutRoomBetweenThemAreNamed) {
+  ForwardScene s = one_circle(0.6, 0.1, 0.12);
+  s.circle(0.62, -0.1, 0.1);
+  const Execution e = s.run({0.3});
+  EXPECT_EQ(e.result.status, PlanStatus::not_converged);
+  EXPECT_NE(e.result.message.find("there is no room between them"), std::string::npos) << e.result.message;
+  EXPECT_TRUE(e.snaps.empty());
+  EXPECT_LT(e.load, 1.0);
+}
+
 TEST(ExecuteEvents, StopsWhenToldTo) {
   const ForwardScene s = braced();
   ExecuteControl control;
