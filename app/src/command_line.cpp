@@ -84,19 +84,39 @@ struct SceneOptions {
   }
 };
 
+/// Where a result comes from and goes to.
+struct ResultOptions {
+  std::string start, output, figure;
+  bool json = false;
+
+  void add_to(CLI::App& command, const char* what) {
+    command.add_option("--start", start, "Earlier result to start from")->type_name("RESULT.json");
+    command.add_option("--output", output, "Directory for result.json and figure.svg, .png, .gnuplot, .dat")
+        ->type_name("DIR");
+    command.add_option("--figure", figure, std::string("Picture of the ") + what + ", .svg or .png")->type_name("FILE");
+    command.add_flag("--json", json, "One JSON document on standard output and nothing else");
+  }
+  void check(const CLI::App& command) const {
+    for (const auto& [name, value] :
+         {std::pair("--start", &start), std::pair("--output", &output), std::pair("--figure", &figure)}) {
+      if (command.count(name) > 0 && value->empty()) throw InputError(std::string(name) + ": found an empty name");
+    }
+  }
+};
+
 std::optional<std::filesystem::path> optional_path(const std::string& text) {
   return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
 }
 
 /// Options and commands of the format that this version does not have yet.
 void add_missing(CLI::App& app) {
-  for (const char* name : {"execute", "study"}) {
+  for (const char* name : {"study"}) {
     CLI::App* command = app.add_subcommand(name, "not available in this version");
     command->allow_extras();
     command->group("");
     command->callback([name] {
       throw InputError(std::string("the command '") + name +
-                       "' is not available in this version; available: plan, describe, plugins");
+                       "' is not available in this version; available: plan, execute, describe, plugins");
     });
   }
 }
@@ -144,20 +164,29 @@ int parse_and_run(int argc, const char* const* argv) {
       app.add_subcommand("plan", "Plan a pose; exit code 0: solved, 1: no acceptable plan, 2: wrong input");
   SceneOptions plan_scene;
   plan_scene.add_to(*plan);
-  std::string start;
-  std::string output;
-  std::string figure;
-  bool json = false;
-  plan->add_option("--start", start, "Earlier result to start from")->type_name("RESULT.json");
-  plan->add_option("--output", output, "Directory for result.json and figure.svg, .png, .gnuplot, .dat")
-      ->type_name("DIR");
-  plan->add_option("--figure", figure, "Picture of the plan, .svg or .png")->type_name("FILE");
-  plan->add_flag("--json", json, "One JSON document on standard output and nothing else");
-  plan->add_flag_callback("--verify", [] { throw InputError("--verify is not available in this version"); })->group("");
+  ResultOptions plan_result;
+  plan_result.add_to(*plan, "plan");
+  bool verify = false;
+  plan->add_flag("--verify", verify, "Execute the plan on a fine basis; its verdict depends on it");
+
+  CLI::App* execute = app.add_subcommand(
+      "execute", "What the rod does under given moments; exit code 0: a stable equilibrium, 1: none, 2: wrong input");
+  SceneOptions execute_scene;
+  execute_scene.add_to(*execute);
+  ResultOptions execute_result;
+  execute_result.add_to(*execute, "shape");
+  std::string moments;
+  std::string executed_plan;
+  CLI::Option* given = execute->add_option("--moments", moments, "One per actuator, in N m or with units");
+  given->type_name("\"M, ...\"");
+  execute->add_option("--plan", executed_plan, "Result whose moments are executed")
+      ->type_name("RESULT.json")
+      ->excludes(given);
 
   CLI::App* describe = app.add_subcommand("describe", "Show the assembled program and what was left out");
   SceneOptions describe_scene;
   describe_scene.add_to(*describe);
+  bool json = false;
   describe->add_flag("--json", json, "One JSON document on standard output and nothing else");
 
   CLI::App* plugins = app.add_subcommand("plugins", "List what is loadable, with options, and what was refused");
@@ -176,12 +205,19 @@ int parse_and_run(int argc, const char* const* argv) {
     return wrong_input;
   }
   if (plan->parsed()) {
-    for (const auto& [name, value] : {std::pair("--start", plan->count("--start") > 0 && start.empty()),
-                                      std::pair("--output", plan->count("--output") > 0 && output.empty()),
-                                      std::pair("--figure", plan->count("--figure") > 0 && figure.empty())}) {
-      if (value) throw InputError(std::string(name) + ": found an empty name");
+    plan_result.check(*plan);
+    return run_plan({plan_scene.arguments(), optional_path(plan_result.start), optional_path(plan_result.output),
+                     optional_path(plan_result.figure), plan_result.json, verify});
+  }
+  if (execute->parsed()) {
+    execute_result.check(*execute);
+    if (execute->count("--moments") + execute->count("--plan") == 0) {
+      throw InputError("execute needs the moments, expected --moments \"M, ...\" or --plan RESULT.json");
     }
-    return run_plan({plan_scene.arguments(), optional_path(start), optional_path(output), optional_path(figure), json});
+    if (execute->count("--plan") > 0 && executed_plan.empty()) throw InputError("--plan: found an empty name");
+    return run_execute({execute_scene.arguments(), moments, optional_path(executed_plan),
+                        optional_path(execute_result.start), optional_path(execute_result.output),
+                        optional_path(execute_result.figure), execute_result.json});
   }
   if (describe->parsed()) return run_describe(describe_scene.arguments(), json);
   return run_plugins({plugin_directories.begin(), plugin_directories.end()}, json);

@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
 #include "estimate_command.hpp"
 #include "output.hpp"
 #include "tendril/app/figure.hpp"
@@ -54,25 +58,77 @@ void write_figure(Session& session, const Plan& plan, const std::filesystem::pat
   files.publish();
 }
 
+/// What cannot be written had better be known before the work begins.
+void try_files(const std::optional<std::filesystem::path>& figure,
+               const std::optional<std::filesystem::path>& directory) {
+  if (figure) {
+    picture_of(*figure);
+    const StagedFiles trial(figure->parent_path());
+  }
+  if (directory) const StagedFiles trial(*directory);
+}
+
+/// One moment per actuator from the text of --moments.
+std::vector<double> read_moments(const std::string& text, const Session& session) {
+  std::vector<double> moments;
+  const std::size_t actuators = session.scene().rod.actuators.size();
+  if (actuators == 0 && text.find_first_not_of(" \t") == std::string::npos) return moments;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    const std::size_t first = text.find_first_not_of(" \t", from);
+    const std::string one = first < comma ? text.substr(first, comma - first) : "";
+    const std::string trimmed = one.substr(0, one.find_last_not_of(" \t") + 1);
+    double value = 0.0;
+    const char* const end = trimmed.data() + trimmed.size();
+    const auto [rest, code] = std::from_chars(trimmed.data(), end, value);
+    from = comma + 1;
+    if (code == std::errc{} && rest == end && std::isfinite(value)) {
+      moments.push_back(value);
+      continue;
+    }
+    try {
+      moments.push_back(session.units().read(trimmed, dimension::moment));
+    } catch (const QuantityError& error) {
+      throw InputError(fmt::format("--moments, number {}: {}", moments.size() + 1, error.what()));
+    }
+  }
+  if (moments.size() != actuators) {
+    throw InputError(fmt::format("--moments: found {} moments, expected one for each of the scene's {} actuators",
+                                 moments.size(), actuators));
+  }
+  return moments;
+}
+
 }  // namespace
 
 int run_plan(const PlanArguments& arguments) {
-  // What cannot be written had better be known before the work begins.
-  if (arguments.figure) {
-    picture_of(*arguments.figure);
-    const StagedFiles trial(arguments.figure->parent_path());
-  }
-  if (arguments.output) const StagedFiles trial(*arguments.output);
+  try_files(arguments.figure, arguments.output);
   Session session(arguments.scene);
   note_dropped(session);
   if (session.scene().problem == ProblemKind::estimate) return run_estimate(session, arguments);
-  const Plan plan = session.plan(arguments.start);
+  Plan plan = session.plan(arguments.start);
+  if (arguments.verify) session.verify(plan, arguments.start);
   const RunInfo run = session.run_info();
   const std::string json = arguments.json || arguments.output ? plan_json(session.scene(), plan, run) : "";
   if (arguments.output) write_output(session, plan, json, *arguments.output);
   if (arguments.figure) write_figure(session, plan, *arguments.figure);
   print(arguments.json ? json : plan_report(session.scene(), plan, run));
   return plan.status == PlanStatus::solved ? 0 : 1;
+}
+
+int run_execute(const ExecuteArguments& arguments) {
+  try_files(arguments.figure, arguments.output);
+  Session session(arguments.scene);
+  note_dropped(session);
+  const std::vector<double> moments = arguments.plan ? read_start(*arguments.plan, session.scene(), "plan").moments
+                                                     : read_moments(arguments.moments, session);
+  const Execution execution = session.execute(moments, arguments.start);
+  const RunInfo run = session.run_info();
+  const std::string json = arguments.json || arguments.output ? execution_json(session.scene(), execution, run) : "";
+  if (arguments.output) write_output(session, execution.result, json, *arguments.output);
+  if (arguments.figure) write_figure(session, execution.result, *arguments.figure);
+  print(arguments.json ? json : execution_report(session.scene(), execution, run));
+  return execution.result.status == PlanStatus::solved ? 0 : 1;
 }
 
 int run_describe(const SceneArguments& arguments, bool json) {

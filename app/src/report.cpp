@@ -26,8 +26,12 @@ std::string shape_text(const Plan& plan, const DisplayUnits& units) {
   std::string terms;
   for (const auto& [name, value] : plan.terms)
     terms += fmt::format("{}{} {:.6g}", terms.empty() ? "" : " + ", name, value);
-  text += line("objective", fmt::format("{:.6g}{}", plan.objective, terms.empty() ? "" : " = " + terms));
+  if (!terms.empty()) text += line("objective", fmt::format("{:.6g} = {}", plan.objective, terms));
   return text;
+}
+
+std::string verification_text(const Plan& plan) {
+  return plan.verification.empty() ? "" : line("execution", printable(plan.verification));
 }
 
 std::string moments_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
@@ -40,8 +44,11 @@ std::string moments_text(const Scene& scene, const Plan& plan, const DisplayUnit
     const double close = 1e-6 * std::max(std::abs(actuator.minimum), std::abs(actuator.maximum));
     const bool at_limit = value >= actuator.maximum - close || value <= actuator.minimum + close;
     const auto limit = [&](double v) { return std::isfinite(v) ? units.moment(v) : std::string("no limit"); };
+    const bool beyond = value > actuator.maximum + close || value < actuator.minimum - close;
     grid.row({std::to_string(i + 1), units.moment(value), limit(actuator.minimum), limit(actuator.maximum),
-              std::isfinite(close) && at_limit ? "at its limit" : "inside"});
+              !std::isfinite(close) || !at_limit ? "inside"
+              : beyond                           ? "beyond its limit"
+                                                 : "at its limit"});
   }
   return '\n' + grid.text("");
 }
@@ -126,6 +133,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
   // Without a shape there is nothing to tell of it.
   const bool has_shape = !plan.backbone.empty();
   if (has_shape) text += shape_text(plan, units);
+  text += verification_text(plan);
   text += line("coordinates", fmt::format("{}, order {}, {} values{}", plan.coordinates_name, plan.order,
                                           plan.coordinates.size(), plan.split_at_contact ? ", split at contact" : ""));
   text += line("solver", fmt::format("{}: {} ({}), {} iterations, {} evaluations", plan.solver_name,
@@ -146,6 +154,39 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
   text += fmt::format("\ntime: read {}, open plugins {}, assemble {}, solve {}, certify {}\n",
                       seconds(run.seconds_read), seconds(run.seconds_open), seconds(plan.seconds_assemble),
                       seconds(plan.seconds_solve), seconds(plan.seconds_certify));
+  return text;
+}
+
+std::string execution_report(const Scene& scene, const Execution& execution, const RunInfo& run) {
+  const DisplayUnits units(scene.rod.length());
+  const Plan& plan = execution.result;
+  std::string text = heading(scene) + '\n';
+  text += line("status", std::string(to_string(plan.status)));
+  if (!plan.message.empty()) text += line("", printable(plan.message));
+  const bool has_shape = !plan.backbone.empty();
+  if (has_shape) text += shape_text(plan, units);
+  text += line("path", fmt::format("load fraction {:.9g} reached in {} steps, {} contacts made or released",
+                                   execution.load, execution.steps, execution.contact_changes));
+  text += line("basis", fmt::format("{} pieces of {} functions", execution.pieces, plan.order));
+  if (!execution.snaps.empty()) {
+    Grid snaps;
+    snaps.row({"snap", "load fraction", "moments", "tip before", "tip after", "stability after"});
+    for (const Snap& snap : execution.snaps) {
+      std::string moments;
+      for (const double m : snap.moments) moments += (moments.empty() ? "" : ", ") + units.moment(m);
+      const auto tip = [&](const std::vector<BackbonePoint>& shape) {
+        return shape.empty() ? std::string("-") : units.point({shape.back()[1], shape.back()[2]});
+      };
+      snaps.row({std::string(to_string(snap.kind)), fmt::format("{:.9g}", snap.load), moments, tip(snap.before),
+                 tip(snap.after), fmt::format("{:.3g}", snap.stability_after)});
+    }
+    text += '\n' + snaps.text("");
+  }
+  if (has_shape)
+    text += moments_text(scene, plan, units) + contacts_text(plan, units) + certificate_text(plan.certificate);
+  text += left_out_text(plan.left_out);
+  text += fmt::format("\ntime: read {}, open plugins {}, execute {}, certify {}\n", seconds(run.seconds_read),
+                      seconds(run.seconds_open), seconds(plan.seconds_solve), seconds(plan.seconds_certify));
   return text;
 }
 

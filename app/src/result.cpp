@@ -73,6 +73,7 @@ Json contacts_json(const std::vector<PlannedContact>& contacts) {
                      {"normal", {number(contact.normal.x), number(contact.normal.y)}},
                      {"force", number(contact.force)},
                      {"gap", number(contact.gap)}});
+    if (contact.extended) array.back()["extended"] = true;
   }
   return array;
 }
@@ -184,6 +185,12 @@ void read_backbone(const Reader& root, const Scene& scene, Plan& plan) {
   if (!spans) root.member("backbone").fail(fmt::format("a backbone from 0 to the rod's length, {} m", length));
 }
 
+Json backbone_json(const std::vector<BackbonePoint>& points) {
+  Json array = Json::array();
+  for (const BackbonePoint& point : points) array.push_back(numbers({point.begin(), point.end()}));
+  return array;
+}
+
 }  // namespace
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -225,14 +232,15 @@ std::string written(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
-Json plan_object(const Scene& scene, const Plan& plan) {
+/// `problem` is what was done with the scene: a scene of another kind can be executed.
+Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   Json json;
   json["schema"] = 1;
   json["status"] = to_string(plan.status);
   json["message"] = plan.message;
   json["scene"] = scene.file;
   json["title"] = scene.title;
-  json["problem"] = to_string(scene.problem);
+  json["problem"] = to_string(problem);
   json["coordinates"] = {{"name", plan.coordinates_name},
                          {"order", plan.order},
                          {"split_at_contact", plan.split_at_contact},
@@ -250,6 +258,11 @@ Json plan_object(const Scene& scene, const Plan& plan) {
   json["moments"] = numbers(plan.moments);
   json["contacts"] = contacts_json(plan.contacts);
   json["certificate"] = certificate_json(plan.certificate);
+  if (!plan.verification.empty()) {
+    json["model_error"] = plan.model_error ? number(*plan.model_error) : Json(nullptr);
+    json["local_model_error"] = plan.local_model_error ? number(*plan.local_model_error) : Json(nullptr);
+    json["verification"] = plan.verification;
+  }
   Json modes = Json::array();
   for (const ModeRecord& mode : plan.modes) {
     modes.push_back({{"mode", mode.mode},
@@ -265,18 +278,54 @@ Json plan_object(const Scene& scene, const Plan& plan) {
   json["seconds"] = {{"assemble", number(plan.seconds_assemble)},
                      {"solve", number(plan.seconds_solve)},
                      {"certify", number(plan.seconds_certify)}};
-  Json backbone = Json::array();
-  for (const BackbonePoint& point : plan.backbone) backbone.push_back(numbers({point.begin(), point.end()}));
-  json["backbone"] = std::move(backbone);
+  json["backbone"] = backbone_json(plan.backbone);
   return json;
 }
 
-std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) {
-  Json json = plan_object(scene, plan);
+Json plan_object(const Scene& scene, const Plan& plan) { return plan_object(scene, scene.problem, plan); }
+
+namespace {
+
+/// What the command did around the planner.
+void add_run(Json& json, const RunInfo& run) {
   json["seconds"]["read"] = number(run.seconds_read);
   json["seconds"]["open"] = number(run.seconds_open);
   json["plugins"] = components_json(run.components);
   json["versions"] = versions_json();
+}
+
+/// A state beside a snap. Its tip is the end of its backbone.
+Json state_json(const std::vector<BackbonePoint>& shape, const std::vector<PlannedContact>& contacts) {
+  const BackbonePoint tip = shape.empty() ? BackbonePoint{} : shape.back();
+  return {{"tip", {{"x", number(tip[1])}, {"y", number(tip[2])}, {"angle", number(tip[3])}}},
+          {"contacts", contacts_json(contacts)},
+          {"backbone", backbone_json(shape)}};
+}
+
+}  // namespace
+
+std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) {
+  Json json = plan_object(scene, plan);
+  add_run(json, run);
+  return written(json);
+}
+
+std::string execution_json(const Scene& scene, const Execution& execution, const RunInfo& run) {
+  Json json = plan_object(scene, ProblemKind::execute, execution.result);
+  add_run(json, run);
+  json["load"] = {
+      {"reached", number(execution.load)}, {"steps", execution.steps}, {"contact_changes", execution.contact_changes}};
+  json["basis"] = {{"name", "legendre"}, {"order", execution.result.order}, {"pieces", execution.pieces}};
+  Json snaps = Json::array();
+  for (const Snap& snap : execution.snaps) {
+    snaps.push_back({{"kind", to_string(snap.kind)},
+                     {"load", number(snap.load)},
+                     {"moments", numbers(snap.moments)},
+                     {"stability_after", number(snap.stability_after)},
+                     {"before", state_json(snap.before, snap.contacts_before)},
+                     {"after", state_json(snap.after, snap.contacts_after)}});
+  }
+  json["snaps"] = std::move(snaps);
   return written(json);
 }
 
@@ -304,11 +353,11 @@ std::string description_json(const Scene& scene, const Description& description,
   return written(json);
 }
 
-Plan read_start(const std::filesystem::path& path, const Scene& scene) {
+Plan read_start(const std::filesystem::path& path, const Scene& scene, const std::string& what) {
   const std::string file = path.string();
-  const Json json = Json::parse(read_input(path, "start"), nullptr, false);
+  const Json json = Json::parse(read_input(path, what), nullptr, false);
   if (json.is_discarded())
-    throw InputError("start '" + file + "' is not JSON, expected a result of 'tendril plan --json'");
+    throw InputError(what + " '" + file + "' is not JSON, expected a result of 'tendril plan --json'");
   const Reader root(json, file, "");
   if (const int schema = root.member("schema").whole(0, 1'000'000); schema != 1) {
     throw InputError(fmt::format("{}: found schema {}, expected 1", file, schema));

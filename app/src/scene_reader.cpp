@@ -429,7 +429,7 @@ Table<MeasurementDraft> measurement_table() {
 
 Table<SceneDraft> scene_table() {
   using T = SceneDraft;
-  const std::vector<std::string> problems{"pose", "estimate"};
+  const std::vector<std::string> problems{"pose", "execute", "estimate"};
   Table<T> scene;
   scene.keys = {
       text<T>("title", "", "Title of reports and figures.", [](T& t, const std::string& v) { t.scene.title = v; }),
@@ -437,6 +437,7 @@ Table<SceneDraft> scene_table() {
           "problem", "pose", "Kind of problem.",
           [](T& t, const std::string& v) {
             if (v == "estimate") t.scene.problem = ProblemKind::estimate;
+            if (v == "execute") t.scene.problem = ProblemKind::execute;
           },
           problems),
       point<T>("gravity", dimension::acceleration, "no gravity", "Gravity.", [](T& t, Vec2 v) { t.scene.gravity = v; }),
@@ -494,10 +495,12 @@ void refuse_other_problems(const Document& document) {
   if (node == nullptr) return;
   const auto* kind = std::get_if<std::string>(&node->value);
   if (kind == nullptr) return;
-  for (const std::string_view other : {"grasp", "trajectory", "execute", "study"}) {
+  for (const std::string_view other : {"grasp", "trajectory", "study"}) {
     if (*kind == other) {
-      document.fail(node->position,
-                    "found problem = \"" + *kind + "\", which is not available in this version, expected \"pose\"");
+      document.fail(
+          node->position,
+          "found problem = \"" + *kind +
+              "\", which is not available in this version, expected one of \"pose\", \"execute\", \"estimate\"");
     }
   }
 }

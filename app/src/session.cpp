@@ -167,6 +167,39 @@ Plan Session::plan(const std::optional<std::filesystem::path>& start) {
   return plan;
 }
 
+Execution Session::execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start) {
+  std::optional<Plan> earlier;
+  if (start) earlier = read_start(*start, scene_);
+  const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
+  const InterruptGuard interrupt;
+  const ExecuteControl control = execute_control(earlier);
+  Execution done = located("", [&] { return tendril::execute(scene_, obstacles, moments, control); });
+  done.result.left_out.insert(done.result.left_out.end(), dropped_.begin(), dropped_.end());
+  return done;
+}
+
+void Session::verify(Plan& plan, const std::optional<std::filesystem::path>& start) {
+  if (plan.backbone.empty()) {
+    plan.verification = "not executed: the plan came to no shape";
+    return;
+  }
+  std::optional<Plan> earlier;
+  if (start) earlier = read_start(*start, scene_);
+  const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
+  const InterruptGuard interrupt;
+  const ExecuteControl control = execute_control(earlier);
+  located("", [&] { tendril::verify(scene_, obstacles, plan, control); });
+}
+
+/// `earlier` has to outlive what is returned.
+ExecuteControl Session::execute_control(const std::optional<Plan>& earlier) const {
+  ExecuteControl control;
+  control.stop = &InterruptGuard::flag();
+  control.start = earlier ? &*earlier : nullptr;
+  control.time_limit = scene_.solver.time_limit;
+  return control;
+}
+
 RunInfo Session::run_info() const {
   RunInfo run;
   for (const plugins::Registry::Opened& opened : registry_->opened()) {

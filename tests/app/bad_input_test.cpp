@@ -106,6 +106,39 @@ TEST(BadFile, OfAnyDepthIsRefused) {
   expect_refused(plan_brace({"--set", key.substr(0, 100'000) + "=1"}), "--set");
 }
 
+CommandRun execute_brace(std::vector<std::string> more) {
+  more.insert(more.begin(), {"execute", scene_path("brace.toml"), "--json"});
+  return tendril(more);
+}
+
+TEST(BadMoments, AreRefused) {
+  expect_refused(execute_brace({}), "expected --moments \"M, ...\" or --plan RESULT.json");
+  expect_refused(execute_brace({"--moments", ""}), "--moments, number 1: found \"\"");
+  expect_refused(execute_brace({"--moments", "1 mm"}),
+                 "--moments, number 1: found \"1 mm\", whose unit is not that of a moment");
+  expect_refused(execute_brace({"--moments", "1 Nm"}), "did you mean 'N m'?");
+  expect_refused(execute_brace({"--moments", "nan"}), "--moments, number 1: found \"nan\", which is not finite");
+  expect_refused(execute_brace({"--moments", "1e999"}), "--moments, number 1: found \"1e999\"");
+  expect_refused(execute_brace({"--moments", "0, 1"}),
+                 "--moments: found 2 moments, expected one for each of the scene's 1 actuators");
+  expect_refused(execute_brace({"--moments", "0,"}), "--moments, number 2: found \"\"");
+  expect_refused(execute_brace({"--moments", "0", "--plan", "r.json"}), "excludes");
+  expect_refused(execute_brace({"--plan", ""}), "--plan: found an empty name");
+  expect_refused(execute_brace({"--moments", "0", "--start", ""}), "--start: found an empty name");
+}
+
+TEST(BadExecution, IsRefused) {
+  const TemporaryDirectory directory;
+  expect_refused(execute_brace({"--plan", directory / "none.json"}), "cannot open plan");
+  expect_refused(execute_brace({"--plan", directory.write("a.json", "{")}), "is not JSON");
+  expect_refused(execute_brace({"--moments", "0", "--figure", "f.pdf"}), "expected a name that ends in .svg or .png");
+  const std::string core = directory.write("core.toml", brace_with("0.5 rad", "0 rad"));
+  expect_refused(tendril({"execute", core, "--moments", "0"}),
+                 "core.toml:19:13: the start shape runs through the core");
+  const std::string other = directory.write("other.toml", brace_with("\"pose\"", "\"execute\""));
+  expect_refused(tendril({"plan", other}), "other.toml:2:11: problem \"execute\" cannot be planned here");
+}
+
 TEST(BadArguments, AreRefused) {
   expect_refused(tendril({}), "");
   expect_refused(tendril({"plan"}), "SCENE is required");
@@ -113,9 +146,6 @@ TEST(BadArguments, AreRefused) {
   expect_refused(plan_brace({"--ordr", "3"}), "did you mean '--order'?");
   expect_refused(plan_brace({"--split", "--no-split"}), "excludes");
   expect_refused(plan_brace({"--set", "contact.max_force"}), "expected KEY=VALUE");
-  expect_refused(plan_brace({"--verify"}), "--verify is not available in this version");
-  expect_refused(tendril({"execute", scene_path("brace.toml"), "--moments", "1"}),
-                 "'execute' is not available in this version");
   expect_refused(tendril({"study", scene_path("brace.toml")}), "'study' is not available in this version");
   expect_refused(plan_brace({"--figure", "x.pdf"}), "expected a name that ends in .svg or .png");
   expect_refused(plan_brace({"--figure", ""}), "empty name");

@@ -14,11 +14,23 @@ struct PlanArguments {
   std::optional<std::filesystem::path> output;  ///< a directory
   std::optional<std::filesystem::path> figure;  ///< a file
   bool json = false;
+  bool verify = false;
+};
+
+struct ExecuteArguments {
+  SceneArguments scene;
+  std::string moments;                        ///< a list of numbers in N m or texts with units, between commas
+  std::optional<std::filesystem::path> plan;  ///< a result to take the moments from, instead
+  std::optional<std::filesystem::path> start;
+  std::optional<std::filesystem::path> output;  ///< a directory
+  std::optional<std::filesystem::path> figure;  ///< a file
+  bool json = false;
 };
 
 /// Each runs one command and returns its exit code: 0 solved, 1 no acceptable plan. What a user can repair is thrown as
 /// InputError. Results go to standard output, notes to standard error.
 int run_plan(const PlanArguments& arguments);
+int run_execute(const ExecuteArguments& arguments);
 int run_describe(const SceneArguments& arguments, bool json);
 int run_plugins(const std::vector<std::filesystem::path>& plugin_directories, bool json);
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tendril/execute.hpp"
 #include "tendril/plan.hpp"
 #include "tendril/planner.hpp"
 #include "tendril/scene.hpp"
@@ -27,10 +28,13 @@ struct RunInfo {
 /// One JSON document, schema 1. SI units, except objective, terms, coordinates.values and certificate, which are
 /// dimensionless. Numbers that are not finite become null. Ends in a line feed.
 std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run);
+/// The same for an execution, with "snaps", "load" and "basis".
+std::string execution_json(const Scene& scene, const Execution& execution, const RunInfo& run);
 std::string description_json(const Scene& scene, const Description& description, const RunInfo& run);
 
 /// The plan in a file that plan_json() has written, as a start for `scene`. Throws InputError if it is not such a file
-/// or belongs to another rod. Contacts with obstacles that the scene does not have are left out.
-Plan read_start(const std::filesystem::path& path, const Scene& scene);
+/// or belongs to another rod; `what` the file is to be, for messages. Contacts with obstacles that the scene does not
+/// have are left out.
+Plan read_start(const std::filesystem::path& path, const Scene& scene, const std::string& what = "start");
 
 }  // namespace tendril::app

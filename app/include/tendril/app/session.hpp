@@ -10,6 +10,7 @@
 #include "tendril/app/result.hpp"
 #include "tendril/app/units.hpp"
 #include "tendril/estimate.hpp"
+#include "tendril/execute.hpp"
 #include "tendril/planner.hpp"
 #include "tendril/plugins/components.hpp"
 
@@ -41,6 +42,11 @@ class Session {
   /// two seconds after the time limit ends the process with exit code 1. Options of the scene that were dropped are
   /// added to the plan's left_out.
   Plan plan(const std::optional<std::filesystem::path>& start);
+  /// What the rod does under `moments` (N m, one per actuator), from an earlier result or from the scene's start.
+  Execution execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start);
+  /// Executes the plan and judges it by what comes of it (core's verify()).
+  void verify(Plan& plan, const std::optional<std::filesystem::path>& start);
+  const Units& units() const { return *units_; }
   /// The scene's obstacles, made once more: the planner owns its own.
   std::vector<std::unique_ptr<Obstacle>> make_obstacles();
 
@@ -49,6 +55,7 @@ class Session {
   RunInfo run_info() const;
 
  private:
+  ExecuteControl execute_control(const std::optional<Plan>& earlier) const;
   void drop_foreign_options(const std::string& scene_coordinates, const std::string& scene_solver);
   Components make_components();
   plugins::Located place() const;

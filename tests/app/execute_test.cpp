@@ -1,0 +1,185 @@
+// What the real command says of moments carried out, and of plans that are.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+
+namespace tendril::app {
+namespace {
+
+using nlohmann::json;
+using test::brace_with;
+using test::CommandRun;
+using test::read_file;
+using test::scene_path;
+using test::TemporaryDirectory;
+using test::tendril;
+using Names = std::vector<std::string>;
+
+json parsed(std::vector<std::string> arguments, int exit_code = 0) {
+  arguments.emplace_back("--json");
+  const CommandRun run = tendril(arguments);
+  EXPECT_EQ(run.exit_code, exit_code) << run.err;
+  return json::parse(run.out, nullptr, false);
+}
+
+json execute_brace(const std::string& moments) {
+  return parsed({"execute", scene_path("brace.toml"), "--moments", moments});
+}
+
+TEST(Execute, OfTheBracedArmMatchesTheReference) {
+  const json result = execute_brace("2.5 N mm");
+  EXPECT_EQ(result["schema"], 1);
+  EXPECT_EQ(result["status"], "solved");
+  EXPECT_EQ(result["problem"], "execute");
+  ASSERT_EQ(result["contacts"].size(), 1U);
+  // reference/braced_arm.csv, to the digits printed there.
+  EXPECT_NEAR(result["tip"]["x"].get<double>(), 0.09670319442, 1e-11);
+  EXPECT_NEAR(result["tip"]["y"].get<double>(), 0.02200183222, 1e-11);
+  EXPECT_NEAR(result["contacts"][0]["arc_length"].get<double>(), 0.05862167146, 1e-11);
+  EXPECT_NEAR(result["contacts"][0]["force"].get<double>(), 0.06178404562, 1e-10);
+  EXPECT_EQ(result["contacts"][0]["obstacle"], "obstacle 1");
+  EXPECT_EQ(result["moments"], json::array({0.0025}));
+  EXPECT_EQ(result["load"]["reached"], 1.0);
+  EXPECT_EQ(result["load"]["contact_changes"], 1);
+  EXPECT_EQ(result["basis"]["pieces"], 2);
+  EXPECT_EQ(result["coordinates"]["values"].size(), result["coordinates"]["dimension"].get<std::size_t>());
+  EXPECT_TRUE(result["snaps"].empty());
+  EXPECT_TRUE(result["certificate"]["failures"].empty());
+  EXPECT_LE(result["certificate"]["moment_balance"].get<double>(), 1e-9);
+  EXPECT_NEAR(result["backbone"].back()[1].get<double>(), result["tip"]["x"].get<double>(), 1e-12);
+}
+
+TEST(Execute, ReadsMomentsInAnyUnitAndSign) {
+  const json si = execute_brace("-0.0025");
+  const json unit = execute_brace(" -2.5 N mm ");
+  EXPECT_EQ(si["status"], "solved");
+  EXPECT_NEAR(si["moments"][0].get<double>(), unit["moments"][0].get<double>(), 1e-17);
+  EXPECT_NEAR(si["tip"]["y"].get<double>(), unit["tip"]["y"].get<double>(), 1e-13);
+}
+
+TEST(Execute, UsesObstaclesWhateverTheContactModeSays) {
+  const json result = parsed({"execute", scene_path("brace.toml"), "--moments", "2.5 N mm", "--set",
+                              "contact.mode=ignore", "--set", "contact.max_force=0"});
+  ASSERT_EQ(result["contacts"].size(), 1U);
+  EXPECT_NEAR(result["contacts"][0]["force"].get<double>(), 0.06178404562, 1e-10);
+}
+
+TEST(Execute, ListsActiveContactsOnly) {
+  const json result = execute_brace("6 N mm");  // lifts off; model.md: 4.9 N mm suffice
+  EXPECT_EQ(result["status"], "solved");
+  EXPECT_TRUE(result["contacts"].empty());
+}
+
+TEST(Execute, CarriesOutAnEarlierPlan) {
+  const TemporaryDirectory directory;
+  const json plan = parsed({"plan", scene_path("brace.toml"), "--output", directory.path().string()});
+  const json result = parsed({"execute", scene_path("brace.toml"), "--plan", directory / "result.json"});
+  EXPECT_EQ(result["moments"], plan["moments"]);
+  // Model error of 6 functions per piece (README).
+  EXPECT_NEAR(result["tip"]["x"].get<double>(), plan["tip"]["x"].get<double>(), 1e-11);
+  EXPECT_NEAR(result["tip"]["y"].get<double>(), plan["tip"]["y"].get<double>(), 1e-11);
+}
+
+TEST(Execute, GoesOnFromAnEarlierResult) {
+  const TemporaryDirectory directory;
+  const std::string scene = scene_path("snap_through.toml");
+  // m = M L / EI with L = 0.2 m and EI = 0.01 N m^2: 2 and -1.
+  parsed({"execute", scene, "--moments", "100 N mm", "--output", directory.path().string()});
+  const json result = parsed({"execute", scene, "--moments", "-50 N mm", "--start", directory / "result.json"});
+  EXPECT_EQ(result["status"], "solved");
+  ASSERT_EQ(result["snaps"].size(), 1U);
+  const json& snap = result["snaps"][0];
+  EXPECT_EQ(snap["kind"], "fold");
+  const double fold = -0.59941729;  // model.md section 8, weight 12
+  EXPECT_NEAR(snap["moments"][0].get<double>() / 0.05, fold, 1e-6);
+  EXPECT_NEAR(snap["load"].get<double>(), (2.0 - fold) / 3.0, 1e-6);
+  EXPECT_GT(snap["stability_after"].get<double>(), 0.01);
+  EXPECT_NEAR(snap["before"]["tip"]["angle"].get<double>() - std::acos(0.0), 0.8253, 1e-4);
+  EXPECT_LT(snap["after"]["tip"]["angle"].get<double>(), std::acos(0.0));
+  EXPECT_EQ(snap["before"]["backbone"].size(), snap["after"]["backbone"].size());
+}
+
+TEST(Execute, FindsThreeContacts) {
+  const json result = parsed({"execute", scene_path("alternating_pegs.toml"), "--moments", "0"});
+  Names names;
+  for (const json& contact : result["contacts"]) names.push_back(contact["obstacle"].get<std::string>());
+  EXPECT_EQ(names, (Names{"first peg", "second peg", "third peg"}));
+  EXPECT_GT(result["certificate"]["stability"].get<double>(), 0.1);
+}
+
+TEST(Execute, WritesTableAndFigures) {
+  const TemporaryDirectory directory;
+  const CommandRun run = tendril({"execute", scene_path("alternating_pegs.toml"), "--moments", "0", "--output",
+                                  directory / "out", "--figure", directory / "f.svg"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  for (const char* word : {"status         solved", "load fraction 1 reached", "first peg", "moment balance"}) {
+    EXPECT_NE(run.out.find(word), std::string::npos) << word << run.out;
+  }
+  EXPECT_NE(read_file(directory / "f.svg").find("<svg"), std::string::npos);
+  EXPECT_EQ(json::parse(read_file(directory / "out/result.json"))["problem"], "execute");
+}
+
+TEST(Execute, ThatDoesNotArriveIsWrittenAllTheSame) {
+  const TemporaryDirectory directory;
+  // Bent the other way, past the curvature of a peg of 8 mm: the arm would lie along it.
+  const json result =
+      parsed({"execute", scene_path("brace.toml"), "--moments", "-200 N mm", "--output", directory / "out"}, 1);
+  EXPECT_EQ(result["status"], "not_converged");
+  EXPECT_NE(result["message"], "");
+  EXPECT_LT(result["load"]["reached"].get<double>(), 1.0);
+  EXPECT_EQ(json::parse(read_file(directory / "out/result.json"))["status"], "not_converged");
+}
+
+TEST(Execute, KeepsTheTimeLimit) {
+  const json result =
+      parsed({"execute", scene_path("brace.toml"), "--moments", "1 N mm", "--set", "solver.time_limit=1e-9"}, 1);
+  EXPECT_EQ(result["status"], "time_limit");
+}
+
+TEST(PlanVerify, ConfirmsTheBracedArm) {
+  const json result = parsed({"plan", scene_path("brace.toml"), "--verify"});
+  EXPECT_EQ(result["status"], "solved");
+  EXPECT_LT(result["model_error"].get<double>(), 1e-6 * 0.1);
+}
+
+TEST(PlanVerify, IsOnRequestOnly) { EXPECT_FALSE(parsed({"plan", scene_path("brace.toml")}).contains("model_error")); }
+
+TEST(PlanVerify, ReportsWhatACoarseBasisLeavesOut) {
+  for (const char* basis : {"pcc", "psc"}) {
+    const json result = parsed({"plan", scene_path("free.toml"), "--coordinates", basis, "--verify"});
+    EXPECT_EQ(result["status"], "solved") << basis;
+    const double error = result["model_error"].get<double>();
+    // The moments executed by hand end as far away.
+    const json executed = parsed({"execute", scene_path("free.toml"), "--moments", result["moments"][0].dump()});
+    const double apart = std::hypot(executed["tip"]["x"].get<double>() - result["tip"]["x"].get<double>(),
+                                    executed["tip"]["y"].get<double>() - result["tip"]["y"].get<double>());
+    EXPECT_NEAR(error, apart, 1e-12) << basis;
+    EXPECT_GT(error, 1e-9) << basis;
+  }
+}
+
+// Loaded from above the peg the arm comes to rest on it; the plan that avoids it lies below.
+TEST(PlanVerify, TurnsTheVerdictOfAPlanThatIsNotReached) {
+  const json plain = parsed({"plan", scene_path("avoid.toml")});
+  EXPECT_EQ(plain["status"], "solved");
+  const json result = parsed({"plan", scene_path("avoid.toml"), "--verify"}, 1);
+  EXPECT_EQ(result["status"], "not_converged");
+  EXPECT_NE(result["message"].get<std::string>().find("the plan rests on no obstacle, execution on 'obstacle 1'"),
+            std::string::npos)
+      << result["message"];
+  EXPECT_GT(result["model_error"].get<double>(), 0.01);
+  EXPECT_LT(result["local_model_error"].get<double>(), 1e-6);
+}
+
+TEST(PlanVerify, SaysSoWhereThereIsNoShape) {
+  const json result = parsed({"plan", scene_path("brace.toml"), "--verify", "--set", "solver.time_limit=1e-9"}, 1);
+  EXPECT_TRUE(result["model_error"].is_null());
+  EXPECT_NE(result["verification"].get<std::string>().find("not executed"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tendril::app
