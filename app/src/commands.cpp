@@ -2,27 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstdio>
-#include <system_error>
-
+#include "output.hpp"
 #include "tendril/app/figure.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/plugin_list.hpp"
 #include "tendril/app/report.hpp"
 #include "tendril/app/result.hpp"
+#include "trajectory_command.hpp"
 
 namespace tendril::app {
 
 namespace {
-
-void print(const std::string& text) {
-  const bool good = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-  if (!good) throw InputError("cannot write to standard output: " + std::generic_category().message(errno));
-}
-
-void note(const std::string& text) { fmt::print(stderr, "tendril: {}\n", text); }
 
 void note_dropped(const Session& session) {
   std::string text;
@@ -74,6 +65,7 @@ int run_plan(const PlanArguments& arguments) {
   if (arguments.output) const StagedFiles trial(*arguments.output);
   Session session(arguments.scene);
   note_dropped(session);
+  if (session.scene().problem == ProblemKind::trajectory) return run_trajectory(session, arguments);
   const Plan plan = session.plan(arguments.start);
   const RunInfo run = session.run_info();
   const std::string json = arguments.json || arguments.output ? plan_json(session.scene(), plan, run) : "";

@@ -4,55 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "tables.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril::app {
 
 namespace {
-
-/// Units that suit the size of the rod.
-struct DisplayUnits {
-  const char* length = "m";
-  double length_size = 1.0;
-
-  explicit DisplayUnits(double rod_length) {
-    if (rod_length < 2e-3) {
-      length = "um";
-      length_size = 1e-6;
-    } else if (rod_length < 2.0) {
-      length = "mm";
-      length_size = 1e-3;
-    }
-  }
-  std::string lengths(double si) const { return fmt::format("{:.6g} {}", si / length_size, length); }
-  std::string point(Vec2 p) const {
-    return fmt::format("({:.6g}, {:.6g}) {}", p.x / length_size, p.y / length_size, length);
-  }
-  std::string moment(double si) const { return fmt::format("{:.6g} N {}", si / length_size, length); }
-};
-
-std::string force(double si) {
-  const double size = std::abs(si);
-  if (size >= 1.0 || size == 0.0) return fmt::format("{:.6g} N", si);
-  if (size >= 1e-3) return fmt::format("{:.6g} mN", si * 1e3);
-  return fmt::format("{:.6g} uN", si * 1e6);
-}
-
-std::string angle(double rad) { return fmt::format("{:.6g} rad ({:.4g} deg)", rad, rad * 180.0 / std::numbers::pi); }
-
-std::string seconds(double s) {
-  if (s < 1e-3) return fmt::format("{:.3g} us", s * 1e6);
-  return s < 1.0 ? fmt::format("{:.3g} ms", s * 1e3) : fmt::format("{:.3g} s", s);
-}
-
-/// Text of a scene must not move the cursor or change colours.
-std::string printable(const std::string& text) {
-  std::string out;
-  for (const char c : text) out += (c >= 0 && c < ' ') || c == 127 ? '?' : c;
-  return out;
-}
 
 std::string heading(const Scene& scene) {
   const std::string file = printable(scene.file);
@@ -60,30 +18,6 @@ std::string heading(const Scene& scene) {
 }
 
 std::string line(const std::string& name, const std::string& value) { return fmt::format("{:<15}{}\n", name, value); }
-
-/// Rows of cells, each column as wide as its widest cell.
-class Grid {
- public:
-  void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
-  bool empty() const { return rows_.empty(); }
-  std::string text(const std::string& indent) const {
-    std::vector<std::size_t> widths;
-    for (const auto& cells : rows_) {
-      widths.resize(std::max(widths.size(), cells.size()), 0);
-      for (std::size_t i = 0; i < cells.size(); ++i) widths[i] = std::max(widths[i], cells[i].size());
-    }
-    std::string out;
-    for (const auto& cells : rows_) {
-      std::string one = indent;
-      for (std::size_t i = 0; i < cells.size(); ++i) one += fmt::format("{:<{}}", cells[i], widths[i] + 2);
-      out += one.substr(0, one.find_last_not_of(' ') + 1) + '\n';
-    }
-    return out;
-  }
-
- private:
-  std::vector<std::vector<std::string>> rows_;
-};
 
 std::string shape_text(const Plan& plan, const DisplayUnits& units) {
   std::string text;

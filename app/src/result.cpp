@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "result_object.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/version.hpp"
@@ -16,40 +17,10 @@ namespace tendril::app {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json numbers(const std::vector<double>& values) {
-  Json array = Json::array();
-  for (const double value : values) array.push_back(number(value));
-  return array;
-}
-
 Json left_out_json(const std::vector<LeftOut>& items) {
   Json array = Json::array();
   for (const LeftOut& item : items) array.push_back({{"what", item.what}, {"why", item.why}});
   return array;
-}
-
-Json components_json(const std::vector<UsedComponent>& components) {
-  Json array = Json::array();
-  for (const UsedComponent& component : components) {
-    array.push_back({{"kind", component.kind},
-                     {"name", component.name},
-                     {"file", component.file.empty() ? Json(nullptr) : Json(component.file)}});
-  }
-  return array;
-}
-
-Json versions_json() {
-  return {{"tendril", TENDRIL_VERSION},
-          {"plugin_interface", TENDRIL_INTERFACE_VERSION},
-          {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
-          {"nlohmann_json", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
-                                        NLOHMANN_JSON_VERSION_PATCH)},
-          {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
-          {"compiler", __VERSION__}};
 }
 
 Json certificate_json(const Certificate& certificate) {
@@ -110,11 +81,6 @@ Json contacts_json(const std::vector<PlannedContact>& contacts) {
                      {"gap", number(contact.gap)}});
   }
   return array;
-}
-
-std::string written(const Json& json) {
-  // Text that is not UTF-8 (a file name, for instance) must not cost the whole result.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
 Json counts_json(const std::vector<Description::Count>& counts, bool with_kind) {
@@ -226,7 +192,40 @@ void read_backbone(const Reader& root, const Scene& scene, Plan& plan) {
 
 }  // namespace
 
-std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) {
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json numbers(const std::vector<double>& values) {
+  Json array = Json::array();
+  for (const double value : values) array.push_back(number(value));
+  return array;
+}
+
+Json components_json(const std::vector<UsedComponent>& components) {
+  Json array = Json::array();
+  for (const UsedComponent& component : components) {
+    array.push_back({{"kind", component.kind},
+                     {"name", component.name},
+                     {"file", component.file.empty() ? Json(nullptr) : Json(component.file)}});
+  }
+  return array;
+}
+
+Json versions_json() {
+  return {{"tendril", TENDRIL_VERSION},
+          {"plugin_interface", TENDRIL_INTERFACE_VERSION},
+          {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+          {"nlohmann_json", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
+                                        NLOHMANN_JSON_VERSION_PATCH)},
+          {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
+          {"compiler", __VERSION__}};
+}
+
+std::string written(const Json& json) {
+  // Text that is not UTF-8 (a file name, for instance) must not cost the whole result.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+Json plan_object(const Scene& scene, const Plan& plan) {
   Json json;
   json["schema"] = 1;
   json["status"] = to_string(plan.status);
@@ -258,14 +257,19 @@ std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) 
   }
   json["modes"] = std::move(modes);
   json["left_out"] = left_out_json(plan.left_out);
-  json["seconds"] = {{"read", number(run.seconds_read)},
-                     {"open", number(run.seconds_open)},
-                     {"assemble", number(plan.seconds_assemble)},
+  json["seconds"] = {{"assemble", number(plan.seconds_assemble)},
                      {"solve", number(plan.seconds_solve)},
                      {"certify", number(plan.seconds_certify)}};
   Json backbone = Json::array();
   for (const BackbonePoint& point : plan.backbone) backbone.push_back(numbers({point.begin(), point.end()}));
   json["backbone"] = std::move(backbone);
+  return json;
+}
+
+std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) {
+  Json json = plan_object(scene, plan);
+  json["seconds"]["read"] = number(run.seconds_read);
+  json["seconds"]["open"] = number(run.seconds_open);
   json["plugins"] = components_json(run.components);
   json["versions"] = versions_json();
   return written(json);

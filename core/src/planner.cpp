@@ -21,6 +21,7 @@ constexpr double relaxation_first = 1e-1;   ///< eps of Scholtes and Fischer-Bur
 constexpr double relaxation_last = 1e-8;    ///< ... ends here ...
 constexpr double relaxation_shrink = 1e-2;  ///< ... in these steps
 constexpr double violation_level = -5e-10;  ///< half of the depth that is allowed: a valley below it gets a check point
+constexpr double grazing_level = 1e-6;      ///< a plan this near to an obstacle (in L) leans on a clearance row
 constexpr double contact_neighbourhood =
     0.02;  ///< no check point this near (in L) to a touching contact's own obstacle
 constexpr int most_exchanges = 25;
@@ -29,6 +30,7 @@ constexpr int most_pieces_away = 3;  ///< of an unsplit rod, from where the star
 constexpr int most_starts = 5;       ///< per mode, before a program may be called infeasible
 constexpr double restored = 1e-8;    ///< violation below which a point counts as feasible
 constexpr double beats = 1e-12;      ///< an objective must be lower by this to win
+constexpr double at_knot = 1e-7;     ///< (in L) a contact this near to the end of its stretch leans against it
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -45,7 +47,8 @@ struct Candidate {
 };
 
 struct Tally {
-  EvaluationCounts evaluations;
+  EvaluationCounts evaluations;     ///< that solvers asked for
+  EvaluationCounts outside_solver;  ///< that polish and restoration asked for
   int iterations = 0;
   double seconds = 0.0, seconds_evaluating = 0.0, seconds_certifying = 0.0;
 };
@@ -97,8 +100,12 @@ class Planner {
   /// checked.
   bool complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& checks, Eigen::VectorXd x,
                 const std::vector<Branch>& branches);
-  bool exchange(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
-                std::vector<CheckPoint>& checks) const;
+  /// Newton from the earlier plan's own point, touching what it touched: no solver is called. The mode that is
+  /// certified so, or -1: there is none, or a contact may be about to come or go, which other modes know more about.
+  int follow(std::vector<ModeState>& states);
+  bool contacts_unchanged(const Candidate& candidate) const;
+  bool exchange(const PoseProgram& program, ConstVectorRef x, Certifier& certifier, std::vector<CheckPoint>& checks,
+                double level) const;
   Plan report(std::vector<ModeState>& states, int winner);
   void fill_backbone(const PoseProgram& program, std::vector<BackbonePoint>& out) const;
 
@@ -107,6 +114,7 @@ class Planner {
   double deadline_;
   Tally tally_;
   bool have_plan_ = false;  ///< some mode is certified
+  bool following_ = false;  ///< only Newton may move points
 };
 
 void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
@@ -114,6 +122,13 @@ void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
   to.first_derivatives += more.first_derivatives;
   to.hessians += more.hessians;
   to.seconds += more.seconds;
+}
+
+void add_difference(EvaluationCounts& to, const EvaluationCounts& after, const EvaluationCounts& before) {
+  to.values += after.values - before.values;
+  to.first_derivatives += after.first_derivatives - before.first_derivatives;
+  to.hessians += after.hessians - before.hessians;
+  to.seconds += after.seconds - before.seconds;
 }
 
 void keep_unique(std::vector<CheckPoint>& checks) {
@@ -244,18 +259,23 @@ bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, 
 }
 
 bool Planner::sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed) {
-  ++state.record.polishes;
-  PolishReport p = polish(program, x, {});
+  const auto counted_polish = [&](const Eigen::VectorXd& from) {
+    ++state.record.polishes;
+    const EvaluationCounts before = program.counts();
+    PolishReport report = polish(program, from, {});
+    add_difference(tally_.outside_solver, program.counts(), before);
+    return report;
+  };
+  PolishReport p = counted_polish(x);
   if (p.converged && p.infeasibility <= tolerance::equilibrium) {
     x = p.x;
     return true;
   }
-  if (!solver_allowed || must_stop()) return false;
+  if (!solver_allowed || following_ || must_stop()) return false;
   // On a decided branch the program is an ordinary one.
   const OptimalityReport r = solve(state, program, x);
   if (!r.x.allFinite() || r.x.size() != x.size()) return false;
-  ++state.record.polishes;
-  p = polish(program, r.x, {});
+  p = counted_polish(r.x);
   if (p.converged && p.infeasibility <= tolerance::equilibrium) {
     x = p.x;
     return true;
@@ -293,8 +313,10 @@ bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd
 }
 
 bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
-  if (must_stop() || !x.allFinite()) return false;
+  if (must_stop() || following_ || !x.allFinite()) return false;
+  const EvaluationCounts before = program.counts();
   const FeasibilityReport f = restore_feasibility(program, x, restored);
+  add_difference(tally_.outside_solver, program.counts(), before);
   if (f.feasible) {
     const OptimalityReport r = solve(state, program, f.x);
     x = r.x.allFinite() && r.x.size() == x.size() && r.infeasibility <= 1e-3 ? r.x : f.x;
@@ -313,13 +335,13 @@ bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
 }
 
 bool Planner::exchange(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
-                       std::vector<CheckPoint>& checks) const {
+                       std::vector<CheckPoint>& checks, double level) const {
   const Chain& chain = program.chain();
   const PoseProgram::Layout& at = program.layout();
   const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));
   bool changed = false;
   std::vector<bool> moved(checks.size(), false);
-  for (const Certifier::Approach& valley : certifier.approaches(x, violation_level)) {
+  for (const Certifier::Approach& valley : certifier.approaches(x, level)) {
     const double s = valley.at.arc_length;
     bool own_contact = false;
     for (int k = 0; k < at.forces; ++k) {
@@ -374,8 +396,9 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
   };
   build();
   bool sharp = sharpen(state, *c.program, x, true);
+  if (!sharp && following_) return false;
   for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
-    if (!x.allFinite() || !exchange(*c.program, x, *c.certifier, checks)) break;
+    if (!x.allFinite() || !exchange(*c.program, x, *c.certifier, checks, violation_level)) break;
     every_check.insert(every_check.end(), checks.begin(), checks.end());
     build();
     sharp = sharpen(state, *c.program, x, true) || recover(state, *c.program, x);
@@ -486,8 +509,8 @@ void Planner::try_start(ModeState& state, const StartShape& shape) {
       const int variable = program.layout().first_arc_length + static_cast<int>(k);
       const int piece = program.spec().contacts[k].region;
       const double s = state.best.x[variable];
-      for (const auto& [active, neighbour] : {std::pair(s <= program.lower()[variable] + 1e-7, piece - 1),
-                                              std::pair(s >= program.upper()[variable] - 1e-7, piece + 1)}) {
+      for (const auto& [active, neighbour] : {std::pair(s <= program.lower()[variable] + at_knot, piece - 1),
+                                              std::pair(s >= program.upper()[variable] - at_knot, piece + 1)}) {
         if (!active || !same_stretch(k, neighbour)) continue;
         std::vector<int> candidate(pieces.size(), 0);
         for (std::size_t i = 0; i < pieces.size(); ++i)
@@ -525,6 +548,79 @@ void Planner::try_start(ModeState& state, const StartShape& shape) {
   }
 }
 
+bool Planner::contacts_unchanged(const Candidate& candidate) const {
+  if (!d_.contact_planned()) return true;
+  PoseProgram& program = *candidate.program;
+  const PoseProgram::Layout& at = program.layout();
+  for (int k = 0; k < at.forces; ++k) {
+    if (candidate.x[program.force_variable(k)] <= std::max(tolerance::force, d_.min_force)) return false;
+  }
+  for (int v = at.first_arc_length; v < at.first_arc_length + at.arc_lengths; ++v) {
+    if (candidate.x[v] <= program.lower()[v] + at_knot || candidate.x[v] >= program.upper()[v] - at_knot) return false;
+  }
+  // A rod held off by a mere clearance row could press there.
+  const VectorView c = program.constraints(candidate.x);
+  return at.checks == 0 || c.segment(at.first_check, at.checks).minCoeff() > tolerance::branch_decided;
+}
+
+int Planner::follow(std::vector<ModeState>& states) {
+  const Plan& earlier = *control_.start;
+  const bool same_coordinates = earlier.status == PlanStatus::solved &&
+                                earlier.coordinates_name == d_.scene.coordinates.plugin &&
+                                earlier.order == d_.components.coordinates->function_count() &&
+                                earlier.split_at_contact == d_.scene.coordinates.split_at_contact &&
+                                earlier.moments.size() == d_.rod.actuators.size();
+  if (!same_coordinates) return -1;
+  const std::vector<double> ends = d_.rod.fixed_knots();
+  const auto stretch_of = [&](double s) {
+    const auto after = std::upper_bound(ends.begin() + 1, ends.end() - 1, s);
+    return static_cast<int>(after - ends.begin()) - 1;
+  };
+  const auto touches_alike = [&](const ContactSetup& c, const PlannedContact& p) {
+    return p.force > 0.0 && p.at_tip == c.at_tip &&
+           p.obstacle_name == d_.obstacle_names[static_cast<std::size_t>(c.obstacle)] &&
+           (c.at_tip || stretch_of(p.arc_length / d_.scale.length) == c.region);
+  };
+  const auto state = std::find_if(states.begin(), states.end(), [&](const ModeState& candidate) {
+    const Mode& mode = d_.modes[static_cast<std::size_t>(candidate.mode)];
+    return mode.skip.empty() && std::equal(mode.contacts.begin(), mode.contacts.end(), earlier.contacts.begin(),
+                                           earlier.contacts.end(), touches_alike);
+  });
+  if (state == states.end()) return -1;
+
+  const Mode& mode = d_.modes[static_cast<std::size_t>(state->mode)];
+  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
+  std::vector<int> regions;
+  for (std::size_t k = 0; k < mode.contacts.size(); ++k) {
+    const ContactSetup& c = mode.contacts[k];
+    const bool in_piece = !c.at_tip && !d_.scene.coordinates.split_at_contact;
+    regions.push_back(in_piece ? chain.piece_at(earlier.contacts[k].arc_length / d_.scale.length, {}) : c.region);
+  }
+  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+  PoseProgram program(spec);
+  const PoseProgram::Layout& at = program.layout();
+  if (at.coordinates != static_cast<int>(earlier.coordinates.size())) return -1;
+  const StartShape shape = start_shape(0, mode);
+  Eigen::VectorXd x = program.start_from(shape);
+  x.head(at.coordinates) = Eigen::Map<const Eigen::VectorXd>(earlier.coordinates.data(), at.coordinates);
+  std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
+  const std::vector<Branch> branches(mode.contacts.size(), Branch::touching);
+  set_branches(program, branches);
+  // Where the earlier plan grazes an obstacle, Newton has to know.
+  Certifier certifier(spec);
+  exchange(program, x, certifier, checks, grazing_level);
+
+  following_ = true;
+  complete(*state, regions, checks, x, branches);
+  following_ = false;
+  if (state->best.certified() && contacts_unchanged(state->best)) {
+    state->record.outcome = "followed from the earlier plan; ";
+    return state->mode;
+  }
+  state->best = {};
+  return -1;
+}
+
 Plan Planner::run() {
   std::vector<ModeState> states(d_.modes.size());
   for (std::size_t i = 0; i < states.size(); ++i) {
@@ -553,7 +649,8 @@ Plan Planner::run() {
     });
   }
   const int starts = most_starts + (control_.start != nullptr ? 1 : 0);
-  int winner = -1;
+  int winner = control_.follow && control_.start != nullptr ? follow(states) : -1;
+  if (winner >= 0) return report(states, winner);
   const auto best_objective = [&] {
     return winner < 0 ? infinity : states[static_cast<std::size_t>(winner)].best.objective;
   };
@@ -613,6 +710,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.split_at_contact = d_.scene.coordinates.split_at_contact;
   plan.left_out = d_.left_out;
   plan.solver_name = d_.scene.solver.plugin;
+  const bool followed = winner >= 0 && states[static_cast<std::size_t>(winner)].starts_used == 0;
   for (ModeState& state : states) {
     const Mode& mode = d_.modes[static_cast<std::size_t>(state.mode)];
     if (!mode.skip.empty()) {
@@ -630,7 +728,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
       state.record.outcome +=
           "not solved: " + (state.trouble.empty() ? std::string(to_string(state.last.status)) : state.trouble);
     } else if (state.record.outcome.empty()) {
-      state.record.outcome = "not tried: stopped before";
+      state.record.outcome = followed ? "not tried: the earlier plan could be followed" : "not tried: stopped before";
     }
     plan.modes.push_back(state.record);
   }
@@ -654,6 +752,8 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.solver = (shown >= 0 ? states[static_cast<std::size_t>(shown)].best.solver : states.back().last);
   plan.solver.iterations = tally_.iterations;
   plan.solver.evaluations = tally_.evaluations;
+  plan.evaluations = tally_.evaluations;
+  add_counts(plan.evaluations, tally_.outside_solver);
   plan.solver.seconds = tally_.seconds;
   plan.solver.seconds_evaluating = tally_.seconds_evaluating;
 

@@ -8,9 +8,12 @@
 
 #include "tendril/app/document.hpp"
 #include "tendril/app/result.hpp"
+#include "tendril/app/scene_reader.hpp"
+#include "tendril/app/study.hpp"
 #include "tendril/app/units.hpp"
 #include "tendril/planner.hpp"
 #include "tendril/plugins/registry.hpp"
+#include "tendril/trajectory.hpp"
 
 namespace tendril::app {
 
@@ -36,6 +39,14 @@ class Session {
   /// two seconds after the time limit ends the process with exit code 1. Options of the scene that were dropped are
   /// added to the plan's left_out.
   Plan plan(const std::optional<std::filesystem::path>& start);
+  /// The same for a trajectory, step by step; the limits hold for each plan.
+  Trajectory plan_trajectory();
+  /// The sweeps that the scene declares.
+  StudySpec study() const { return read_study(document_, *units_); }
+  /// Another scene that differs from the one in the file in plain values only: checked, and assembled when asked for.
+  void use(const Scene& scene);
+  /// Plans once, from `start` if not null.
+  Plan plan_from(const Plan* start, bool follow = false);
   /// The scene's obstacles, made once more: the planner owns its own.
   std::vector<std::unique_ptr<Obstacle>> make_obstacles();
 

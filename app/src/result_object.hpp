@@ -1,0 +1,25 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tendril/app/result.hpp"
+
+namespace tendril::app {
+
+using Json = nlohmann::ordered_json;
+
+/// null for a number that is not finite.
+Json number(double value);
+Json numbers(const std::vector<double>& values);
+
+/// A plan as it stands in every result, without what the command did around it.
+Json plan_object(const Scene& scene, const Plan& plan);
+Json components_json(const std::vector<UsedComponent>& components);
+Json versions_json();
+
+/// The document as text, ending in a line feed.
+std::string written(const Json& json);
+
+}  // namespace tendril::app
