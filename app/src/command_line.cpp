@@ -5,6 +5,7 @@
 
 #include "tendril/app/commands.hpp"
 #include "tendril/app/input_error.hpp"
+#include "tendril/app/study_command.hpp"
 #include "tendril/version.hpp"
 
 namespace tendril::app {
@@ -90,13 +91,13 @@ std::optional<std::filesystem::path> optional_path(const std::string& text) {
 
 /// Options and commands of the format that this version does not have yet.
 void add_missing(CLI::App& app) {
-  for (const char* name : {"execute", "study"}) {
+  for (const char* name : {"execute"}) {
     CLI::App* command = app.add_subcommand(name, "not available in this version");
     command->allow_extras();
     command->group("");
     command->callback([name] {
       throw InputError(std::string("the command '") + name +
-                       "' is not available in this version; available: plan, describe, plugins");
+                       "' is not available in this version; available: plan, study, describe, plugins");
     });
   }
 }
@@ -155,6 +156,19 @@ int parse_and_run(int argc, const char* const* argv) {
   plan->add_flag("--json", json, "One JSON document on standard output and nothing else");
   plan->add_flag_callback("--verify", [] { throw InputError("--verify is not available in this version"); })->group("");
 
+  CLI::App* study = app.add_subcommand(
+      "study", "Every combination of the sweeps in [study]; exit code 0: all solved, 1: not all, 2: wrong input");
+  SceneOptions study_scene;
+  study_scene.add_to(*study);
+  StudyArguments study_arguments;
+  study->add_option("--output", output, "Directory for results; run again with it, an unfinished study goes on")
+      ->type_name("DIR");
+  study->add_option("--jobs", study_arguments.jobs, "Worker processes")->type_name("N")->check(CLI::Range(1, 1024));
+  study->add_option("--shard", study_arguments.shard, "Only the i-th of N parts of the cases")->type_name("i/N");
+  study->add_flag("--merge", study_arguments.merge, "Join the parts that are in the output directory");
+  study->add_flag("--worker", study_arguments.worker)->group("");
+  study->add_flag("--json", json, "One JSON document on standard output and nothing else");
+
   CLI::App* describe = app.add_subcommand("describe", "Show the assembled program and what was left out");
   SceneOptions describe_scene;
   describe_scene.add_to(*describe);
@@ -182,6 +196,14 @@ int parse_and_run(int argc, const char* const* argv) {
       if (value) throw InputError(std::string(name) + ": found an empty name");
     }
     return run_plan({plan_scene.arguments(), optional_path(start), optional_path(output), optional_path(figure), json});
+  }
+  if (study->parsed()) {
+    if (study->count("--output") > 0 && output.empty()) throw InputError("--output: found an empty name");
+    study_arguments.scene = study_scene.arguments();
+    study_arguments.output = optional_path(output);
+    study_arguments.json = json;
+    study_arguments.words.assign(argv + 1, argv + argc);
+    return run_study(study_arguments);
   }
   if (describe->parsed()) return run_describe(describe_scene.arguments(), json);
   return run_plugins({plugin_directories.begin(), plugin_directories.end()}, json);

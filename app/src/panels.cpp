@@ -86,7 +86,7 @@ std::string between(const Rgb& light, const Rgb& dark, std::size_t i, std::size_
 struct Layout {
   int columns = 1;
   double panel_width = 0.0, panel_height = 0.0, bar_height = 0.0;
-  double left = 70.0, right = 24.0, top = 24.0, between_columns = 46.0, above_panel = 30.0, below_panel = 56.0;
+  double left = 92.0, right = 24.0, top = 14.0, between_columns = 56.0, above_panel = 36.0, below_panel = 76.0;
   double legend = 44.0;
   double width = 0.0, height = 0.0;
 };
@@ -151,7 +151,7 @@ class Script {
       }
       text_ += fmt::format("set xrange [-0.6:{:.6g}]\nset yrange [0:{:.6g}]\n",
                            static_cast<double>(panel.quantities.size()) - 0.4, highest > 0.0 ? 1.18 * highest : 1.0);
-      text_ += "set xtics (" + tics + ") scale 0\nunset xlabel\nset style fill solid 0.85 noborder\n";
+      text_ += "set xtics (" + tics + ") scale 0 font ',13'\nunset xlabel\nset style fill solid 0.85 noborder\n";
       text_ += i == 0 ? "set ylabel 'mean and standard deviation' noenhanced\n" : "unset ylabel\n";
       heading(panel.title);
       std::string parts;
@@ -164,7 +164,7 @@ class Script {
             "{1}using 1:($2+$3):(sprintf('%.3g',$2)) with labels offset 0,0.6 font ',11' notitle",
             k > 0 ? ", \\\n     " : "plot ", block, 0.92 * width, panel.series[k].color);
       }
-      text_ += parts + "\nunset style fill\nset xtics scale 1\n";
+      text_ += parts + "\nset xtics scale 1 font ''\n";
     }
     y_ += at_.above_panel + at_.bar_height + at_.below_panel;
   }
@@ -191,7 +191,7 @@ class Script {
       }
       text_ += fmt::format("set label {} {} at screen {:.6g},{:.6g} left noenhanced\n", ++mark_,
                            gnuplot_string(entry.text), (x + 42.0) / at_.width, y);
-      x += 42.0 + 9.0 * static_cast<double>(entry.text.size()) + 34.0;
+      x += 42.0 + 10.0 * static_cast<double>(entry.text.size()) + 24.0;
     }
     y_ += at_.legend;
   }
