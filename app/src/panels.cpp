@@ -86,7 +86,7 @@ std::string between(const Rgb& light, const Rgb& dark, std::size_t i, std::size_
 struct Layout {
   int columns = 1;
   double panel_width = 0.0, panel_height = 0.0, bar_height = 0.0;
-  double left = 92.0, right = 24.0, top = 14.0, between_columns = 56.0, above_panel = 36.0, below_panel = 76.0;
+  double left = 100.0, right = 30.0, top = 16.0, between_columns = 70.0, above_panel = 50.0, below_panel = 88.0;
   double legend = 44.0;
   double width = 0.0, height = 0.0;
 };
@@ -97,9 +97,9 @@ Layout layout_of(const std::string& title, const std::vector<std::vector<ShapePa
   std::size_t columns = bars.size();
   for (const auto& row : rows) columns = std::max(columns, row.size());
   at.columns = static_cast<int>(columns);
-  at.panel_width = columns == 1 ? 800.0 : columns == 2 ? 520.0 : 350.0;
+  at.panel_width = columns == 1 ? 800.0 : columns == 2 ? 520.0 : 400.0;
   at.panel_height = at.panel_width * (window.high.y - window.low.y) / (window.high.x - window.low.x);
-  at.bar_height = bars.empty() ? 0.0 : 250.0;
+  at.bar_height = bars.empty() ? 0.0 : 320.0;
   if (!title.empty()) at.top += 30.0;
   const auto count = static_cast<double>(columns);
   at.width = at.left + count * at.panel_width + (count - 1.0) * at.between_columns + at.right;
@@ -125,8 +125,8 @@ class Script {
       place(i, at_.panel_height);
       text_ += fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", window.low.x / unit_.size,
                            window.high.x / unit_.size, window.low.y / unit_.size, window.high.y / unit_.size);
-      text_ += fmt::format("set xtics autofreq\nset xlabel 'x ({0})' noenhanced\n", unit_.name);
-      text_ += i == 0 ? fmt::format("set ylabel 'y ({0})' noenhanced\n", unit_.name) : "unset ylabel\n";
+      text_ += fmt::format("set xtics autofreq\nset xlabel 'x ({0})' noenhanced offset 0,0.3\n", unit_.name);
+      text_ += i == 0 ? fmt::format("set ylabel 'y ({0})' noenhanced offset 1,0\n", unit_.name) : "unset ylabel\n";
       heading(row[i].title);
       plot(row[i]);
     }
@@ -151,8 +151,8 @@ class Script {
       }
       text_ += fmt::format("set xrange [-0.6:{:.6g}]\nset yrange [0:{:.6g}]\n",
                            static_cast<double>(panel.quantities.size()) - 0.4, highest > 0.0 ? 1.18 * highest : 1.0);
-      text_ += "set xtics (" + tics + ") scale 0 font ',13'\nunset xlabel\nset style fill solid 0.85 noborder\n";
-      text_ += i == 0 ? "set ylabel 'mean and standard deviation' noenhanced\n" : "unset ylabel\n";
+      text_ += "set xtics (" + tics + ") scale 0 font ',12'\nunset xlabel\nset style fill solid 0.85 noborder\n";
+      text_ += i == 0 ? "set ylabel 'mean and standard deviation' noenhanced offset 1,0\n" : "unset ylabel\n";
       heading(panel.title);
       std::string parts;
       const double width = 0.76 / static_cast<double>(panel.series.size());
@@ -160,7 +160,7 @@ class Script {
         const std::string block = fmt::format("{} index 'bars {} {}' ", data_, i + 1, k + 1);
         parts += fmt::format(
             "{0}{1}using 1:2:({2:.6g}) with boxes linecolor rgb '{3}' notitle, \\\n     "
-            "{1}using 1:2:3 with yerrorbars pointtype 0 linewidth 1.3 linecolor rgb '#303030' notitle, \\\n     "
+            "{1}using 1:2:3 with yerrorbars pointsize 0 linewidth 1.3 linecolor rgb '#303030' notitle, \\\n     "
             "{1}using 1:($2+$3):(sprintf('%.3g',$2)) with labels offset 0,0.6 font ',11' notitle",
             k > 0 ? ", \\\n     " : "plot ", block, 0.92 * width, panel.series[k].color);
       }
@@ -190,8 +190,8 @@ class Script {
             ++mark_, (x + 17.0) / at_.width, y, entry.point_type, entry.point_color);
       }
       text_ += fmt::format("set label {} {} at screen {:.6g},{:.6g} left noenhanced\n", ++mark_,
-                           gnuplot_string(entry.text), (x + 42.0) / at_.width, y);
-      x += 42.0 + 10.0 * static_cast<double>(entry.text.size()) + 24.0;
+                           gnuplot_string(entry.text), (x + 46.0) / at_.width, y);
+      x += 42.0 + 10.5 * static_cast<double>(entry.text.size()) + 44.0;
     }
     y_ += at_.legend;
   }
@@ -239,7 +239,7 @@ class Script {
     for (std::size_t i = 0; i < n; ++i) {
       const std::string color = panel.ordered ? between(light_blue, dark_blue, i, n) : panel.color;
       parts.push_back(fmt::format("{} with lines linewidth {} linecolor rgb '{}' notitle", block("rod", i + 1),
-                                  at_.columns == 1 ? 3.5 : 1.6, color));
+                                  at_.columns == 1 ? 2.0 : 1.6, color));
     }
     for (std::size_t i = 0; i < panel.targets.size(); ++i) {
       parts.push_back(fmt::format(
@@ -320,9 +320,9 @@ std::vector<Script::Entry> shape_legend(const std::vector<std::vector<ShapePanel
   }
   std::vector<Script::Entry> entries;
   if (ordered) {
-    entries.push_back({"rod, first step", between(light_blue, dark_blue, 0, 2)});
-    entries.push_back({"rod, last step", between(light_blue, dark_blue, 1, 2)});
-    if (targets) entries.push_back({"targets, light to dark", "", between(light_green, dark_green, 1, 2)});
+    entries.push_back({"first step", between(light_blue, dark_blue, 0, 2)});
+    entries.push_back({"last step", between(light_blue, dark_blue, 1, 2)});
+    if (targets) entries.push_back({"targets, in order", "", between(light_green, dark_green, 1, 2)});
   } else if (targets) {
     entries.push_back({"targets", "", "#2e9d3a"});
   }

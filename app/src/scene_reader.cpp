@@ -660,6 +660,10 @@ std::vector<TargetSpec> finish_trajectory(const Document& document, const Trajec
     document.fail(document.find("trajectory.angles"),
                   fmt::format("found {} angles for {} positions, expected one for each", angles, positions));
   }
+  if (positions == 0 && angles == 0 && document.root().find("trajectory") != nullptr) {
+    document.fail(document.find("trajectory"),
+                  "[trajectory] has neither 'positions' nor 'angles', expected one of them");
+  }
   std::vector<TargetSpec> targets(std::max(positions, angles));
   for (std::size_t i = 0; i < positions; ++i) targets[i].position = draft.positions[i];
   for (std::size_t i = 0; i < angles; ++i) targets[i].angle = draft.angles[i];

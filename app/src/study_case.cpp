@@ -35,7 +35,8 @@ Json head_of(const StudyCase& one) {
 /// Removes what differs from run to run.
 void drop_times(Json& json) {
   if (json.is_object()) {
-    for (const char* key : {"seconds", "seconds_evaluating"}) json.erase(key);
+    // A solver's options hold the time that was left to it.
+    for (const char* key : {"seconds", "seconds_evaluating", "options"}) json.erase(key);
     // The file's name may be written in several ways.
     json.erase("scene");
   }
@@ -107,8 +108,8 @@ class CaseRunner {
     for (const Plan& start : starts) {
       if (start.backbone.empty()) continue;
       Plan other = session_.plan_from(&start);
-      const bool better = other.status == PlanStatus::solved && (outcome.plan.status != PlanStatus::solved ||
-                                                                 other.objective < outcome.plan.objective);
+      const bool better = other.status == PlanStatus::solved &&
+                          (outcome.plan.status != PlanStatus::solved || other.objective < outcome.plan.objective);
       if (better) outcome.plan = std::move(other);
     }
     outcome.reached = outcome.plan;

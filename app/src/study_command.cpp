@@ -37,8 +37,8 @@ std::optional<Shard> parse_shard(std::string_view text) {
   const auto first = std::from_chars(text.data(), end, shard.number);
   if (first.ec != std::errc{} || first.ptr == end || *first.ptr != '/') return std::nullopt;
   const auto second = std::from_chars(first.ptr + 1, end, shard.count);
-  const bool good = second.ec == std::errc{} && second.ptr == end && shard.number >= 1 &&
-                    shard.number <= shard.count && shard.count <= most_shards;
+  const bool good = second.ec == std::errc{} && second.ptr == end && shard.number >= 1 && shard.number <= shard.count &&
+                    shard.count <= most_shards;
   return good ? std::optional(shard) : std::nullopt;
 }
 
@@ -74,8 +74,8 @@ class Progress {
     if (failed_ > 0) text += fmt::format(", {} failed", failed_);
     if (done_ > at_start_) {
       const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-      text += fmt::format(", {:.0f} s left", seconds * static_cast<double>(cases_ - done_) /
-                                                 static_cast<double>(done_ - at_start_));
+      text += fmt::format(", {:.0f} s left",
+                          seconds * static_cast<double>(cases_ - done_) / static_cast<double>(done_ - at_start_));
     }
     fmt::print(stderr, "{}\x1b[K", text);
     std::fflush(stderr);
@@ -210,8 +210,8 @@ int run_study(const StudyArguments& arguments) {
   if (arguments.worker) return serve(arguments);
   const std::optional<Shard> shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard);
   if (!shard) {
-    throw InputError(fmt::format("--shard {}: expected i/N with 1 <= i <= N <= {}, for instance 2/4", arguments.shard,
-                                 most_shards));
+    throw InputError(
+        fmt::format("--shard {}: expected i/N with 1 <= i <= N <= {}, for instance 2/4", arguments.shard, most_shards));
   }
   if (!arguments.output && (arguments.merge || !arguments.shard.empty())) {
     throw InputError("--shard and --merge need --output DIR, where the shards are");

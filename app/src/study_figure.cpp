@@ -60,7 +60,10 @@ BarUnit force_unit(double largest, double goal) {
   const int index = std::clamp(thousand / 3 + 3, 0, 4);
   const int factor = exponent - (index - 3) * 3;
   const std::string name = names[index];
-  return {std::pow(10.0, exponent), factor == 0 ? name : factor == 1 ? "10 " + name : factor == 2 ? "100 " + name : fmt::format("1e{} {}", factor, name)};
+  return {std::pow(10.0, exponent), factor == 0   ? name
+                                    : factor == 1 ? "10 " + name
+                                    : factor == 2 ? "100 " + name
+                                                  : fmt::format("1e{} {}", factor, name)};
 }
 
 std::vector<BarPanel> bars_of(const Scene& scene, const StudyResult& result, std::size_t columns) {
@@ -78,15 +81,14 @@ std::vector<BarPanel> bars_of(const Scene& scene, const StudyResult& result, std
     const StudyGroup& g = result.groups[i];
     BarPanel& panel = panels[i % columns];
     panel.title = title_of(g.mode);
-    panel.quantities = {"moment (N " + length + ")", "tip error (" + length + ")",
-                        "force (" + newton.name + ")"};
+    panel.quantities = {"moment (N " + length + ")", "tip error (" + length + ")", "force (" + newton.name + ")"};
     const std::size_t row = i / columns;
-    panel.series.push_back({g.limit ? "limit " + units.moment(*g.limit) : "all cases",
-                            series_colors[row % std::size(series_colors)],
-                            {g.moment.mean / units.length_size, g.tip_error.mean / units.length_size,
-                             g.contact_force.mean / newton.size},
-                            {g.moment.deviation / units.length_size, g.tip_error.deviation / units.length_size,
-                             g.contact_force.deviation / newton.size}});
+    panel.series.push_back(
+        {g.limit ? "limit " + units.moment(*g.limit) : "all cases",
+         series_colors[row % std::size(series_colors)],
+         {g.moment.mean / units.length_size, g.tip_error.mean / units.length_size, g.contact_force.mean / newton.size},
+         {g.moment.deviation / units.length_size, g.tip_error.deviation / units.length_size,
+          g.contact_force.deviation / newton.size}});
   }
   return panels;
 }

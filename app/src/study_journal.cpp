@@ -153,7 +153,8 @@ void Journal::write(const std::string& line) {
     if (count <= 0) throw InputError("cannot write '" + path_.string() + "': " + reason());
     done += static_cast<std::size_t>(count);
   }
-  if (::fdatasync(file_) != 0 && errno != EINVAL) throw InputError("cannot write '" + path_.string() + "': " + reason());
+  if (::fdatasync(file_) != 0 && errno != EINVAL)
+    throw InputError("cannot write '" + path_.string() + "': " + reason());
 }
 
 }  // namespace tendril::app

@@ -99,7 +99,8 @@ StudyResult study_result(const StudySpec& study, const std::map<int, StudyRecord
       ++group.solved;
       auto& [moment, contact, tip, model] = samples.back();
       double largest = 0.0;
-      for (const Json& m : value["moments"]) largest = std::max(largest, m.is_number() ? std::abs(m.get<double>()) : 0.0);
+      for (const Json& m : value["moments"])
+        largest = std::max(largest, m.is_number() ? std::abs(m.get<double>()) : 0.0);
       moment.add(largest);
       contact.add(value, "contact_force");
       tip.add(value, "tip_error");
@@ -119,7 +120,9 @@ StudyResult study_result(const StudySpec& study, const std::map<int, StudyRecord
   return result;
 }
 
-bool all_solved(const StudyResult& result) { return std::all_of(result.values.begin(), result.values.end(), is_solved); }
+bool all_solved(const StudyResult& result) {
+  return std::all_of(result.values.begin(), result.values.end(), is_solved);
+}
 
 std::string study_json(const Scene& scene, const StudyResult& result) {
   Json head;
@@ -130,16 +133,16 @@ std::string study_json(const Scene& scene, const StudyResult& result) {
   head["status"] = all_solved(result) ? "solved" : "some cases are not solved";
   Json groups = Json::array();
   for (const StudyGroup& group : result.groups) {
-    groups.push_back({{"limit", group.limit ? number(*group.limit) : Json(nullptr)},
-                      {"mode", group.mode ? Json(to_string(*group.mode)) : Json(nullptr)},
-                      {"cases", group.cases},
-                      {"solved", group.solved},
-                      {"moment", statistic_json(group.moment)},
-                      {"contact_force", statistic_json(group.contact_force)},
-                      {"tip_error", statistic_json(group.tip_error)},
-                      {"model_error", statistic_json(group.model_error)},
-                      {"largest_model_error",
-                       group.model_error.count > 0 ? number(group.largest_model_error) : Json(nullptr)}});
+    groups.push_back(
+        {{"limit", group.limit ? number(*group.limit) : Json(nullptr)},
+         {"mode", group.mode ? Json(to_string(*group.mode)) : Json(nullptr)},
+         {"cases", group.cases},
+         {"solved", group.solved},
+         {"moment", statistic_json(group.moment)},
+         {"contact_force", statistic_json(group.contact_force)},
+         {"tip_error", statistic_json(group.tip_error)},
+         {"model_error", statistic_json(group.model_error)},
+         {"largest_model_error", group.model_error.count > 0 ? number(group.largest_model_error) : Json(nullptr)}});
   }
   head["groups"] = std::move(groups);
   head["versions"] = versions_json();
@@ -154,7 +157,8 @@ std::string study_json(const Scene& scene, const StudyResult& result) {
 
 std::string cases_csv(const StudyResult& result) {
   const std::size_t moments = moment_count(result);
-  std::string text = "index,limit_Nm,mode,target_x_m,target_y_m,status,tip_x_m,tip_y_m,tip_error_m,contact_force_N,model_error_m";
+  std::string text =
+      "index,limit_Nm,mode,target_x_m,target_y_m,status,tip_x_m,tip_y_m,tip_error_m,contact_force_N,model_error_m";
   for (std::size_t i = 0; i < moments; ++i) text += fmt::format(",moment_{}_Nm", i + 1);
   text += ",message\n";
   for (std::size_t i = 0; i < result.cases.size(); ++i) {
@@ -208,10 +212,12 @@ std::string study_report(const Scene& scene, const StudyResult& result) {
   for (const StudyGroup& g : result.groups) {
     grid.row({g.limit ? units.moment(*g.limit) : "-", mode_text(g.mode), fmt::format("{} of {}", g.solved, g.cases),
               spread(g.moment, moment), spread(g.contact_force, newton), spread(g.tip_error, length),
-              g.model_error.count > 0 ? fmt::format("{:.2g} {}", g.largest_model_error / units.length_size, units.length)
-                                      : "-"});
+              g.model_error.count > 0
+                  ? fmt::format("{:.2g} {}", g.largest_model_error / units.length_size, units.length)
+                  : "-"});
   }
-  std::string text = printable(scene.title) + "\n\n" + grid.text("") + "\nmean +- sample standard deviation over the solved cases\n";
+  std::string text =
+      printable(scene.title) + "\n\n" + grid.text("") + "\nmean +- sample standard deviation over the solved cases\n";
   for (std::size_t i = 0; i < result.cases.size(); ++i) {
     if (is_solved(result.values[i])) continue;
     text += fmt::format("case {}: {}: {}\n", result.cases[i].index, result.values[i].value("status", ""),

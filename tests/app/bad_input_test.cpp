@@ -116,7 +116,6 @@ TEST(BadArguments, AreRefused) {
   expect_refused(plan_brace({"--verify"}), "--verify is not available in this version");
   expect_refused(tendril({"execute", scene_path("brace.toml"), "--moments", "1"}),
                  "'execute' is not available in this version");
-  expect_refused(tendril({"study", scene_path("brace.toml")}), "'study' is not available in this version");
   expect_refused(plan_brace({"--figure", "x.pdf"}), "expected a name that ends in .svg or .png");
   expect_refused(plan_brace({"--figure", ""}), "empty name");
 }
