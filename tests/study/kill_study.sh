@@ -19,9 +19,9 @@ for ((round = 1; round <= rounds; ++round)); do
   while true; do
     "$tendril" study "$scene" --jobs 2 --output "$work/$round" > "$work/$round.txt" 2> "$work/err" &
     child=$!
-    # Any moment of the first two thirds of an undisturbed study, at least five times; then it may finish.
+    # Any moment of an undisturbed study, at most five times; then it may finish.
     ((kills >= 5)) && break
-    sleep "$(printf '0.%03d' $((RANDOM % (whole * 2 / 3 < 999 ? whole * 2 / 3 + 1 : 999))))"
+    sleep "$(printf '0.%03d' $((RANDOM % (whole < 999 ? whole + 1 : 999))))"
     signal=KILL
     ((RANDOM % 3 == 0)) && signal=INT
     if ! kill -s "$signal" "$child" 2> "$work/kill"; then break; fi
