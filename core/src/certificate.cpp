@@ -378,6 +378,13 @@ std::vector<Certifier::Approach> Certifier::approaches(ConstVectorRef x, double 
   return all;
 }
 
+void Certifier::invalidate() { data_->program->invalidate(); }
+
+double Certifier::moment_balance(ConstVectorRef x) {
+  data_->move(x);
+  return data_->moment_balance(x);
+}
+
 double Certifier::stability(ConstVectorRef x) {
   data_->move(x);
   return data_->margin(x);

@@ -4,6 +4,7 @@
 #include <limits>
 #include <tuple>
 
+#include "plan_report.hpp"
 #include "problem_data.hpp"
 #include "tendril/certificate.hpp"
 #include "tendril/complementarity.hpp"
@@ -107,7 +108,6 @@ class Planner {
   bool exchange(const PoseProgram& program, ConstVectorRef x, Certifier& certifier, std::vector<CheckPoint>& checks,
                 double level) const;
   Plan report(std::vector<ModeState>& states, int winner);
-  void fill_backbone(const PoseProgram& program, std::vector<BackbonePoint>& out) const;
 
   Problem::Data& d_;
   const PlanControl& control_;
@@ -155,19 +155,8 @@ StartShape Planner::start_shape(int index, const Mode& mode) const {
     if (index == 0) {
       const Plan& plan = *control_.start;
       const double length = d_.scale.length;
-      std::vector<std::pair<double, double>> table;
-      for (const BackbonePoint& p : plan.backbone) table.emplace_back(p[0] / length, p[4] * length);
       StartShape shape;
-      shape.curvature = [table](double s) {
-        const auto after = std::lower_bound(table.begin(), table.end(), s,
-                                            [](const auto& entry, double at) { return entry.first < at; });
-        if (after == table.begin()) return table.front().second;
-        if (after == table.end()) return table.back().second;
-        const auto before = after - 1;
-        const double span = after->first - before->first;
-        const double t = span > 0.0 ? (s - before->first) / span : 0.0;
-        return (1.0 - t) * before->second + t * after->second;
-      };
+      shape.curvature = curvature_of(plan, length);
       if (plan.moments.size() == d_.rod.actuators.size()) {
         for (const double u : plan.moments) shape.moments.push_back(u / d_.scale.moment());
       }
@@ -676,33 +665,6 @@ Plan Planner::run() {
   return report(states, winner);
 }
 
-void Planner::fill_backbone(const PoseProgram& program, std::vector<BackbonePoint>& out) const {
-  const Chain& chain = program.chain();
-  const Backbone& shape = program.backbone();
-  Curve curve(std::make_shared<CurveTables>(chain.rule()));
-  curve.follow(shape);
-  const double length = d_.scale.length;
-  const int n = chain.functions();
-  constexpr int total = 100;
-  for (int j = 0; j < chain.piece_count(); ++j) {
-    const int steps = std::max(4, static_cast<int>(std::ceil(total * shape.length(j))));
-    std::vector<double> sigma;
-    for (int i = j == 0 ? 0 : 1; i <= steps; ++i) sigma.push_back(static_cast<double>(i) / steps);
-    const auto rows = static_cast<Eigen::Index>(sigma.size());
-    Eigen::MatrixXd value(rows, n);
-    Eigen::MatrixXd first(rows, n);
-    Eigen::MatrixXd second(rows, n);
-    chain.model().evaluate(sigma, value, first, second);
-    const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), n);
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      const double at = sigma[static_cast<std::size_t>(i)];
-      const Vec2 p = curve.position(j, at);
-      out.push_back({(shape.start(j) + at * shape.length(j)) * length, p.x * length, p.y * length,
-                     shape.knot_angle(j) + value.row(i).dot(q), first.row(i).dot(q) / shape.length(j) / length});
-    }
-  }
-}
-
 Plan Planner::report(std::vector<ModeState>& states, int winner) {
   Plan plan;
   plan.coordinates_name = d_.scene.coordinates.plugin;
@@ -827,40 +789,10 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.tip_y = tip.y * length;
   plan.tip_angle = program.backbone().tip_angle();
   if (d_.target.has_position) plan.target_error = norm(tip - d_.target.position) * length;
-  for (int k = 0; k < program.layout().forces; ++k) {
-    const PoseProgram::ContactState& c = program.contacts()[static_cast<std::size_t>(k)];
-    const ContactSetup& setup = program.spec().contacts[static_cast<std::size_t>(k)];
-    PlannedContact p;
-    p.obstacle = setup.obstacle;
-    p.obstacle_name = d_.obstacle_names[static_cast<std::size_t>(setup.obstacle)];
-    p.at_tip = setup.at_tip;
-    p.arc_length = c.arc_length * length;
-    p.point = length * c.point;
-    p.normal = c.surface.normal;
-    p.force = c.force * d_.scale.force();
-    p.gap = c.surface.distance * length;
-    plan.contacts.push_back(p);
-  }
-  fill_backbone(program, plan.backbone);
+  plan.contacts = planned_contacts(program, d_.obstacle_names, d_.scale);
+  plan.backbone = sampled_backbone(program, length);
   plan.seconds_certify = tally_.seconds_certifying;
   return plan;
-}
-
-/// The shape of a start, integrated by midpoints: a line for the figure.
-std::vector<BackbonePoint> outline(const StartShape& shape, const Rod& rod, double length) {
-  constexpr int steps = 100;
-  std::vector<BackbonePoint> points;
-  points.reserve(steps + 1);
-  Vec2 at = rod.base;
-  double angle = rod.base_angle;
-  for (int i = 0; i <= steps; ++i) {
-    const double s = static_cast<double>(i) / steps;
-    points.push_back({s * length, at.x * length, at.y * length, angle, shape.curvature(s) / length});
-    const double middle = angle + 0.5 / steps * shape.curvature(s + 0.25 / steps);
-    at += 1.0 / steps * Vec2{std::cos(middle), std::sin(middle)};
-    angle += shape.curvature(s + 0.5 / steps) / steps;
-  }
-  return points;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <set>
 
+#include "plan_report.hpp"
 #include "problem_data.hpp"
 #include "tendril/chain.hpp"
 
@@ -96,10 +97,7 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
   if (d.components.terms.size() != scene.objectives.size()) throw Error("one term per objective is needed");
 
   // Obstacles.
-  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-    d.obstacle_names.push_back(scene.obstacles[i].name.empty() ? "obstacle " + std::to_string(i + 1)
-                                                               : scene.obstacles[i].name);
-  }
+  d.obstacle_names = obstacle_names(scene);
   if (needs_obstacles(scene)) {
     if (d.components.obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
     for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {

@@ -31,6 +31,10 @@ class TENDRIL_API Certifier {
   };
   std::vector<Approach> approaches(ConstVectorRef x, double level);
 
+  /// Forgets the point judged last, after loads or obstacles behind the spec's pointers changed.
+  void invalidate();
+  /// Largest defect of the local moment balance at x (model.md section 7).
+  double moment_balance(ConstVectorRef x);
   /// The margin alone: smallest eigenvalue of the second variation against the bending energy (model.md section 7).
   double stability(ConstVectorRef x);
   /// The matrix whose definiteness is asked for, at x: H before projection. coordinates() squared.

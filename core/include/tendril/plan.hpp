@@ -43,6 +43,8 @@ struct PlannedContact {
   Vec2 normal{};
   double force = 0.0;  ///< N
   double gap = 0.0;    ///< m
+  /// Part of a run of contacts that stands for a stretch along which the rod lies on the obstacle (execute only).
+  bool extended = false;
 };
 
 /// s (m), x, y (m), angle (rad), curvature (1/m).
@@ -72,7 +74,11 @@ struct Plan {
   std::vector<double> coordinates;  ///< dimensionless
   std::vector<double> moments;      ///< N m, one per actuator of the scene
   double tip_x = 0.0, tip_y = 0.0, tip_angle = 0.0;
-  std::optional<double> target_error;                 ///< m
+  std::optional<double> target_error;  ///< m
+  /// Distance of the tip to where executing the moments takes it (verify() in execute.hpp), m: loaded from the start,
+  /// and settled from the plan's own shape.
+  std::optional<double> model_error, local_model_error;
+  std::string verification;                           ///< what execution found, in words; empty: not asked for
   double objective = 0.0;                             ///< dimensionless, without penalty
   std::vector<std::pair<std::string, double>> terms;  ///< weighted, dimensionless; they sum to the objective
   std::vector<PlannedContact> contacts;

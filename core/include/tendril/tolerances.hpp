@@ -13,6 +13,12 @@ inline constexpr double stationarity = 1e-6;     ///< gradient of the Lagrangian
 inline constexpr double stability = 1e-6;        ///< least margin
 inline constexpr double quadrature = 1e-10;      ///< change of a row when the rule is doubled; more means more nodes
 inline constexpr double force = 1e-9;            ///< a contact with less force does not hold the rod
+/// Tip of a plan against tip of its execution. What a coarse basis leaves out stays below it (three arcs per rod: up to
+/// 3e-2 on the braced arm); another equilibrium branch lies beyond it. A plan that loses or gains a contact is refused
+/// whatever the distance.
+inline constexpr double model_error = 5e-2;
+/// Local moment balance of an execution: its fine basis has to resolve the rod.
+inline constexpr double moment_balance = 1e-9;
 
 /// The clearance bound is bisected until it is this sharp: a tenth of what is asked for.
 inline constexpr double clearance_sharpness = 1e-10;

@@ -1,0 +1,303 @@
+#include "tendril/execute.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "plan_report.hpp"
+#include "tendril/clearance.hpp"
+#include "tendril/planner.hpp"
+#include "tendril/rod.hpp"
+#include "tendril/scale.hpp"
+#include "tendril/tolerances.hpp"
+#include "tracker.hpp"
+
+namespace tendril {
+namespace {
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+/// A start nearer to an obstacle's core than this (in L) lies on neither side of it.
+constexpr double core_side = 1e-6;
+
+/// Moments that hold a constant curvature against the rod's own stiffness, and what they leave over: one more actuator
+/// per stretch whose moment fades as the loads grow.
+LoadPath::Ends from_rest(Rod& rod, double curvature, const std::vector<double>& last) {
+  const std::vector<double> knots = rod.fixed_knots();
+  const auto stretches = static_cast<Eigen::Index>(knots.size()) - 1;
+  const auto count = static_cast<Eigen::Index>(last.size());
+  Eigen::MatrixXd spans = Eigen::MatrixXd::Zero(stretches, count);
+  Eigen::VectorXd wanted(stretches);
+  for (Eigen::Index r = 0; r < stretches; ++r) {
+    const double middle = 0.5 * (knots[static_cast<std::size_t>(r)] + knots[static_cast<std::size_t>(r) + 1]);
+    const Rod::Segment& segment = rod.segment_at(middle);
+    wanted[r] = segment.stiffness * (curvature - segment.rest_curvature);
+    for (Eigen::Index a = 0; a < count; ++a) {
+      const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
+      if (middle > actuator.from && middle < actuator.to) spans(r, a) = 1.0;
+    }
+  }
+  LoadPath::Ends ends;
+  Eigen::VectorXd left = wanted;
+  if (count > 0) {
+    const Eigen::VectorXd u = spans.completeOrthogonalDecomposition().solve(wanted);
+    ends.first.assign(u.data(), u.data() + count);
+    left -= spans * u;
+  }
+  ends.last = last;
+  for (Eigen::Index r = 0; r < stretches; ++r) {
+    if (std::abs(left[r]) <= 1e-14 * (1.0 + wanted.cwiseAbs().maxCoeff())) continue;
+    rod.actuators.push_back(
+        {knots[static_cast<std::size_t>(r)], knots[static_cast<std::size_t>(r) + 1], -infinity, infinity});
+    ends.first.push_back(left[r]);
+    ends.last.push_back(0.0);
+  }
+  return ends;
+}
+
+class Executor {
+ public:
+  Executor(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
+           const std::vector<double>& moments, const ExecuteControl& control)
+      : scene_(scene), moments_(moments), control_(control), deadline_(now() + control.time_limit) {
+    validate(scene);
+    scale_ = scale_of(scene);
+    names_ = obstacle_names(scene);
+    rod_ = make_rod(scene, scale_);
+    if (moments.size() != scene.rod.actuators.size()) {
+      throw Error("expected " + std::to_string(scene.rod.actuators.size()) + " moments, one per actuator, found " +
+                  std::to_string(moments.size()));
+    }
+    for (const double m : moments) {
+      if (!std::isfinite(m)) throw Error("expected finite moments, found " + std::to_string(m));
+      last_.push_back(scale_.to_dimensionless(m, dimension::moment));
+    }
+    if (!control.with_obstacles) return;
+    if (obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
+    for (std::size_t i = 0; i < obstacles.size(); ++i) {
+      obstacles_.push_back(obstacles[i].get());
+      const double distance = obstacles_.back()->at(rod_.base).distance;
+      if (distance >= 0.0) continue;
+      char text[64];
+      std::snprintf(text, sizeof text, "%.6g m", -scale_.to_si(distance, dimension::length));
+      throw SceneError("obstacle[" + std::to_string(i) + "]",
+                       names_[i] + " lies around the rod's base (" + text + " deep): no shape is free of it");
+    }
+  }
+
+  Execution run();
+
+ private:
+  bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
+  RodState start_state() const;
+  bool grow_overlapped(LoadPath& path, const RodState& start) const;
+  void report(Tracker& tracker, bool arrived, Execution& out);
+  Snap to_si(TrackedSnap& snap, const LoadPath& path) const;
+
+  const Scene& scene_;
+  const std::vector<double>& moments_;
+  const ExecuteControl& control_;
+  double deadline_;
+  Scale scale_;
+  Rod rod_;
+  std::vector<std::string> names_;
+  std::vector<const Obstacle*> obstacles_;
+  std::vector<double> last_;
+};
+
+RodState Executor::start_state() const {
+  RodState state;
+  if (control_.start == nullptr) {
+    state.curvature = [angle = scene_.start_tip_angle](double) { return angle; };
+    return state;
+  }
+  state.curvature = curvature_of(*control_.start, scale_.length);
+  if (!control_.with_obstacles) return state;
+  for (const PlannedContact& c : control_.start->contacts) {
+    if (!(c.force > tolerance::force * scale_.force())) continue;
+    const auto named = std::find(names_.begin(), names_.end(), c.obstacle_name);
+    if (named == names_.end()) continue;
+    PointContact p;
+    p.setup.obstacle = static_cast<int>(named - names_.begin());
+    p.setup.at_tip = c.at_tip;
+    p.s = c.at_tip ? 1.0 : std::min(1.0, c.arc_length / scale_.length);
+    p.force = c.force / scale_.force();
+    state.contacts.push_back(p);
+  }
+  return state;
+}
+
+/// Obstacles that the start overlaps grow with the loads; true if there is any.
+bool Executor::grow_overlapped(LoadPath& path, const RodState& start) const {
+  path.apply(1.0);
+  Statics free(path, std::make_shared<LegendreBasis>(12, 4), {}, suggested_nodes(12, 4.0));
+  const Eigen::VectorXd z = free.point({start.curvature, {}, 1.0});
+  Curve curve(std::make_shared<CurveTables>(free.at(z).chain().rule()));
+  curve.follow(free.at(z).backbone());
+  bool any = false;
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    const Obstacle& obstacle = *obstacles_[o];
+    double deepest = 0.0;
+    double core = infinity;
+    for (const ClosestApproach& at : closest_approaches(curve, obstacle, 0.0)) {
+      deepest = std::min(deepest, at.distance);
+      core = std::min(core, obstacle.core_distance(curve.position(at.piece, at.sigma)));
+    }
+    // A contact of an earlier result is closed to rounding, or to the accuracy of its basis.
+    const bool touched = std::any_of(start.contacts.begin(), start.contacts.end(), [&](const PointContact& c) {
+      return c.setup.obstacle == static_cast<int>(o);
+    });
+    if (!(deepest < (touched ? -0.02 : -tolerance::penetration))) continue;
+    any = true;
+    if (!std::isfinite(obstacle.smallest_radius())) {
+      path.grow(o, -deepest);
+      continue;
+    }
+    if (!(core > core_side)) {
+      throw SceneError(control_.start != nullptr ? "obstacle[" + std::to_string(o) + "]" : "start.tip_angle",
+                       "the start shape runs through the core of " + names_[o] +
+                           ", so it is on neither side of it: expected a start that passes on one side");
+    }
+    path.grow(o, obstacle.rounding());
+  }
+  return any;
+}
+
+Execution Executor::run() {
+  Execution out;
+  const double begin = now();
+  LoadPath::Ends ends;
+  bool moves = true;
+  if (control_.start == nullptr) {
+    ends = from_rest(rod_, scene_.start_tip_angle, last_);
+  } else {
+    if (control_.start->backbone.empty()) throw Error("the result to start from has no shape");
+    if (control_.start->moments.size() != last_.size()) throw Error("the result to start from has other actuators");
+    ends.loads_grow = false;
+    ends.last = last_;
+    for (const double m : control_.start->moments) ends.first.push_back(scale_.to_dimensionless(m, dimension::moment));
+    moves = ends.first != ends.last;
+  }
+  LoadPath path(rod_, obstacles_, ends);
+  RodState start = start_state();
+  const bool grows = grow_overlapped(path, start);
+  if (grows) {
+    std::erase_if(start.contacts, [&](const PointContact& c) { return path.distance_rate(c.setup.obstacle) != 0.0; });
+  }
+  Tracker tracker(path, [this] { return must_stop(); });
+  bool arrived = tracker.begin(start, control_.start == nullptr);
+  if (arrived && !moves && !grows) {
+    // Nothing changes along this path: its beginning is its end.
+    Settled& s = tracker.current();
+    s.z[s.statics->size()] = 1.0;
+  } else if (arrived) {
+    arrived = tracker.follow();
+  }
+  for (TrackedSnap& snap : tracker.snaps()) out.snaps.push_back(to_si(snap, path));
+  report(tracker, arrived, out);
+  out.result.start_backbone =
+      control_.start != nullptr ? control_.start->backbone
+                                : outline(constant_curvature(scene_.start_tip_angle), rod_, scale_.length);
+  out.result.seconds_solve = now() - begin - out.result.seconds_certify;
+  return out;
+}
+
+Snap Executor::to_si(TrackedSnap& snap, const LoadPath& path) const {
+  Snap s;
+  s.kind = snap.kind;
+  s.load = snap.load;
+  s.stability_after = snap.margin;
+  for (std::size_t a = 0; a < last_.size(); ++a) s.moments.push_back(path.moment(a, snap.load) * scale_.moment());
+  const auto record = [&](Settled& at, std::vector<BackbonePoint>& shape, std::vector<PlannedContact>& contacts) {
+    const PoseProgram& program = at.statics->at(at.z);
+    shape = sampled_backbone(program, scale_.length);
+    contacts = planned_contacts(program, names_, scale_);
+  };
+  record(snap.before, s.before, s.contacts_before);
+  record(snap.after, s.after, s.contacts_after);
+  return s;
+}
+
+void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
+  Plan& plan = out.result;
+  out.steps = tracker.steps();
+  out.contact_changes = tracker.contact_changes();
+  plan.coordinates_name = "legendre";
+  plan.split_at_contact = true;
+  plan.moments = moments_;
+  plan.message = tracker.trouble();
+  const bool stopped = control_.stop != nullptr && control_.stop->load();
+  Settled& end = tracker.current();
+  if (end.statics == nullptr) {
+    plan.status = stopped ? PlanStatus::interrupted : now() > deadline_ ? PlanStatus::time_limit
+                                                                        : PlanStatus::not_converged;
+    return;
+  }
+  if (arrived) tracker.refine_fully();
+  const double begin = now();
+  Statics& statics = *end.statics;
+  plan.certificate = statics.certify(end.z);
+  if (!(plan.certificate.moment_balance <= tolerance::moment_balance)) {
+    char text[96];
+    std::snprintf(text, sizeof text, "local moment balance %.2e is above %.0e", plan.certificate.moment_balance,
+                  tolerance::moment_balance);
+    plan.certificate.failures.emplace_back(text);
+  }
+  plan.seconds_certify = now() - begin;
+  out.load = end.z[statics.size()];
+  if (arrived) {
+    const bool valid = plan.certificate.valid();
+    const bool unstable = !valid && plan.certificate.failures.size() == 1 &&
+                          !(plan.certificate.stability > tolerance::stability);
+    plan.status = valid ? PlanStatus::solved : unstable ? PlanStatus::unstable : PlanStatus::not_converged;
+    if (!valid) plan.message = plan.certificate.failures.front();
+  } else if (stopped) {
+    plan.status = PlanStatus::interrupted;
+    plan.message = "interrupted before the final loads were reached";
+  } else if (now() > deadline_) {
+    plan.status = PlanStatus::time_limit;
+    plan.message = "the time limit of " + std::to_string(control_.time_limit) +
+                   " s was reached before the final loads were";
+  } else {
+    plan.status = PlanStatus::not_converged;
+  }
+  const PoseProgram& program = statics.at(end.z);
+  const Chain& chain = program.chain();
+  plan.order = chain.functions();
+  out.pieces = chain.piece_count();
+  plan.coordinates.assign(end.z.data(), end.z.data() + statics.coordinates());
+  const Vec2 tip = program.backbone().tip();
+  plan.tip_x = tip.x * scale_.length;
+  plan.tip_y = tip.y * scale_.length;
+  plan.tip_angle = program.backbone().tip_angle();
+  if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
+  plan.contacts = planned_contacts(program, names_, scale_);
+  std::erase_if(plan.contacts,
+                [&](const PlannedContact& c) { return !(c.force > tolerance::force * scale_.force()); });
+  plan.backbone = sampled_backbone(program, scale_.length);
+}
+
+}  // namespace
+
+std::string_view to_string(SnapKind kind) {
+  switch (kind) {
+    case SnapKind::fold:
+      return "fold";
+    case SnapKind::bifurcation:
+      return "bifurcation";
+    case SnapKind::release:
+      return "release";
+    case SnapKind::start:
+      return "start";
+  }
+  return "?";
+}
+
+Execution execute(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
+                  const std::vector<double>& moments, const ExecuteControl& control) {
+  return Executor(scene, obstacles, moments, control).run();
+}
+
+}  // namespace tendril

@@ -1,0 +1,88 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "execute_support.hpp"
+#include "support/link_chain.hpp"
+
+namespace tendril::support {
+namespace {
+
+constexpr double half_turn = std::numbers::pi / 2.0;
+
+/// The same rod for the independent discretization.
+RodBvp upright_links(double weight) {
+  RodBvp rod;
+  rod.sections[0].density = weight;
+  rod.gravity = {0.0, -1.0};
+  rod.base_angle = half_turn;
+  return rod;
+}
+
+struct Fold {
+  double weight, moment, tip_angle;
+};
+
+class SnapThrough : public testing::TestWithParam<Fold> {};
+
+// model.md section 8: fold of the tip moment, and the tip's angle from the vertical just before.
+TEST_P(SnapThrough, FoldOfTheMomentIsFoundAndTheStateAfterItIsStable) {
+  const Fold& known = GetParam();
+  ForwardScene s = upright(known.weight);
+  s.scene.start_tip_angle = 1.0;
+  const Execution first = s.run({2.0});
+  ASSERT_EQ(first.result.status, PlanStatus::solved) << first.result.message;
+  const Execution e = s.run({-1.0}, &first.result);
+  ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
+  ASSERT_EQ(e.snaps.size(), 1U);
+  const Snap& snap = e.snaps[0];
+  EXPECT_EQ(snap.kind, SnapKind::fold);
+  EXPECT_NEAR(snap.moments[0], known.moment, 1e-7);
+  EXPECT_NEAR(snap.load, (2.0 - known.moment) / 3.0, 1e-7);
+  EXPECT_NEAR(snap.before.back()[3] - half_turn, known.tip_angle, 1e-4);
+  EXPECT_GT(snap.stability_after, 0.1);
+  EXPECT_LT(snap.after.back()[3], half_turn);
+  // The link chain, started on the other side, agrees on where the rod ends.
+  LinkChainOptions options;
+  options.links = 200;
+  options.curvature = -1.5;
+  const LinkChainSolution links = settle(upright_links(known.weight), {-1.0}, {}, options);
+  EXPECT_NEAR(e.result.tip_x, links.tip_x, 2e-5);
+  EXPECT_NEAR(e.result.tip_y, links.tip_y, 2e-5);
+}
+
+INSTANTIATE_TEST_SUITE_P(ModelSection8, SnapThrough,
+                         testing::Values(Fold{10.0, -0.24017224, 0.7272}, Fold{12.0, -0.59941729, 0.8253}));
+
+TEST(ExecuteSnap, AHigherStartHasNoFoldAboveTheCriticalMoment) {
+  ForwardScene s = upright(10.0);
+  s.scene.start_tip_angle = 1.0;
+  const Execution first = s.run({2.0});
+  const Execution e = s.run({-0.24}, &first.result);
+  ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
+  EXPECT_TRUE(e.snaps.empty());
+  EXPECT_GT(e.result.tip_angle, half_turn + 0.7);
+}
+
+TEST(ExecuteSnap, ASymmetricRodBucklesAtTheEulerLoad) {
+  ForwardScene s;
+  s.scene.tip_load.force = {-5.0, 0.0};
+  const Execution e = s.run({0.0});
+  ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
+  ASSERT_EQ(e.snaps.size(), 1U);
+  EXPECT_EQ(e.snaps[0].kind, SnapKind::bifurcation);
+  EXPECT_NEAR(5.0 * e.snaps[0].load, 2.4674011003, 1e-6);
+  EXPECT_GT(e.result.tip_angle, 0.5);  // the side of the larger tip angle
+  EXPECT_GT(e.result.certificate.stability, 0.1);
+}
+
+TEST(ExecuteSnap, ASymmetricRodBucklesUnderItsOwnWeight) {
+  const Execution e = upright(10.0).run({0.0});
+  ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
+  ASSERT_EQ(e.snaps.size(), 1U);
+  EXPECT_NEAR(10.0 * e.snaps[0].load, 7.8373474389, 1e-6);
+}
+
+}  // namespace
+}  // namespace tendril::support

@@ -1,0 +1,47 @@
+#include "execute_support.hpp"
+
+#include <numbers>
+#include <string>
+
+#include "tendril/circle.hpp"
+
+namespace tendril::support {
+
+ForwardScene::ForwardScene() {
+  scene.rod.segments.push_back({1.0, 1.0, 0.0, 0.0});
+  ActuatorSpec actuator;
+  actuator.to = 1.0;
+  scene.rod.actuators.push_back(actuator);
+  scene.coordinates.plugin = "legendre";
+  scene.solver.plugin = "none";
+}
+
+ForwardScene& ForwardScene::circle(double x, double y, double radius) {
+  ObstacleSpec spec;
+  spec.name = "circle " + std::to_string(obstacles.size() + 1);
+  spec.shape = "circle";
+  scene.obstacles.push_back(spec);
+  obstacles.push_back(std::make_unique<Circle>(Vec2{x, y}, radius));
+  return *this;
+}
+
+ForwardScene& ForwardScene::weight(double value) {
+  for (SegmentSpec& s : scene.rod.segments) s.linear_density = value;
+  scene.gravity = Vec2{0.0, -1.0};
+  return *this;
+}
+
+Execution ForwardScene::run(const std::vector<double>& moments, const Plan* start) const {
+  ExecuteControl control;
+  control.start = start;
+  return execute(scene, obstacles, moments, control);
+}
+
+ForwardScene upright(double weight) {
+  ForwardScene s;
+  s.weight(weight);
+  s.scene.rod.base_angle = 0.5 * std::numbers::pi;
+  return s;
+}
+
+}  // namespace tendril::support
