@@ -147,7 +147,9 @@ class Script {
       place(i, at_.bar_height);
       std::string tics;
       for (std::size_t q = 0; q < panel.quantities.size(); ++q) {
-        tics += fmt::format("{}{} {}", q > 0 ? ", " : "", gnuplot_string(panel.quantities[q]), q);
+        tics += fmt::format("{}{} {}", q > 0 ? ", " : "", gnuplot_string(panel.quantities[q].name), q);
+        text_ += fmt::format("set label {} {} at first {},graph 0 center offset 0,-2.1 noenhanced font ',12'\n",
+                             first_unit_label + q, gnuplot_string('(' + panel.quantities[q].unit + ')'), q);
       }
       text_ += fmt::format("set xrange [-0.6:{:.6g}]\nset yrange [0:{:.6g}]\n",
                            static_cast<double>(panel.quantities.size()) - 0.4, highest > 0.0 ? 1.18 * highest : 1.0);
@@ -160,11 +162,15 @@ class Script {
         const std::string block = fmt::format("{} index 'bars {} {}' ", data_, i + 1, k + 1);
         parts += fmt::format(
             "{0}{1}using 1:2:({2:.6g}) with boxes linecolor rgb '{3}' notitle, \\\n     "
-            "{1}using 1:2:3 with yerrorbars pointsize 0 linewidth 1.3 linecolor rgb '#303030' notitle, \\\n     "
+            "{1}using 1:2:($3>0?$3:NaN) with yerrorbars pointtype -1 linewidth 1.3 linecolor rgb '#303030' notitle, "
+            "\\\n     "
             "{1}using 1:($2+$3):(sprintf('%.3g',$2)) with labels offset 0,0.6 font ',11' notitle",
             k > 0 ? ", \\\n     " : "plot ", block, 0.92 * width, panel.series[k].color);
       }
       text_ += parts + "\nset xtics scale 1 font ''\n";
+      for (std::size_t q = 0; q < panel.quantities.size(); ++q) {
+        text_ += fmt::format("unset label {}\n", first_unit_label + q);
+      }
     }
     y_ += at_.above_panel + at_.bar_height + at_.below_panel;
   }
@@ -257,6 +263,9 @@ class Script {
     for (; mark_ > 0; --mark_) text_ += fmt::format("unset label {0}\nunset arrow {0}\n", mark_);
     text_ += "unset label 1000\n";
   }
+
+  /// Beyond the labels of a legend.
+  static constexpr std::size_t first_unit_label = 2000;
 
   const Layout& at_;
   LengthUnit unit_;

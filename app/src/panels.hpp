@@ -28,7 +28,10 @@ struct BarPanel {
     std::vector<double> values, deviations;  ///< one for each quantity
   };
   std::string title;
-  std::vector<std::string> quantities;  ///< with units
+  struct Quantity {
+    std::string name, unit;
+  };
+  std::vector<Quantity> quantities;
   std::vector<Series> series;
 };
 

@@ -7,6 +7,7 @@
 #include "study_result.hpp"
 #include "tables.hpp"
 #include "tendril/app/input_error.hpp"
+#include "tendril/scale.hpp"
 
 namespace tendril::app {
 
@@ -75,20 +76,22 @@ std::vector<BarPanel> bars_of(const Scene& scene, const StudyResult& result, std
     others = std::max({others, g.moment.mean / units.length_size, g.tip_error.mean / units.length_size});
     force = std::max(force, g.contact_force.mean);
   }
+  const double grazing = grazing_force * scale_of(scene).force();
   const BarUnit newton = force_unit(force, others);
   std::vector<BarPanel> panels(columns);
   for (std::size_t i = 0; i < result.groups.size(); ++i) {
     const StudyGroup& g = result.groups[i];
     BarPanel& panel = panels[i % columns];
     panel.title = title_of(g.mode);
-    panel.quantities = {"moment (N " + length + ")", "tip error (" + length + ")", "force (" + newton.name + ")"};
+    panel.quantities = {{"moment", "N " + length}, {"tip error", length}, {"contact force", newton.name}};
     const std::size_t row = i / columns;
-    panel.series.push_back(
-        {g.limit ? "limit " + units.moment(*g.limit) : "all cases",
-         series_colors[row % std::size(series_colors)],
-         {g.moment.mean / units.length_size, g.tip_error.mean / units.length_size, g.contact_force.mean / newton.size},
-         {g.moment.deviation / units.length_size, g.tip_error.deviation / units.length_size,
-          g.contact_force.deviation / newton.size}});
+    const bool touches = g.contact_force.mean >= grazing;
+    panel.series.push_back({g.limit ? "limit " + units.moment(*g.limit) : "all cases",
+                            series_colors[row % std::size(series_colors)],
+                            {g.moment.mean / units.length_size, g.tip_error.mean / units.length_size,
+                             touches ? g.contact_force.mean / newton.size : 0.0},
+                            {g.moment.deviation / units.length_size, g.tip_error.deviation / units.length_size,
+                             touches ? g.contact_force.deviation / newton.size : 0.0}});
   }
   return panels;
 }

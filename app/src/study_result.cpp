@@ -10,6 +10,7 @@
 
 #include "tables.hpp"
 #include "tendril/app/input_error.hpp"
+#include "tendril/scale.hpp"
 
 namespace tendril::app {
 
@@ -39,6 +40,15 @@ class Sample {
 };
 
 bool is_solved(const Json& value) { return value.value("status", "") == to_string(PlanStatus::solved); }
+
+void count_arrival(const Json& value, StudyGroup& group) {
+  const auto execution = value.find("execution");
+  if (execution == value.end() || !execution->is_object()) return;
+  const auto same = execution->find("start_leads_to_plan");
+  if (same == execution->end() || !same->is_boolean()) return;
+  ++group.loaded;
+  if (same->get<bool>()) ++group.arrived;
+}
 
 Json statistic_json(const Statistic& s) {
   return {{"cases", s.count},
@@ -95,16 +105,18 @@ StudyResult study_result(const StudySpec& study, const std::map<int, StudyRecord
     }
     StudyGroup& group = result.groups.back();
     ++group.cases;
+    auto& [moment, contact, tip, model] = samples.back();
+    // A plan that execution refuses for its model error must not hide it.
+    model.add(value, "model_error");
     if (is_solved(value)) {
       ++group.solved;
-      auto& [moment, contact, tip, model] = samples.back();
       double largest = 0.0;
       for (const Json& m : value["moments"])
         largest = std::max(largest, m.is_number() ? std::abs(m.get<double>()) : 0.0);
       moment.add(largest);
       contact.add(value, "contact_force");
       tip.add(value, "tip_error");
-      model.add(value, "model_error");
+      count_arrival(value, group);
     }
     result.records.push_back(record);
     result.values.push_back(std::move(value));
@@ -142,7 +154,9 @@ std::string study_json(const Scene& scene, const StudyResult& result) {
          {"contact_force", statistic_json(group.contact_force)},
          {"tip_error", statistic_json(group.tip_error)},
          {"model_error", statistic_json(group.model_error)},
-         {"largest_model_error", group.model_error.count > 0 ? number(group.largest_model_error) : Json(nullptr)}});
+         {"largest_model_error", group.model_error.count > 0 ? number(group.largest_model_error) : Json(nullptr)},
+         {"loaded_from_start", group.loaded},
+         {"arrived_from_start", group.arrived}});
   }
   head["groups"] = std::move(groups);
   head["versions"] = versions_json();
@@ -179,15 +193,16 @@ std::string cases_csv(const StudyResult& result) {
 std::string groups_csv(const StudyResult& result) {
   std::string text =
       "limit_Nm,mode,cases,solved,moment_mean_Nm,moment_sd_Nm,contact_force_mean_N,contact_force_sd_N,tip_error_mean_m,"
-      "tip_error_sd_m,model_error_mean_m,model_error_largest_m\n";
+      "tip_error_sd_m,model_error_mean_m,model_error_largest_m,"
+      "loaded_from_start,arrived_from_start\n";
   const auto pair = [](const Statistic& s) {
     return fmt::format("{},{}", s.count > 0 ? plain(s.mean) : "", s.count > 1 ? plain(s.deviation) : "");
   };
   for (const StudyGroup& g : result.groups) {
-    text += fmt::format("{},{},{},{},{},{},{},{},{}\n", g.limit ? plain(*g.limit) : "",
+    text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", g.limit ? plain(*g.limit) : "",
                         g.mode ? to_string(*g.mode) : "", g.cases, g.solved, pair(g.moment), pair(g.contact_force),
                         pair(g.tip_error), g.model_error.count > 0 ? plain(g.model_error.mean) : "",
-                        g.model_error.count > 0 ? plain(g.largest_model_error) : "");
+                        g.model_error.count > 0 ? plain(g.largest_model_error) : "", g.loaded, g.arrived);
   }
   return text;
 }
@@ -206,18 +221,25 @@ std::string study_report(const Scene& scene, const StudyResult& result) {
   };
   const auto length = [&](double v) { return fmt::format("{:.4g} {}", v / units.length_size, units.length); };
   const auto moment = [&](double v) { return fmt::format("{:.4g} N {}", v / units.length_size, units.length); };
+  const double grazing = grazing_force * scale_of(scene).force();
   const auto newton = [](double v) { return fmt::format("{:.4g} mN", v * 1e3); };
+  bool grazes = false;
   Grid grid;
-  grid.row({"limit", "mode", "solved", "moment", "contact force", "tip error", "model error, largest"});
+  grid.row(
+      {"limit", "mode", "solved", "moment", "contact force", "tip error", "largest model error", "reached from start"});
   for (const StudyGroup& g : result.groups) {
+    const bool none = g.contact_force.count > 0 && g.contact_force.mean < grazing;
+    grazes = grazes || (none && g.contact_force.mean > 0.0);
     grid.row({g.limit ? units.moment(*g.limit) : "-", mode_text(g.mode), fmt::format("{} of {}", g.solved, g.cases),
-              spread(g.moment, moment), spread(g.contact_force, newton), spread(g.tip_error, length),
+              spread(g.moment, moment), none ? "none" : spread(g.contact_force, newton), spread(g.tip_error, length),
               g.model_error.count > 0
                   ? fmt::format("{:.2g} {}", g.largest_model_error / units.length_size, units.length)
-                  : "-"});
+                  : "-",
+              g.loaded > 0 ? fmt::format("{} of {}", g.arrived, g.loaded) : "-"});
   }
   std::string text =
       printable(scene.title) + "\n\n" + grid.text("") + "\nmean +- sample standard deviation over the solved cases\n";
+  if (grazes) text += fmt::format("none: rods that graze an obstacle with less than {}\n", force(grazing));
   for (std::size_t i = 0; i < result.cases.size(); ++i) {
     if (is_solved(result.values[i])) continue;
     text += fmt::format("case {}: {}: {}\n", result.cases[i].index, result.values[i].value("status", ""),

@@ -29,7 +29,13 @@ struct StudyGroup {
   Statistic tip_error;      ///< m
   Statistic model_error;    ///< m
   double largest_model_error = 0.0;
+  int loaded = 0;   ///< cases planned for what they meet whose moments were brought on from the scene's start
+  int arrived = 0;  ///< of them, those that came to the plan's own state
 };
+
+/// A force (EI/L^2) below which a rod only grazes: execution allows no overlap, and answers to what a plan overlaps, by
+/// tolerance::penetration and by its coordinates' error, with that depth times the stiffness of the rod.
+inline constexpr double grazing_force = 1e-3;
 
 /// The results of a study: the records' JSON with what follows from it.
 struct StudyResult {
