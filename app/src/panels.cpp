@@ -162,7 +162,8 @@ class Script {
         const std::string block = fmt::format("{} index 'bars {} {}' ", data_, i + 1, k + 1);
         parts += fmt::format(
             "{0}{1}using 1:2:({2:.6g}) with boxes linecolor rgb '{3}' notitle, \\\n     "
-            "{1}using 1:($2-$3):(0):(2*$3) with vectors heads size graph 0.012,90 linewidth 1.3 linecolor rgb '#303030' notitle, "
+            "{1}using 1:($2-$3):(0):(2*$3) with vectors heads size graph 0.012,90 linewidth 1.3 linecolor rgb "
+            "'#303030' notitle, "
             "\\\n     "
             "{1}using 1:($2+$3):(sprintf('%.3g',$2)) with labels offset 0,0.6 font ',11' notitle",
             k > 0 ? ", \\\n     " : "plot ", block, 0.92 * width, panel.series[k].color);

@@ -21,7 +21,8 @@ for ((round = 1; round <= rounds; ++round)); do
     child=$!
     # Any moment of an undisturbed study, at most five times; then it may finish.
     ((kills >= 5)) && break
-    sleep "$(printf '0.%03d' $((RANDOM % (whole < 999 ? whole + 1 : 999))))"
+    moment=$((RANDOM % (whole + 1)))
+    sleep "$(printf '%d.%03d' $((moment / 1000)) $((moment % 1000)))"
     signal=KILL
     ((RANDOM % 3 == 0)) && signal=INT
     if ! kill -s "$signal" "$child" 2> "$work/kill"; then break; fi

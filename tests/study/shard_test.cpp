@@ -113,5 +113,24 @@ TEST(GnuParallel, RunsShardsSideBySide) {
   expect_same_files(out, directory / "whole");
 }
 
+/// The script in the guide, as Slurm would start its tasks.
+TEST(Slurm, RunsShardsAsAnArray) {
+  const TemporaryDirectory directory;
+  const std::string scene = directory.write("s.toml", small_study());
+  const std::string out = directory / "out";
+  for (const char* task : {"3", "1", "2"}) {
+    const ProcessResult run =
+        run_process("env",
+                    {std::string("SLURM_ARRAY_TASK_ID=") + task, "SLURM_ARRAY_TASK_COUNT=3", "SLURM_CPUS_PER_TASK=2",
+                     "TENDRIL=" TENDRIL_COMMAND, "bash", TENDRIL_SCENES "/../docs/study.slurm", scene, out},
+                    directory.path(), 100.0);
+    EXPECT_TRUE(run.started);
+    EXPECT_EQ(run.exit_code, 0) << run.output;
+  }
+  EXPECT_EQ(tendril({"study", scene, "--output", out, "--merge"}).exit_code, 0);
+  EXPECT_EQ(tendril({"study", scene, "--output", directory / "whole"}).exit_code, 0);
+  expect_same_files(out, directory / "whole");
+}
+
 }  // namespace
 }  // namespace tendril::app

@@ -167,7 +167,9 @@ TEST(Study, CarriesATrajectoryThroughAllParadigms) {
   }
   // Planned as if it were not there, the peg is met; and tracking is best where the plan knows that it may lean on it.
   for (const std::size_t limit : {0U, 4U}) {
-    const auto value = [&](std::size_t mode, const char* what) { return json["cases"][limit + mode][what].get<double>(); };
+    const auto value = [&](std::size_t mode, const char* what) {
+      return json["cases"][limit + mode][what].get<double>();
+    };
     EXPECT_GT(value(1, "contact_force"), 0.01);
     EXPECT_LT(value(3, "tip_error"), value(1, "tip_error"));
     EXPECT_LT(value(3, "tip_error"), value(2, "tip_error"));
