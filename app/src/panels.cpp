@@ -198,7 +198,7 @@ class Script {
       }
       text_ += fmt::format("set label {} {} at screen {:.6g},{:.6g} left noenhanced\n", ++mark_,
                            gnuplot_string(entry.text), (x + 46.0) / at_.width, y);
-      x += 42.0 + 10.5 * static_cast<double>(entry.text.size()) + 26.0;
+      x += 42.0 + 11.2 * static_cast<double>(entry.text.size()) + (at_.columns == 1 ? 26.0 : 56.0);
     }
     y_ += at_.legend;
   }

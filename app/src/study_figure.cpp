@@ -48,49 +48,51 @@ void add_case(ShapePanel& panel, const StudyCase& one, const Json& value) {
   }
 }
 
-/// A unit, a power of ten of `base`, in which `largest` is between 1 and 10 times `goal`, as close to it as possible.
+/// A power of ten of a unit.
 struct BarUnit {
   double size = 1.0;
   std::string name;
 };
-BarUnit force_unit(double largest, double goal) {
-  if (!(largest > 0.0) || !(goal > 0.0)) return {1e-3, "mN"};
+/// The one in which `largest` (in `unit`) is at most `goal`, but above a tenth of it: all bars then share an axis.
+BarUnit bar_unit(double largest, double goal, const std::string& unit) {
+  if (!(largest > 0.0) || !(goal > 0.0)) return {1.0, unit};
   const int exponent = static_cast<int>(std::ceil(std::log10(largest / goal)));
-  const int thousand = static_cast<int>(std::floor(exponent / 3.0)) * 3;
-  const char* names[] = {"nN", "µN", "mN", "N", "kN"};
-  const int index = std::clamp(thousand / 3 + 3, 0, 4);
-  const int factor = exponent - (index - 3) * 3;
-  const std::string name = names[index];
-  return {std::pow(10.0, exponent), factor == 0   ? name
-                                    : factor == 1 ? "10 " + name
-                                    : factor == 2 ? "100 " + name
-                                                  : fmt::format("1e{} {}", factor, name)};
+  return {std::pow(10.0, exponent), exponent == 0   ? unit
+                                    : exponent == 1 ? "10 " + unit
+                                    : exponent == 2 ? "100 " + unit
+                                                    : fmt::format("1e{} {}", exponent, unit)};
 }
 
 std::vector<BarPanel> bars_of(const Scene& scene, const StudyResult& result, std::size_t columns) {
   const DisplayUnits units(scene.rod.length());
   const std::string length = units.length == std::string("um") ? "µm" : units.length;
-  double others = 0.0;
+  double error = 0.0;
+  double moment = 0.0;
   double force = 0.0;
   for (const StudyGroup& g : result.groups) {
-    others = std::max({others, g.moment.mean / units.length_size, g.tip_error.mean / units.length_size});
-    force = std::max(force, g.contact_force.mean);
+    error = std::max(error, g.tip_error.mean / units.length_size);
+    moment = std::max(moment, g.moment.mean / units.length_size);
+    force = std::max(force, g.contact_force.mean * 1e3);
   }
+  if (!(error > 0.0)) error = moment;
   const double grazing = grazing_force * scale_of(scene).force();
-  const BarUnit newton = force_unit(force, others);
+  BarUnit bending = bar_unit(moment, error, "N " + length);
+  bending.size *= units.length_size;
+  BarUnit newton = bar_unit(force, error, "mN");
+  newton.size *= 1e-3;
   std::vector<BarPanel> panels(columns);
   for (std::size_t i = 0; i < result.groups.size(); ++i) {
     const StudyGroup& g = result.groups[i];
     BarPanel& panel = panels[i % columns];
     panel.title = title_of(g.mode);
-    panel.quantities = {{"moment", "N " + length}, {"tip error", length}, {"contact force", newton.name}};
+    panel.quantities = {{"moment", bending.name}, {"tip error", length}, {"contact force", newton.name}};
     const std::size_t row = i / columns;
     const bool touches = g.contact_force.mean >= grazing;
     panel.series.push_back({g.limit ? "limit " + units.moment(*g.limit) : "all cases",
                             series_colors[row % std::size(series_colors)],
-                            {g.moment.mean / units.length_size, g.tip_error.mean / units.length_size,
+                            {g.moment.mean / bending.size, g.tip_error.mean / units.length_size,
                              touches ? g.contact_force.mean / newton.size : 0.0},
-                            {g.moment.deviation / units.length_size, g.tip_error.deviation / units.length_size,
+                            {g.moment.deviation / bending.size, g.tip_error.deviation / units.length_size,
                              touches ? g.contact_force.deviation / newton.size : 0.0}});
   }
   return panels;

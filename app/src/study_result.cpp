@@ -222,7 +222,11 @@ std::string study_report(const Scene& scene, const StudyResult& result) {
   const auto length = [&](double v) { return fmt::format("{:.4g} {}", v / units.length_size, units.length); };
   const auto moment = [&](double v) { return fmt::format("{:.4g} N {}", v / units.length_size, units.length); };
   const double grazing = grazing_force * scale_of(scene).force();
-  const auto newton = [](double v) { return fmt::format("{:.4g} mN", v * 1e3); };
+  double largest_force = 0.0;
+  for (const StudyGroup& g : result.groups) largest_force = std::max(largest_force, g.contact_force.mean);
+  const auto newton = [&](double v) {
+    return largest_force >= 1.0 ? fmt::format("{:.4g} N", v) : fmt::format("{:.4g} mN", v * 1e3);
+  };
   bool grazes = false;
   Grid grid;
   grid.row(

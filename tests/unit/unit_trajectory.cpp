@@ -11,6 +11,7 @@ namespace {
 
 std::vector<TargetSpec> targets_at(const std::vector<double>& x) {
   std::vector<TargetSpec> targets;
+  targets.reserve(x.size());
   for (const double at : x) targets.push_back({Vec2{at, 0.0}, at});
   return targets;
 }
