@@ -5,6 +5,7 @@
 
 #include "tendril/app/commands.hpp"
 #include "tendril/app/input_error.hpp"
+#include "tendril/app/study_command.hpp"
 #include "tendril/version.hpp"
 
 namespace tendril::app {
@@ -108,19 +109,6 @@ std::optional<std::filesystem::path> optional_path(const std::string& text) {
   return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
 }
 
-/// Options and commands of the format that this version does not have yet.
-void add_missing(CLI::App& app) {
-  for (const char* name : {"study"}) {
-    CLI::App* command = app.add_subcommand(name, "not available in this version");
-    command->allow_extras();
-    command->group("");
-    command->callback([name] {
-      throw InputError(std::string("the command '") + name +
-                       "' is not available in this version; available: plan, execute, describe, plugins");
-    });
-  }
-}
-
 /// Names and text of a scene appear in messages; they must not steer the terminal.
 std::string harmless(std::string text) {
   for (char& c : text) {
@@ -183,6 +171,20 @@ int parse_and_run(int argc, const char* const* argv) {
       ->type_name("RESULT.json")
       ->excludes(given);
 
+  CLI::App* study = app.add_subcommand(
+      "study", "Every combination of the sweeps in [study]; exit code 0: all solved, 1: not all, 2: wrong input");
+  SceneOptions study_scene;
+  study_scene.add_to(*study);
+  StudyArguments study_arguments;
+  std::string study_output;
+  study->add_option("--output", study_output, "Directory for results; run again with it, an unfinished study goes on")
+      ->type_name("DIR");
+  study->add_option("--jobs", study_arguments.jobs, "Worker processes")->type_name("N")->check(CLI::Range(1, 1024));
+  study->add_option("--shard", study_arguments.shard, "Only the i-th of N parts of the cases")->type_name("i/N");
+  study->add_flag("--merge", study_arguments.merge, "Join the parts that are in the output directory");
+  study->add_flag("--worker", study_arguments.worker)->group("");
+  study->add_flag("--json", study_arguments.json, "One JSON document on standard output and nothing else");
+
   CLI::App* describe = app.add_subcommand("describe", "Show the assembled program and what was left out");
   SceneOptions describe_scene;
   describe_scene.add_to(*describe);
@@ -193,7 +195,6 @@ int parse_and_run(int argc, const char* const* argv) {
   std::vector<std::string> plugin_directories;
   SceneOptions::add_plugin_directory(*plugins, plugin_directories);
   plugins->add_flag("--json", json, "One JSON document on standard output and nothing else");
-  add_missing(app);
 
   try {
     app.parse(argc, argv);
@@ -218,6 +219,13 @@ int parse_and_run(int argc, const char* const* argv) {
     return run_execute({execute_scene.arguments(), moments, optional_path(executed_plan),
                         optional_path(execute_result.start), optional_path(execute_result.output),
                         optional_path(execute_result.figure), execute_result.json});
+  }
+  if (study->parsed()) {
+    if (study->count("--output") > 0 && study_output.empty()) throw InputError("--output: found an empty name");
+    study_arguments.scene = study_scene.arguments();
+    study_arguments.output = optional_path(study_output);
+    study_arguments.words.assign(argv + 1, argv + argc);
+    return run_study(study_arguments);
   }
   if (describe->parsed()) return run_describe(describe_scene.arguments(), json);
   return run_plugins({plugin_directories.begin(), plugin_directories.end()}, json);

@@ -14,6 +14,7 @@
 #include "tendril/app/plugin_list.hpp"
 #include "tendril/app/report.hpp"
 #include "tendril/app/result.hpp"
+#include "trajectory_command.hpp"
 
 namespace tendril::app {
 
@@ -106,6 +107,7 @@ int run_plan(const PlanArguments& arguments) {
   Session session(arguments.scene);
   note_dropped(session);
   if (session.scene().problem == ProblemKind::estimate) return run_estimate(session, arguments);
+  if (session.scene().problem == ProblemKind::trajectory) return run_trajectory(session, arguments);
   Plan plan = session.plan(arguments.start);
   if (arguments.verify) session.verify(plan, arguments.start);
   const RunInfo run = session.run_info();

@@ -6,14 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "gnuplot.hpp"
 #include "tendril/app/input_error.hpp"
-#include "tendril/app/process.hpp"
 
 namespace tendril::app {
 
 namespace {
-
-constexpr double gnuplot_seconds = 60.0;
 
 struct Box {
   Vec2 low{infinity, infinity};
@@ -88,17 +86,6 @@ Box window_of(const FigureScene& scene, const Plan& plan) {
   return box;
 }
 
-struct LengthUnit {
-  const char* name;
-  double size;
-};
-
-LengthUnit unit_for(double length) {
-  if (length < 2e-3) return {"µm", 1e-6};
-  if (length < 2.0) return {"mm", 1e-3};
-  return {"m", 1.0};
-}
-
 std::string force_text(double force) {
   struct Step {
     double size;
@@ -110,49 +97,6 @@ std::string force_text(double force) {
   return fmt::format("{:.3g} nN", force / 1e-9);
 }
 
-/// The data file: blocks with a name each, two blank lines between them.
-class DataFile {
- public:
-  explicit DataFile(LengthUnit unit) : unit_(unit), text_(fmt::format("# Lengths in {}.\n", unit.name)) {}
-
-  void block(const std::string& name, const std::string& columns) {
-    text_ += fmt::format("\n\n# {}\n# {}\n", name, columns);
-  }
-  void points(const std::vector<BackbonePoint>& backbone) {
-    for (const BackbonePoint& p : backbone) row({p[1], p[2]});
-  }
-  void row(std::initializer_list<double> lengths) {
-    for (const double value : lengths) text_ += fmt::format("{:.9g} ", value / unit_.size);
-    text_ += '\n';
-  }
-  void gap() { text_ += '\n'; }
-  const std::string& text() const { return text_; }
-
- private:
-  LengthUnit unit_;
-  std::string text_;
-};
-
-/// A base line across the clamp with short strokes behind it.
-void add_clamp(DataFile& data, const FigureScene& scene, double length) {
-  const Vec2 along{std::cos(scene.base_angle), std::sin(scene.base_angle)};
-  const Vec2 across = turned(along);
-  const double half = 0.07 * length;
-  data.block("clamp", "x y");
-  const auto line = [&](Vec2 a, Vec2 b) {
-    data.row({a.x, a.y});
-    data.row({b.x, b.y});
-    data.gap();
-  };
-  line(scene.base - half * across, scene.base + half * across);
-  constexpr int strokes = 7;
-  const double stroke = 2.0 * half / strokes;
-  for (int i = 0; i < strokes; ++i) {
-    const Vec2 end = scene.base + (-half + (i + 1) * stroke) * across;
-    line(end, end - stroke * across - stroke * along);
-  }
-}
-
 DataFile data_of(const FigureScene& scene, const Plan& plan, LengthUnit unit) {
   DataFile data(unit);
   const double length = length_of(plan);
@@ -160,7 +104,7 @@ DataFile data_of(const FigureScene& scene, const Plan& plan, LengthUnit unit) {
   data.points(plan.backbone);
   data.block("start", "x y");
   data.points(plan.start_backbone);
-  add_clamp(data, scene, length);
+  add_clamp(data, scene.base, scene.base_angle, length);
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     data.block(fmt::format("obstacle {}", i + 1), "x y");
     for (const Vec2 p : scene.obstacles[i].outline) data.row({p.x, p.y});
@@ -243,14 +187,6 @@ std::string labels_of(const FigureScene& scene, const Plan& plan, const Box& win
   return script;
 }
 
-/// A file beside the script, as a string of the script. Path names must stay as they are, so a quote is doubled;
-/// picture_of() has seen to it that no two stand together.
-std::string gnuplot_file(const std::string& name) {
-  std::string out = "'./";
-  for (const char c : name) out += c == '\'' ? std::string("''") : std::string(1, c);
-  return out + "'";
-}
-
 std::string plot_command(const FigureScene& scene, const Plan& plan, const std::string& data) {
   std::vector<std::string> parts;
   // Gnuplot keys have one entry for each plot element, so only the first of several alike is named.
@@ -327,35 +263,8 @@ std::string script_of(const FigureScene& scene, const Plan& plan, const Box& win
       "set key outside bottom center horizontal Left reverse samplen 2.2 spacing 1.25 maxcols 3\n";
   script += labels_of(scene, plan, window, unit);
 
-  const std::string svg_terminal =
-      fmt::format("set terminal svg size {},{} font 'sans-serif,16' rounded background '#ffffff'", width, height);
-  // The same plot goes to one terminal after the other.
-  std::string draw = plot_command(scene, plan, gnuplot_file(stem + ".dat"));
-  for (const Picture picture : pictures) {
-    if (picture == Picture::svg) {
-      script += svg_terminal + "\nset output " + gnuplot_file(stem + ".svg") + '\n' + draw + "unset output\n";
-    } else {
-      // Where gnuplot has no PNG, an SVG is left for rsvg-convert.
-      script += fmt::format(
-          "picture = {2}\n"
-          "if (strstrt(GPVAL_TERMINALS, 'pngcairo') > 0) {{\n"
-          "  set terminal pngcairo size {0},{1} font 'sans-serif,16' fontscale 2 linewidth 2 pointscale 2 rounded "
-          "background '#ffffff'\n"
-          "}} else {{\n"
-          "  if (strstrt(GPVAL_TERMINALS, ' png ') > 0) {{\n"
-          "    set terminal png size {0},{1} font 'sans-serif,16' fontscale 2 linewidth 2 background '#ffffff' "
-          "truecolor\n"
-          "  }} else {{\n"
-          "    {4}\n"
-          "    picture = {3}\n"
-          "  }}\n"
-          "}}\n",
-          2 * width, 2 * height, gnuplot_file(stem + ".png"), gnuplot_file(stem + ".svg"), svg_terminal);
-      script += "set output picture\n" + draw + "unset output\n";
-    }
-    draw = "replot\n";
-  }
-  return script;
+  return script +
+         drawn_to(pictures, stem, width, height, plot_command(scene, plan, gnuplot_file(stem + ".dat")), "replot\n");
 }
 
 /// Outline of an obstacle that reaches no further than `window`, which is dimensionless like the obstacle.
@@ -401,21 +310,6 @@ FigureScene figure_scene(const Scene& scene, const std::vector<std::unique_ptr<O
   return figure;
 }
 
-std::string gnuplot_string(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) {
-    // Line feeds would end the string, and with it the command.
-    if ((c >= 0 && c < ' ') || c == 127) {
-      out += ' ';
-    } else if (c == '\'') {
-      out += "\u2019";
-    } else {
-      out += c;
-    }
-  }
-  return out + "'";
-}
-
 Picture picture_of(const std::filesystem::path& file) {
   const std::string name = file.filename().string();
   for (const char c : name) {
@@ -435,30 +329,7 @@ void draw_figure(const FigureScene& scene, const Plan& plan, StagedFiles& files,
   const LengthUnit unit = unit_for(length_of(plan));
   files.write(stem + ".dat", data_of(scene, plan, unit).text());
   files.write(stem + ".gnuplot", script_of(scene, plan, window_of(scene, plan), unit, stem, pictures));
-  // -d: a user's own start-up file would change the picture.
-  const ProcessResult gnuplot =
-      run_process("gnuplot", {"-d", "./" + stem + ".gnuplot"}, files.staging(), gnuplot_seconds);
-  if (!gnuplot.started)
-    throw InputError("no figure: gnuplot cannot be started; install gnuplot or leave the figure out");
-  const auto wrong = [&](const std::string& what) {
-    return InputError("no figure: " + what + (gnuplot.output.empty() ? "" : ":\n" + gnuplot.output));
-  };
-  if (gnuplot.timed_out) throw wrong("gnuplot did not end within a minute");
-  if (gnuplot.exit_code != 0) throw wrong("gnuplot failed");
-  for (const Picture picture : pictures) {
-    const std::string name = stem + (picture == Picture::svg ? ".svg" : ".png");
-    std::error_code error;
-    if (!std::filesystem::exists(files.staging() / name, error) && picture == Picture::png &&
-        std::filesystem::exists(files.staging() / (stem + ".svg"), error)) {
-      run_process("rsvg-convert", {"--zoom", "2", "--output", "./" + name, "./" + stem + ".svg"}, files.staging(),
-                  gnuplot_seconds);
-    }
-    if (!std::filesystem::exists(files.staging() / name, error)) {
-      throw wrong(picture == Picture::svg ? "gnuplot wrote no SVG"
-                                          : "this gnuplot cannot write PNG, and rsvg-convert is not there either");
-    }
-    files.adopt(name);
-  }
+  render(files, stem, pictures);
 }
 
 }  // namespace tendril::app

@@ -202,6 +202,81 @@ Key<Target> integer(std::string name, int minimum, std::string default_text, std
           }};
 }
 
+/// The entries of a list, each read by `read`. `what` names one of them in messages.
+template <class Read>
+auto read_list(const Context& context, const Node& node, const std::string& what, Read read) {
+  const auto* list = std::get_if<Node::List>(&node.value);
+  if (list == nullptr || list->empty()) context.fail(node, "a list of at least one entry, each " + what);
+  std::vector<decltype(read(node))> values;
+  for (const Node& item : *list) values.push_back(read(item));
+  return values;
+}
+
+template <class Target, class Set>
+Key<Target> quantities(std::string name, const Dimension& dimension, Range range, std::string description, Set set) {
+  Key<Target> key{{std::move(name), KeyType::quantities, dimension, "", std::move(description), range.minimum,
+                   range.minimum_excluded},
+                  {}};
+  key.read = [spec = key.spec, set](const Context& context, const Node& node, Target& target) {
+    set(target, read_list(context, node, expected_quantity(spec.dimension),
+                          [&](const Node& item) { return read_quantity(context, item, spec); }));
+  };
+  return key;
+}
+
+/// A list of points; as `targets` also the grid of all pairs from a table {x = [...], y = [...]}.
+template <class Target, class Set>
+Key<Target> points(std::string name, KeyType type, const Dimension& dimension, std::string description, Set set) {
+  Key<Target> key{{std::move(name), type, dimension, "", std::move(description)}, {}};
+  key.read = [spec = key.spec, set](const Context& context, const Node& node, Target& target) {
+    std::vector<Vec2> values;
+    if (spec.type == KeyType::targets && node.is_table()) {
+      struct Grid {
+        std::vector<double> x, y;
+      };
+      Grid grid;
+      read_table(context, node, "study." + spec.name,
+                 Table<Grid>{{quantities<Grid>("x", spec.dimension, any, "the x coordinates of a grid",
+                                               [](Grid& g, std::vector<double> v) { g.x = std::move(v); }),
+                              quantities<Grid>("y", spec.dimension, any, "the y coordinates of a grid",
+                                               [](Grid& g, std::vector<double> v) { g.y = std::move(v); })}},
+                 grid);
+      if (grid.x.empty() || grid.y.empty()) context.fail(node, "both x and y, each a list of coordinates");
+      for (const double x : grid.x) {
+        for (const double y : grid.y) values.push_back({x, y});
+      }
+    } else {
+      const std::string what = "a list of two entries [x, y], each " + expected_quantity(spec.dimension);
+      const std::string or_grid = spec.type == KeyType::targets ? "; or a grid {x = [...], y = [...]}" : "";
+      values = read_list(context, node, what + or_grid, [&](const Node& item) {
+        const auto* pair = std::get_if<Node::List>(&item.value);
+        if (pair == nullptr || pair->size() != 2) context.fail(item, what);
+        const double x = read_quantity(context, (*pair)[0], spec);
+        return Vec2{x, read_quantity(context, (*pair)[1], spec)};
+      });
+    }
+    set(target, std::move(values));
+  };
+  return key;
+}
+
+template <class Target, class Set>
+Key<Target> texts(std::string name, std::string description, std::vector<std::string> choices, Set set) {
+  Key<Target> key{{std::move(name), KeyType::texts, none, "", std::move(description)}, {}};
+  key.spec.choices = std::move(choices);
+  const Key<std::string> one = text<std::string>(
+      key.spec.name, "", "", [](std::string& t, const std::string& v) { t = v; }, key.spec.choices);
+  key.read = [one, set](const Context& context, const Node& node, Target& target) {
+    const std::string what = "one of " + quoted_choices(one.spec.choices);
+    set(target, read_list(context, node, what, [&](const Node& item) {
+          std::string value;
+          one.read(context, item, value);
+          return value;
+        }));
+  };
+  return key;
+}
+
 template <class Target, class Part, class Select>
 Key<Target> table(std::string name, std::string path, std::string description, Table<Part> content, Select select,
                   Need need = Need::optional) {
@@ -270,10 +345,17 @@ struct RodDraft {
   double base_angle = 0.0;
 };
 
+struct TrajectoryDraft {
+  std::vector<Vec2> positions;
+  std::vector<double> angles;
+};
+
 struct SceneDraft {
   Scene scene;
   RodDraft rod;
   MeasurementDraft measurement;
+  TrajectoryDraft trajectory;
+  std::optional<StudySpec> study;
 };
 
 Table<SegmentSpec> segment_table() {
@@ -427,17 +509,54 @@ Table<MeasurementDraft> measurement_table() {
                 read_known_moments)}};
 }
 
+Table<SceneDraft> trajectory_table() {
+  using T = SceneDraft;
+  return {{points<T>("positions", KeyType::points, dimension::length, "Where the tip should be, step by step.",
+                     [](T& t, std::vector<Vec2> v) { t.trajectory.positions = std::move(v); }),
+           quantities<T>("angles", dimension::angle, any, "Directions that the tip should have, step by step.",
+                         [](T& t, std::vector<double> v) { t.trajectory.angles = std::move(v); }),
+           integer<T>("replan_every", 0, "0",
+                      "Steps between full plans, which may jump to another way of being in contact; 0: full plans only "
+                      "where a contact comes or goes or Newton's method fails.",
+                      [](T& t, int v) { t.scene.trajectory.replan_every = v; }),
+           boolean<T>("cold_starts", "false", "Plans each step from the scene's own start as well, to compare.",
+                      [](T& t, bool v) { t.scene.trajectory.cold_starts = v; })}};
+}
+
+Table<StudySpec> study_table() {
+  using T = StudySpec;
+  const auto modes_of = [](const std::vector<std::string>& names) {
+    std::vector<StudyMode> modes;
+    for (const std::string& name : names) modes.push_back(study_mode(name));
+    return modes;
+  };
+  return {{points<T>("targets", KeyType::targets, dimension::length,
+                     "Target positions: a list of points, or {x = [...], y = [...]} for all pairs.",
+                     [](T& t, std::vector<Vec2> v) { t.targets = std::move(v); }),
+           texts<T>("modes",
+                    "Paradigms: contact modes, and \"ignore_then_execute\" for plans that ignore obstacles and are "
+                    "carried out among them.",
+                    study_mode_names(), [modes_of](T& t, const std::vector<std::string>& v) { t.modes = modes_of(v); }),
+           quantities<T>("limits", dimension::moment, positive,
+                         "Largest moments in either direction, for all actuators; a side that is 0 stays 0.",
+                         [](T& t, std::vector<double> v) { t.limits = std::move(v); }),
+           texts<T>("starts", "Paradigms whose results \"allow\" and \"require\" start from as well.",
+                    {"ignore", "ignore_then_execute", "avoid"},
+                    [modes_of](T& t, const std::vector<std::string>& v) { t.starts = modes_of(v); })}};
+}
+
 Table<SceneDraft> scene_table() {
   using T = SceneDraft;
-  const std::vector<std::string> problems{"pose", "execute", "estimate"};
+  const std::vector<std::string> problems{"pose", "trajectory", "execute", "estimate"};
   Table<T> scene;
   scene.keys = {
       text<T>("title", "", "Title of reports and figures.", [](T& t, const std::string& v) { t.scene.title = v; }),
       text<T>(
           "problem", "pose", "Kind of problem.",
           [](T& t, const std::string& v) {
-            if (v == "estimate") t.scene.problem = ProblemKind::estimate;
-            if (v == "execute") t.scene.problem = ProblemKind::execute;
+            for (const ProblemKind kind : {ProblemKind::trajectory, ProblemKind::execute, ProblemKind::estimate}) {
+              if (v == to_string(kind)) t.scene.problem = kind;
+            }
           },
           problems),
       point<T>("gravity", dimension::acceleration, "no gravity", "Gravity.", [](T& t, Vec2 v) { t.scene.gravity = v; }),
@@ -481,11 +600,14 @@ Table<SceneDraft> scene_table() {
           "solver", "solver", "The solver.", solver_table(), [](T & t) -> auto& { return t.scene.solver; }),
       not_available<T>("gripper", KeyType::table, "grasp"),
       not_available<T>("finger", KeyType::tables, "grasp"),
-      not_available<T>("trajectory", KeyType::table, "trajectory"),
+      table<T>("trajectory", "trajectory", "The targets of a trajectory.", trajectory_table(),
+               [](T& t) -> T& { return t; }),
       table<T>(
           "measurement", "measurement", "What was measured of the rod; for the problem kind \"estimate\".",
           measurement_table(), [](T & t) -> auto& { return t.measurement; }),
-      not_available<T>("study", KeyType::table, "study")};
+      table<T>(
+          "study", "study", "Sweeps for 'tendril study': every combination is one case.", study_table(),
+          [](T & t) -> auto& { return t.study.emplace(); })};
   return scene;
 }
 
@@ -495,12 +617,11 @@ void refuse_other_problems(const Document& document) {
   if (node == nullptr) return;
   const auto* kind = std::get_if<std::string>(&node->value);
   if (kind == nullptr) return;
-  for (const std::string_view other : {"grasp", "trajectory", "study"}) {
+  for (const std::string_view other : {"grasp", "study"}) {
     if (*kind == other) {
-      document.fail(
-          node->position,
-          "found problem = \"" + *kind +
-              "\", which is not available in this version, expected one of \"pose\", \"execute\", \"estimate\"");
+      document.fail(node->position, "found problem = \"" + *kind +
+                                        "\", which is not available in this version, expected one of \"pose\", "
+                                        "\"trajectory\", \"execute\", \"estimate\"");
     }
   }
 }
@@ -560,6 +681,23 @@ RodSpec finish_rod(const Document& document, const RodDraft& draft) {
   return rod;
 }
 
+std::vector<TargetSpec> finish_trajectory(const Document& document, const TrajectoryDraft& draft) {
+  const std::size_t positions = draft.positions.size();
+  const std::size_t angles = draft.angles.size();
+  if (positions > 0 && angles > 0 && positions != angles) {
+    document.fail(document.find("trajectory.angles"),
+                  fmt::format("found {} angles for {} positions, expected one for each", angles, positions));
+  }
+  if (positions == 0 && angles == 0 && document.root().find("trajectory") != nullptr) {
+    document.fail(document.find("trajectory"),
+                  "[trajectory] has neither 'positions' nor 'angles', expected one of them");
+  }
+  std::vector<TargetSpec> targets(std::max(positions, angles));
+  for (std::size_t i = 0; i < positions; ++i) targets[i].position = draft.positions[i];
+  for (std::size_t i = 0; i < angles; ++i) targets[i].angle = draft.angles[i];
+  return targets;
+}
+
 }  // namespace
 
 std::vector<KeySpec> scene_keys() { return scene_table().specs(); }
@@ -576,6 +714,7 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
   Scene scene = std::move(draft.scene);
   scene.rod = finish_rod(document, draft.rod);
   scene.measurement = finish_measurement(document, *units, draft.measurement, scene);
+  scene.trajectory.targets = finish_trajectory(document, draft.trajectory);
   if (scene.contact.min_force > scene.contact.max_force) {
     document.fail(document.find("contact.min_force"),
                   fmt::format("found min_force {} N above max_force {} N, expected min_force <= max_force",
@@ -594,6 +733,13 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
     }
   };
   return scene;
+}
+
+StudySpec read_study(const Document& document, const Units& units) {
+  SceneDraft draft;
+  read_table(Context{document, units}, document.root(), "", scene_table(), draft);
+  if (!draft.study) document.fail({1, 1}, "the scene has no [study], expected one with targets, modes or limits");
+  return std::move(*draft.study);
 }
 
 }  // namespace tendril::app

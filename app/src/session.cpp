@@ -152,19 +152,42 @@ Estimate Session::estimate() {
 Plan Session::plan(const std::optional<std::filesystem::path>& start) {
   std::optional<Plan> earlier;
   if (start) earlier = read_start(*start, scene_);
-  Problem& ready = problem();
+  problem();
   const InterruptGuard interrupt;
+  Plan plan = plan_from(earlier ? &*earlier : nullptr);
+  plan.left_out.insert(plan.left_out.end(), dropped_.begin(), dropped_.end());
+  return plan;
+}
+
+Plan Session::plan_from(const Plan* start, bool follow) {
+  Problem& ready = problem();
   PlanControl control;
   control.stop = &InterruptGuard::flag();
-  control.start = earlier ? &*earlier : nullptr;
+  control.start = start;
+  control.follow = follow;
   constexpr double grace = 2.0;
   const Watchdog watchdog(
       std::chrono::duration<double>(scene_.solver.time_limit + grace),
       fmt::format("tendril: solver '{}' did not return within {} s after the time limit of {} s; no result was written",
                   scene_.solver.plugin, grace, scene_.solver.time_limit));
-  Plan plan = located("", [&] { return ready.plan(control); });
-  plan.left_out.insert(plan.left_out.end(), dropped_.begin(), dropped_.end());
-  return plan;
+  return located("", [&] { return ready.plan(control); });
+}
+
+Trajectory Session::plan_trajectory() {
+  problem();
+  const InterruptGuard interrupt;
+  return tendril::plan_trajectory(scene_.trajectory.targets,
+                                  {scene_.trajectory.replan_every, scene_.trajectory.cold_starts},
+                                  [this](const TargetSpec& target, const Plan* start, bool follow) {
+                                    problem().set_target(target);
+                                    return plan_from(start, follow);
+                                  });
+}
+
+void Session::use(const Scene& scene) {
+  scene_ = scene;
+  problem_.reset();
+  located("", [&] { validate(scene_); });
 }
 
 Execution Session::execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start) {

@@ -24,6 +24,7 @@ constexpr double relaxation_first = 1e-1;   ///< eps of Scholtes and Fischer-Bur
 constexpr double relaxation_last = 1e-8;    ///< ... ends here ...
 constexpr double relaxation_shrink = 1e-2;  ///< ... in these steps
 constexpr double violation_level = -5e-10;  ///< half of the depth that is allowed: a valley below it gets a check point
+constexpr double grazing_level = 1e-6;      ///< a plan this near to an obstacle (in L) leans on a clearance row
 constexpr double contact_neighbourhood =
     0.02;  ///< no check point this near (in L) to a touching contact's own obstacle
 constexpr int most_exchanges = 25;
@@ -33,6 +34,7 @@ constexpr int most_starts = 5;            ///< per mode, before a program may be
 constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
 constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
 constexpr double beats = 1e-12;           ///< an objective must be lower by this to win
+constexpr double at_knot = 1e-7;          ///< (in L) a contact this near to the end of its stretch leans against it
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -49,7 +51,8 @@ struct Candidate {
 };
 
 struct Tally {
-  EvaluationCounts evaluations;
+  EvaluationCounts evaluations;     ///< that solvers asked for
+  EvaluationCounts outside_solver;  ///< that polish and restoration asked for
   int iterations = 0;
   double seconds = 0.0, seconds_evaluating = 0.0, seconds_certifying = 0.0;
 };
@@ -103,8 +106,12 @@ class Planner {
   /// checked.
   bool complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& checks, Eigen::VectorXd x,
                 const std::vector<Branch>& branches);
-  bool exchange(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
-                std::vector<CheckPoint>& checks) const;
+  /// Newton from the earlier plan's own point, touching what it touched: no solver is called. The mode that is
+  /// certified so, or -1: there is none, or a contact may be about to come or go, which other modes know more about.
+  int follow();
+  bool contacts_unchanged(const Candidate& candidate) const;
+  bool exchange(const PoseProgram& program, ConstVectorRef x, Certifier& certifier, std::vector<CheckPoint>& checks,
+                double level) const;
   /// Whether a plan from this start could still win; then it is looked for.
   void consider(ModeState& state, const StartShape& shape);
   /// Adds contacts to the best modes of each size.
@@ -130,6 +137,7 @@ class Planner {
   std::vector<ModeState> states_;
   int winner_ = -1;
   bool have_plan_ = false;  ///< some mode is certified
+  bool following_ = false;  ///< only Newton may move points
 };
 
 void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
@@ -137,6 +145,13 @@ void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
   to.first_derivatives += more.first_derivatives;
   to.hessians += more.hessians;
   to.seconds += more.seconds;
+}
+
+void add_difference(EvaluationCounts& to, const EvaluationCounts& after, const EvaluationCounts& before) {
+  to.values += after.values - before.values;
+  to.first_derivatives += after.first_derivatives - before.first_derivatives;
+  to.hessians += after.hessians - before.hessians;
+  to.seconds += after.seconds - before.seconds;
 }
 
 void keep_unique(std::vector<CheckPoint>& checks) {
@@ -261,18 +276,23 @@ bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, 
 }
 
 bool Planner::sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed) {
-  ++state.record.polishes;
-  PolishReport p = polish(program, x, {});
+  const auto counted_polish = [&](const Eigen::VectorXd& from) {
+    ++state.record.polishes;
+    const EvaluationCounts before = program.counts();
+    PolishReport report = polish(program, from, {});
+    add_difference(tally_.outside_solver, program.counts(), before);
+    return report;
+  };
+  PolishReport p = counted_polish(x);
   if (p.converged && p.infeasibility <= tolerance::equilibrium) {
     x = p.x;
     return true;
   }
-  if (!solver_allowed || must_stop()) return false;
+  if (!solver_allowed || following_ || must_stop()) return false;
   // On a decided branch the program is an ordinary one.
   const OptimalityReport r = solve(state, program, x);
   if (!r.x.allFinite() || r.x.size() != x.size()) return false;
-  ++state.record.polishes;
-  p = polish(program, r.x, {});
+  p = counted_polish(r.x);
   if (p.converged && p.infeasibility <= tolerance::equilibrium) {
     x = p.x;
     return true;
@@ -310,8 +330,10 @@ bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd
 }
 
 bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
-  if (must_stop() || !x.allFinite()) return false;
+  if (must_stop() || following_ || !x.allFinite()) return false;
+  const EvaluationCounts before = program.counts();
   const FeasibilityReport f = restore_feasibility(program, x, restored);
+  add_difference(tally_.outside_solver, program.counts(), before);
   if (f.feasible) {
     const OptimalityReport r = solve(state, program, f.x);
     x = r.x.allFinite() && r.x.size() == x.size() && r.infeasibility <= nearly_feasible ? r.x : f.x;
@@ -335,13 +357,13 @@ bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
 }
 
 bool Planner::exchange(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
-                       std::vector<CheckPoint>& checks) const {
+                       std::vector<CheckPoint>& checks, double level) const {
   const Chain& chain = program.chain();
   const PoseProgram::Layout& at = program.layout();
   const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));
   bool changed = false;
   std::vector<bool> moved(checks.size(), false);
-  for (const Certifier::Approach& valley : certifier.approaches(x, violation_level)) {
+  for (const Certifier::Approach& valley : certifier.approaches(x, level)) {
     const double s = valley.at.arc_length;
     bool own_contact = false;
     for (int k = 0; k < at.forces; ++k) {
@@ -396,8 +418,9 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
   };
   build();
   bool sharp = sharpen(state, *c.program, x, true);
+  if (!sharp && following_) return false;
   for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
-    if (!x.allFinite() || !exchange(*c.program, x, *c.certifier, checks)) break;
+    if (!x.allFinite() || !exchange(*c.program, x, *c.certifier, checks, violation_level)) break;
     every_check.insert(every_check.end(), checks.begin(), checks.end());
     build();
     sharp = sharpen(state, *c.program, x, true) || recover(state, *c.program, x);
@@ -511,8 +534,8 @@ void Planner::try_start(ModeState& state, const StartShape& shape) {
       const int variable = program.layout().first_arc_length + static_cast<int>(k);
       const int piece = program.spec().contacts[k].region;
       const double s = state.best.x[variable];
-      for (const auto& [active, neighbour] : {std::pair(s <= program.lower()[variable] + 1e-7, piece - 1),
-                                              std::pair(s >= program.upper()[variable] - 1e-7, piece + 1)}) {
+      for (const auto& [active, neighbour] : {std::pair(s <= program.lower()[variable] + at_knot, piece - 1),
+                                              std::pair(s >= program.upper()[variable] - at_knot, piece + 1)}) {
         if (!active || !same_stretch(k, neighbour)) continue;
         std::vector<int> candidate(pieces.size(), 0);
         for (std::size_t i = 0; i < pieces.size(); ++i)
@@ -634,6 +657,75 @@ void Planner::grow() {
   }
 }
 
+bool Planner::contacts_unchanged(const Candidate& candidate) const {
+  if (!d_.contact_planned()) return true;
+  PoseProgram& program = *candidate.program;
+  const PoseProgram::Layout& at = program.layout();
+  for (int k = 0; k < at.forces; ++k) {
+    if (candidate.x[program.force_variable(k)] <= std::max(tolerance::force, d_.min_force)) return false;
+  }
+  for (int v = at.first_arc_length; v < at.first_arc_length + at.arc_lengths; ++v) {
+    if (candidate.x[v] <= program.lower()[v] + at_knot || candidate.x[v] >= program.upper()[v] - at_knot) return false;
+  }
+  // A rod held off by a mere clearance row could press there.
+  const VectorView c = program.constraints(candidate.x);
+  return at.checks == 0 || c.segment(at.first_check, at.checks).minCoeff() > tolerance::branch_decided;
+}
+
+int Planner::follow() {
+  const Plan& earlier = *control_.start;
+  const bool same_coordinates = earlier.status == PlanStatus::solved &&
+                                earlier.coordinates_name == d_.scene.coordinates.plugin &&
+                                earlier.order == d_.components.coordinates->function_count() &&
+                                earlier.split_at_contact == d_.scene.coordinates.split_at_contact &&
+                                earlier.moments.size() == d_.rod.actuators.size();
+  if (!same_coordinates) return -1;
+  const std::optional<std::vector<ContactSetup>> contacts = contacts_of_start();
+  // A contact that did not press, or another order of them: other modes know more about it.
+  const auto same_place = [&](const ContactSetup& c, const PlannedContact& p) {
+    return p.at_tip == c.at_tip && p.obstacle_name == d_.obstacle_names[static_cast<std::size_t>(c.obstacle)];
+  };
+  if (!contacts ||
+      !std::equal(contacts->begin(), contacts->end(), earlier.contacts.begin(), earlier.contacts.end(), same_place)) {
+    return -1;
+  }
+  if (contacts->empty() ? d_.min_force > 0.0 : !d_.contact_planned()) return -1;
+  ModeState& state = states_[state_of(*contacts)];
+  const Mode mode = modes_[static_cast<std::size_t>(state.mode)];
+  if (!mode.skip.empty()) return -1;
+
+  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
+  std::vector<int> regions;
+  for (std::size_t k = 0; k < mode.contacts.size(); ++k) {
+    const ContactSetup& c = mode.contacts[k];
+    const bool in_piece = !c.at_tip && !d_.scene.coordinates.split_at_contact;
+    regions.push_back(in_piece ? chain.piece_at(earlier.contacts[k].arc_length / d_.scale.length, {}) : c.region);
+  }
+  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+  PoseProgram program(spec);
+  const PoseProgram::Layout& at = program.layout();
+  if (at.coordinates != static_cast<int>(earlier.coordinates.size())) return -1;
+  const StartShape shape = start_shape(0, mode);
+  Eigen::VectorXd x = program.start_from(shape);
+  x.head(at.coordinates) = Eigen::Map<const Eigen::VectorXd>(earlier.coordinates.data(), at.coordinates);
+  std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
+  const std::vector<Branch> branches(mode.contacts.size(), Branch::touching);
+  set_branches(program, branches);
+  // Where the earlier plan grazes an obstacle, Newton has to know.
+  Certifier certifier(spec);
+  exchange(program, x, certifier, checks, grazing_level);
+
+  following_ = true;
+  complete(state, regions, checks, x, branches);
+  following_ = false;
+  if (state.best.certified() && contacts_unchanged(state.best)) {
+    state.record.outcome = "followed from the earlier plan; ";
+    return state.mode;
+  }
+  state.best = {};
+  return -1;
+}
+
 Plan Planner::run() {
   states_.resize(modes_.size());
   for (std::size_t i = 0; i < states_.size(); ++i) {
@@ -651,6 +743,8 @@ Plan Planner::run() {
     if (order.empty() || order.front() != i) order.push_back(i);
   }
   const int starts = most_starts + (control_.start != nullptr ? 1 : 0);
+  if (control_.follow && control_.start != nullptr) winner_ = follow();
+  if (winner_ >= 0) return report(states_, winner_);
   for (int round = 0; round < starts && !must_stop(); ++round) {
     // One start per mode finds most plans; only if no mode is certified are more starts spent.
     if (round > 0 && winner_ >= 0) break;
@@ -667,6 +761,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.split_at_contact = d_.scene.coordinates.split_at_contact;
   plan.left_out = d_.left_out;
   plan.solver_name = d_.scene.solver.plugin;
+  const bool followed = winner >= 0 && states[static_cast<std::size_t>(winner)].starts_used == 0;
   for (ModeState& state : states) {
     const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
     if (!mode.skip.empty()) {
@@ -686,7 +781,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
       state.record.outcome +=
           "not solved: " + (state.trouble.empty() ? std::string(to_string(state.last.status)) : state.trouble);
     } else if (state.record.outcome.empty()) {
-      state.record.outcome = "not tried: stopped before";
+      state.record.outcome = followed ? "not tried: the earlier plan could be followed" : "not tried: stopped before";
     }
     plan.modes.push_back(state.record);
   }
@@ -710,6 +805,8 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.solver = (shown >= 0 ? states[static_cast<std::size_t>(shown)].best.solver : states.back().last);
   plan.solver.iterations = tally_.iterations;
   plan.solver.evaluations = tally_.evaluations;
+  plan.evaluations = tally_.evaluations;
+  add_counts(plan.evaluations, tally_.outside_solver);
   plan.solver.seconds = tally_.seconds;
   plan.solver.seconds_evaluating = tally_.seconds_evaluating;
 

@@ -27,6 +27,27 @@ Problem::Problem(Problem&&) noexcept = default;
 Problem& Problem::operator=(Problem&&) noexcept = default;
 Problem::~Problem() = default;
 
+void Problem::Data::take_target(const TargetSpec& wanted) {
+  target = {};
+  if (wanted.position) {
+    target.position = {scale.to_dimensionless(wanted.position->x, dimension::length),
+                       scale.to_dimensionless(wanted.position->y, dimension::length)};
+    target.has_position = true;
+  }
+  if (wanted.angle) {
+    target.angle = round_to_12_digits(*wanted.angle);
+    target.has_angle = true;
+  }
+}
+
+void Problem::set_target(const TargetSpec& target) {
+  Data& d = *data_;
+  const bool read =
+      std::any_of(d.terms.begin(), d.terms.end(), [](const PoseProgramTerm& t) { return t.term->reads().target; });
+  if (read && !target.position && !target.angle) throw SceneError("target", "an objective needs a target");
+  d.take_target(target);
+}
+
 bool Problem::Data::contact_planned() const {
   return needs_obstacles(scene) && max_force > 0.0 &&
          (scene.contact.mode == ContactModeName::allow || scene.contact.mode == ContactModeName::require);
@@ -36,10 +57,10 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
   const double begin = now();
   Data& d = *data_;
   validate(scene);
-  if (scene.problem != ProblemKind::pose) {
+  if (scene.problem != ProblemKind::pose && scene.problem != ProblemKind::trajectory) {
     throw SceneError("problem", "problem \"" + std::string(to_string(scene.problem)) +
-                                    "\" cannot be planned here, expected \"pose\"" +
-                                    (scene.problem == ProblemKind::execute ? " or the command 'execute'" : ""));
+                                    "\" cannot be planned here, expected \"pose\" or \"trajectory\"" +
+                                    (scene.problem == ProblemKind::execute ? ", or the command 'execute'" : ""));
   }
   d.scene = scene;
   d.components = std::move(components);
@@ -70,15 +91,7 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
                     : 0.0;
 
   // Target and terms.
-  if (scene.target.position) {
-    d.target.position = {d.scale.to_dimensionless(scene.target.position->x, dimension::length),
-                         d.scale.to_dimensionless(scene.target.position->y, dimension::length)};
-    d.target.has_position = true;
-  }
-  if (scene.target.angle) {
-    d.target.angle = round_to_12_digits(*scene.target.angle);
-    d.target.has_angle = true;
-  }
+  d.take_target(scene.problem == ProblemKind::trajectory ? scene.trajectory.targets.front() : scene.target);
   std::map<std::string, int> seen;
   bool reads_contact_place = false;
   std::string place_reader;

@@ -48,6 +48,7 @@ struct Problem::Data {
   std::vector<CheckPoint> first_checks(const PoseProgramSpec& spec, const StartShape& shape) const;
   StartShape scene_start() const { return constant_curvature(scene.start_tip_angle); }
   bool contact_planned() const;
+  void take_target(const TargetSpec& wanted);
 };
 
 }  // namespace tendril

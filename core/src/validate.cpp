@@ -28,6 +28,31 @@ void require_not_negative(double value, const std::string& path, const char* wha
   }
 }
 
+void validate_trajectory(const Scene& scene) {
+  const std::vector<TargetSpec>& targets = scene.trajectory.targets;
+  if (scene.problem != ProblemKind::trajectory) {
+    if (!targets.empty()) throw SceneError("trajectory", "[trajectory] needs problem = \"trajectory\"");
+    return;
+  }
+  if (targets.empty()) throw SceneError("trajectory", "problem \"trajectory\" needs targets in [trajectory]");
+  if (scene.target.position || scene.target.angle) {
+    throw SceneError("target", "a trajectory takes its targets from [trajectory], expected no [target] beside it");
+  }
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const std::string index = "[" + std::to_string(i) + "]";
+    if (!targets[i].position && !targets[i].angle) throw SceneError("trajectory", "target " + index + " is empty");
+    if (targets[i].position) {
+      require_finite(targets[i].position->x, "trajectory.positions" + index);
+      require_finite(targets[i].position->y, "trajectory.positions" + index);
+    }
+    if (targets[i].angle) require_finite(*targets[i].angle, "trajectory.angles" + index);
+  }
+  if (scene.trajectory.replan_every < 0) {
+    throw SceneError("trajectory.replan_every", "expected 0 (only where needed) or more steps, found " +
+                                                    std::to_string(scene.trajectory.replan_every));
+  }
+}
+
 void validate_rod(const RodSpec& rod) {
   if (rod.segments.empty()) throw SceneError("rod", "the rod has no length");
   for (std::size_t i = 0; i < rod.segments.size(); ++i) {
@@ -83,6 +108,8 @@ void validate(const Scene& scene) {
     require_finite(scene.target.position->y, "target.position");
   }
   if (scene.target.angle) require_finite(*scene.target.angle, "target.angle");
+
+  validate_trajectory(scene);
 
   const ContactSpec& c = scene.contact;
   require_not_negative(c.min_force, "contact.min_force", "the least contact force", "N");

@@ -146,7 +146,6 @@ TEST(BadArguments, AreRefused) {
   expect_refused(plan_brace({"--ordr", "3"}), "did you mean '--order'?");
   expect_refused(plan_brace({"--split", "--no-split"}), "excludes");
   expect_refused(plan_brace({"--set", "contact.max_force"}), "expected KEY=VALUE");
-  expect_refused(tendril({"study", scene_path("brace.toml")}), "'study' is not available in this version");
   expect_refused(plan_brace({"--figure", "x.pdf"}), "expected a name that ends in .svg or .png");
   expect_refused(plan_brace({"--figure", ""}), "empty name");
 }

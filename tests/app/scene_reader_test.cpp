@@ -212,10 +212,10 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"\"pose\"", "\"poes\"", "did you mean 'pose'?"},
         Wrong{"[start]", "[gripper]\nhalf_palm = 1\n[start]", "not available in this version"},
         Wrong{"[start]", "[[finger]]\n[start]", "not available in this version"},
-        Wrong{"[start]", "[trajectory]\n[start]", "not available in this version"},
+        Wrong{"[start]", "[trajectory]\n[start]", "[trajectory] has neither 'positions' nor 'angles'"},
         Wrong{"[start]", "[measurement]\n[start]",
               "s.toml:18:1: found [measurement] in a scene with problem = \"pose\""},
-        Wrong{"[start]", "[study]\n[start]", "not available in this version"},
+        Wrong{"[start]", "[study]\nmode = 1\n[start]", "did you mean 'modes'?"},
         Wrong{"[solver]", "[[rod.segment]]\nlength = 1\nbending_stiffness = 1\n[solver]",
               "s.toml:6:10: found 'length' beside [[rod.segment]]"}));
 

@@ -92,6 +92,7 @@ struct Plan {
   Certificate certificate;
   std::string solver_name;
   OptimalityReport solver;  ///< of the winning mode's last solve; iterations and evaluations are sums over all modes
+  EvaluationCounts evaluations;  ///< of all programs: by solvers, polishes and restorations
   std::vector<ModeRecord> modes;
   std::vector<LeftOut> left_out;
   std::vector<BackbonePoint> backbone;

@@ -58,6 +58,9 @@ struct Description {
 struct PlanControl {
   const std::atomic<bool>* stop = nullptr;
   const Plan* start = nullptr;  ///< warm start: shape, moments and contacts of an earlier plan
+  /// Try Newton on the earlier plan's active set first. If that is certified and no contact is about to come or go, no
+  /// solver is called.
+  bool follow = false;
 };
 
 /// A scene made dimensionless and assembled: only the blocks that it needs. Throws SceneError where a component meets a
@@ -70,6 +73,8 @@ class TENDRIL_API Problem {
   ~Problem();
 
   Description describe() const;
+  /// Asks for another pose from now on. Throws SceneError if `target` lacks what an objective reads.
+  void set_target(const TargetSpec& target);
   /// Solves every mode that can win and returns the best certified plan; else the one that comes nearest, with its
   /// status.
   Plan plan(const PlanControl& control = {});

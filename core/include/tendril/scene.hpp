@@ -69,6 +69,13 @@ struct TargetSpec {
   std::optional<double> angle;   ///< rad
 };
 
+/// Targets in order; for the problem kind "trajectory".
+struct TrajectorySpec {
+  std::vector<TargetSpec> targets;
+  int replan_every = 0;      ///< steps between full plans; 0: only where needed
+  bool cold_starts = false;  ///< plan every target from the scene's own start too, to compare
+};
+
 struct ObjectiveSpec {
   std::string plugin;
   double weight = 1.0;
@@ -117,6 +124,7 @@ struct Scene {
   TipLoadSpec tip_load;
   TargetSpec target;
   MeasurementSpec measurement;
+  TrajectorySpec trajectory;
   std::vector<ObjectiveSpec> objectives;
   SolverSpec solver;
   QuantityReader read_quantity;  ///< for numbers with units inside raw options; may be empty

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tendril/app/document.hpp"
+#include "tendril/app/study.hpp"
 #include "tendril/app/units.hpp"
 #include "tendril/scene.hpp"
 
@@ -48,5 +49,8 @@ std::vector<KeySpec> scene_keys();
 /// Reads a scene out of a document: types, units, unknown keys. Throws InputError with the place. `units` lives on
 /// inside Scene::read_quantity. Whether the numbers make sense together is core's validate().
 Scene read_scene(const Document& document, std::shared_ptr<const Units> units);
+
+/// The sweeps that a scene declares in [study]. Throws InputError where read_scene() does, and if there are none.
+StudySpec read_study(const Document& document, const Units& units);
 
 }  // namespace tendril::app

@@ -8,11 +8,14 @@
 
 #include "tendril/app/document.hpp"
 #include "tendril/app/result.hpp"
+#include "tendril/app/scene_reader.hpp"
+#include "tendril/app/study.hpp"
 #include "tendril/app/units.hpp"
 #include "tendril/estimate.hpp"
 #include "tendril/execute.hpp"
 #include "tendril/planner.hpp"
 #include "tendril/plugins/components.hpp"
+#include "tendril/trajectory.hpp"
 
 namespace tendril::app {
 
@@ -47,6 +50,14 @@ class Session {
   /// Executes the plan and judges it by what comes of it (core's verify()).
   void verify(Plan& plan, const std::optional<std::filesystem::path>& start);
   const Units& units() const { return *units_; }
+  /// The same for a trajectory, step by step; the limits hold for each plan.
+  Trajectory plan_trajectory();
+  /// The sweeps that the scene declares.
+  StudySpec study() const { return read_study(document_, *units_); }
+  /// Another scene that differs from the one in the file in plain values only: checked, and assembled when asked for.
+  void use(const Scene& scene);
+  /// Plans once, from `start` if not null.
+  Plan plan_from(const Plan* start, bool follow = false);
   /// The scene's obstacles, made once more: the planner owns its own.
   std::vector<std::unique_ptr<Obstacle>> make_obstacles();
 

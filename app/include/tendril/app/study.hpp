@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tendril/scene.hpp"
+
+namespace tendril::app {
+
+/// A paradigm of planning with obstacles (model.md section 6).
+enum class StudyMode {
+  ignore,               ///< no obstacle in plan or execution
+  ignore_then_execute,  ///< planned as if there were no obstacle, carried out among them
+  avoid,
+  allow,
+  require
+};
+std::string_view to_string(StudyMode mode);
+/// The mode of a name out of study_mode_names().
+StudyMode study_mode(std::string_view name);
+const std::vector<std::string>& study_mode_names();
+
+/// The sweeps of a study. An empty one leaves what the scene says. Further sweeps are further members.
+struct StudySpec {
+  std::vector<double> limits;  ///< N m
+  std::vector<StudyMode> modes;
+  std::vector<Vec2> targets;      ///< m
+  std::vector<StudyMode> starts;  ///< whose results `allow` and `require` start from as well
+};
+
+/// One combination of the sweeps.
+struct StudyCase {
+  int index = 0;
+  std::optional<double> limit;  ///< N m
+  std::optional<StudyMode> mode;
+  std::optional<Vec2> target;  ///< m
+};
+
+/// Every combination, in the order of limits, modes, targets.
+std::vector<StudyCase> study_cases(const StudySpec& study);
+
+/// The scene of one case.
+Scene scene_of(const Scene& scene, const StudyCase& one);
+
+}  // namespace tendril::app

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "tendril/app/figure.hpp"
+
+namespace tendril::app {
+
+/// What figures have in common: data files, scripts, and running gnuplot on them.
+
+struct LengthUnit {
+  const char* name;
+  double size;
+};
+LengthUnit unit_for(double length);
+
+/// The data file: blocks with a name each, two blank lines between them.
+class DataFile {
+ public:
+  explicit DataFile(LengthUnit unit) : unit_(unit), text_(fmt::format("# Lengths in {}.\n", unit.name)) {}
+
+  void block(const std::string& name, const std::string& columns) {
+    text_ += fmt::format("\n\n# {}\n# {}\n", name, columns);
+  }
+  void points(const std::vector<BackbonePoint>& backbone) {
+    for (const BackbonePoint& p : backbone) row({p[1], p[2]});
+  }
+  void row(std::initializer_list<double> lengths) {
+    for (const double value : lengths) text_ += fmt::format("{:.9g} ", value / unit_.size);
+    text_ += '\n';
+  }
+  /// A row of plain numbers.
+  void numbers(std::initializer_list<double> values) {
+    for (const double value : values) text_ += fmt::format("{:.9g} ", value);
+    text_ += '\n';
+  }
+  void gap() { text_ += '\n'; }
+  const std::string& text() const { return text_; }
+
+ private:
+  LengthUnit unit_;
+  std::string text_;
+};
+
+/// A base line across the clamp with short strokes behind it, as a block.
+void add_clamp(DataFile& data, Vec2 base, double base_angle, double length, const std::string& block = "clamp");
+
+/// A file beside the script, as a string of the script. Path names must stay as they are, so a quote is doubled;
+/// picture_of() has seen to it that no two stand together.
+std::string gnuplot_file(const std::string& name);
+
+/// The part of a script that draws to each kind of picture in turn: `draw` to the first, `again` to the others.
+std::string drawn_to(const std::vector<Picture>& pictures, const std::string& stem, int width, int height,
+                     std::string draw, const std::string& again);
+
+/// Runs gnuplot on `stem`.gnuplot in the staging directory and adopts the pictures. Throws InputError if gnuplot is
+/// missing or fails.
+void render(StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures);
+
+}  // namespace tendril::app

@@ -1,0 +1,71 @@
+#include "tendril/app/study.hpp"
+
+#include <algorithm>
+
+namespace tendril::app {
+
+namespace {
+
+/// The values of a sweep; one empty value if there is no sweep.
+template <class T>
+std::vector<std::optional<T>> values_of(const std::vector<T>& sweep) {
+  if (sweep.empty()) return {std::nullopt};
+  return {sweep.begin(), sweep.end()};
+}
+
+}  // namespace
+
+const std::vector<std::string>& study_mode_names() {
+  static const std::vector<std::string> names{"ignore", "ignore_then_execute", "avoid", "allow", "require"};
+  return names;
+}
+
+std::string_view to_string(StudyMode mode) { return study_mode_names()[static_cast<std::size_t>(mode)]; }
+
+StudyMode study_mode(std::string_view name) {
+  const std::vector<std::string>& names = study_mode_names();
+  return static_cast<StudyMode>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+std::vector<StudyCase> study_cases(const StudySpec& study) {
+  std::vector<StudyCase> cases;
+  for (const auto& limit : values_of(study.limits)) {
+    for (const auto& mode : values_of(study.modes)) {
+      for (const auto& target : values_of(study.targets)) {
+        cases.push_back({static_cast<int>(cases.size()), limit, mode, target});
+      }
+    }
+  }
+  return cases;
+}
+
+Scene scene_of(const Scene& scene, const StudyCase& one) {
+  Scene changed = scene;
+  if (one.limit) {
+    for (ActuatorSpec& actuator : changed.rod.actuators) {
+      if (actuator.minimum < 0.0) actuator.minimum = -*one.limit;
+      if (actuator.maximum > 0.0) actuator.maximum = *one.limit;
+    }
+  }
+  if (one.mode) {
+    switch (*one.mode) {
+      case StudyMode::ignore:
+      case StudyMode::ignore_then_execute:
+        changed.contact.mode = ContactModeName::ignore;
+        break;
+      case StudyMode::avoid:
+        changed.contact.mode = ContactModeName::avoid;
+        break;
+      case StudyMode::allow:
+        changed.contact.mode = ContactModeName::allow;
+        break;
+      case StudyMode::require:
+        changed.contact.mode = ContactModeName::require;
+        break;
+    }
+  }
+  if (one.target) changed.target.position = one.target;
+  return changed;
+}
+
+}  // namespace tendril::app

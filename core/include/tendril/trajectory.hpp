@@ -1,0 +1,64 @@
+#pragma once
+
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "tendril/planner.hpp"
+
+namespace tendril {
+
+/// How a step of a trajectory was reached.
+enum class StepMethod {
+  followed,    ///< by Newton from the step before; no solver was called
+  solved,      ///< by a full plan from the step before
+  subdivided,  ///< over intermediate targets
+  failed       ///< not at all; the plan is the nearest one
+};
+TENDRIL_API std::string_view to_string(StepMethod method);
+
+/// What a plan took.
+struct Effort {
+  int solver_calls = 0;
+  int polishes = 0;
+  EvaluationCounts evaluations;
+};
+TENDRIL_API Effort effort_of(const Plan& plan);
+TENDRIL_API Effort& operator+=(Effort& sum, const Effort& more);
+
+struct TrajectoryStep {
+  TargetSpec target;
+  Plan plan;
+  StepMethod method = StepMethod::failed;
+  int intermediate = 0;  ///< targets that were put between this one and the one before
+  Effort effort;         ///< of everything planned for this step
+  Effort cold;           ///< of a plan for this target from the scene's own start, if it was asked for
+};
+
+struct TENDRIL_API Trajectory {
+  std::vector<TrajectoryStep> steps;  ///< one per target, fewer only if it was interrupted
+  bool interrupted = false;
+  bool solved() const;
+};
+
+/// How to plan for one target. `start` is null for a plan from the scene's own start. `follow` as in PlanControl.
+using PlanStep = std::function<Plan(const TargetSpec& target, const Plan* start, bool follow)>;
+
+struct TrajectoryOptions {
+  /// Every so many steps a full plan in place of Newton alone, which sees whether another way of being in contact has
+  /// become better; it may jump there. 0: only when a contact comes or goes, or Newton fails.
+  int replan_every = 0;
+  bool cold_starts = false;  ///< plan each target from the scene's own start as well, to compare
+};
+
+/// Targets between two of a trajectory that may be tried where a step fails: halves of halves, so steps down to 1/64.
+inline constexpr int most_halvings = 6;
+inline constexpr int most_intermediate = 32;
+
+/// Plans one target after the other, each from the one before (model.md section 6): Newton on the previous active set
+/// first, a full plan where that does not do, intermediate targets where that fails too. After a target that cannot be
+/// reached the next one starts from the last that was.
+TENDRIL_API Trajectory plan_trajectory(const std::vector<TargetSpec>& targets, const TrajectoryOptions& options,
+                                       const PlanStep& plan);
+
+}  // namespace tendril

@@ -1,0 +1,131 @@
+#include "tendril/trajectory.hpp"
+
+#include <algorithm>
+
+namespace tendril {
+namespace {
+
+TargetSpec middle_of(const TargetSpec& a, const TargetSpec& b) {
+  TargetSpec middle = b;
+  if (a.position && b.position) middle.position = 0.5 * (*a.position + *b.position);
+  if (a.angle && b.angle) middle.angle = 0.5 * (*a.angle + *b.angle);
+  return middle;
+}
+
+class Walker {
+ public:
+  Walker(const TrajectoryOptions& options, const PlanStep& plan) : options_(options), plan_(plan) {}
+
+  TrajectoryStep step(const TargetSpec& target, bool full) {
+    TrajectoryStep step;
+    step.target = target;
+    current_ = &step;
+    step.plan = attempt(target, !full);
+    if (step.plan.status == PlanStatus::solved) {
+      step.method = effort_of(step.plan).solver_calls == 0 ? StepMethod::followed : StepMethod::solved;
+    } else if (has_last_ && step.plan.status != PlanStatus::interrupted) {
+      Plan over = subdivide(target, last_target_, last_, 0);
+      if (over.status == PlanStatus::solved || over.status == PlanStatus::interrupted) step.plan = std::move(over);
+      if (step.plan.status == PlanStatus::solved) step.method = StepMethod::subdivided;
+    }
+    if (step.plan.status == PlanStatus::solved) {
+      last_ = step.plan;
+      last_target_ = target;
+      has_last_ = true;
+    }
+    if (options_.cold_starts && step.plan.status != PlanStatus::interrupted) {
+      step.cold = effort_of(plan_(target, nullptr, false));
+    }
+    return step;
+  }
+
+ private:
+  Plan attempt(const TargetSpec& target, bool follow) {
+    Plan plan = plan_(target, has_last_ ? &last_ : nullptr, has_last_ && follow);
+    current_->effort += effort_of(plan);
+    return plan;
+  }
+
+  /// From `from`, which was reached with `start`, to `target`, which was not reached at once.
+  Plan subdivide(const TargetSpec& target, const TargetSpec& from, const Plan& start, int depth) {
+    Plan unreached;
+    unreached.message = "too many intermediate targets";
+    if (depth == most_halvings) return unreached;
+    const TargetSpec middle = middle_of(from, target);
+    Plan reached = start;
+    for (const auto& [goal, previous] : {std::pair(&middle, &from), std::pair(&target, &middle)}) {
+      if (current_->intermediate == most_intermediate) return unreached;
+      ++current_->intermediate;
+      Plan next = plan_(*goal, &reached, true);
+      current_->effort += effort_of(next);
+      if (next.status == PlanStatus::interrupted) return next;
+      if (next.status != PlanStatus::solved) next = subdivide(*goal, *previous, reached, depth + 1);
+      if (next.status != PlanStatus::solved) return next;
+      reached = std::move(next);
+    }
+    return reached;
+  }
+
+  const TrajectoryOptions& options_;
+  const PlanStep& plan_;
+  Plan last_;  ///< the last step that was reached
+  TargetSpec last_target_;
+  bool has_last_ = false;
+  TrajectoryStep* current_ = nullptr;
+};
+
+}  // namespace
+
+std::string_view to_string(StepMethod method) {
+  switch (method) {
+    case StepMethod::followed:
+      return "followed";
+    case StepMethod::solved:
+      return "solved";
+    case StepMethod::subdivided:
+      return "subdivided";
+    case StepMethod::failed:
+      return "failed";
+  }
+  return "?";
+}
+
+Effort effort_of(const Plan& plan) {
+  Effort effort;
+  for (const ModeRecord& mode : plan.modes) {
+    effort.solver_calls += mode.solves;
+    effort.polishes += mode.polishes;
+  }
+  effort.evaluations = plan.evaluations;
+  return effort;
+}
+
+Effort& operator+=(Effort& sum, const Effort& more) {
+  sum.solver_calls += more.solver_calls;
+  sum.polishes += more.polishes;
+  sum.evaluations.values += more.evaluations.values;
+  sum.evaluations.first_derivatives += more.evaluations.first_derivatives;
+  sum.evaluations.hessians += more.evaluations.hessians;
+  sum.evaluations.seconds += more.evaluations.seconds;
+  return sum;
+}
+
+bool Trajectory::solved() const {
+  return !interrupted && std::all_of(steps.begin(), steps.end(),
+                                     [](const TrajectoryStep& step) { return step.plan.status == PlanStatus::solved; });
+}
+
+Trajectory plan_trajectory(const std::vector<TargetSpec>& targets, const TrajectoryOptions& options,
+                           const PlanStep& plan) {
+  Trajectory trajectory;
+  Walker walker(options, plan);
+  for (std::size_t i = 0; i < targets.size() && !trajectory.interrupted; ++i) {
+    const bool full = options.replan_every > 0 && i % static_cast<std::size_t>(options.replan_every) == 0;
+    TrajectoryStep step = walker.step(targets[i], full);
+    trajectory.interrupted = step.plan.status == PlanStatus::interrupted;
+    if (!trajectory.interrupted) trajectory.steps.push_back(std::move(step));
+  }
+  return trajectory;
+}
+
+}  // namespace tendril
