@@ -12,6 +12,12 @@ SurfacePoint ShrunkObstacle::at(Vec2 point) const {
   return p;
 }
 
+SurfacePoint ShrunkObstacle::on_patch(int patch, Vec2 point) const {
+  SurfacePoint p = whole_->on_patch(patch, point);
+  p.distance += by_;
+  return p;
+}
+
 LoadPath::LoadPath(Rod rod, const std::vector<const Obstacle*>& obstacles, Ends ends)
     : rod_(std::move(rod)),
       gravity_(rod_.gravity),

@@ -17,6 +17,9 @@ class ShrunkObstacle : public Obstacle {
   void shrink(double by) { by_ = by; }
 
   SurfacePoint at(Vec2 point) const override;
+  int patch_at(Vec2 point) const override { return whole_->patch_at(point); }
+  SurfacePoint on_patch(int patch, Vec2 point) const override;
+  std::span<const Seam> seams(int patch) const override { return whole_->seams(patch); }
   Vec2 reference_point() const override { return whole_->reference_point(); }
   double smallest_radius() const override { return whole_->smallest_radius() - by_; }
   double core_distance(Vec2 point) const override { return whole_->core_distance(point); }
