@@ -28,11 +28,12 @@ class Stopwatch {
   Clock::time_point begin_ = Clock::now();
 };
 
-std::string word_at(const Document& document, const char* table, const char* key, const std::string& otherwise) {
+/// The plugin that the document names in a table; empty: none.
+std::string plugin_in(const Document& document, const char* table) {
   const Node* node = document.root().find(table);
-  if (node != nullptr) node = node->find(key);
+  if (node != nullptr) node = node->find("plugin");
   const auto* text = node != nullptr ? std::get_if<std::string>(&node->value) : nullptr;
-  return text != nullptr ? *text : otherwise;
+  return text != nullptr ? *text : "";
 }
 
 bool declares(const OptionSchema& schema, std::string_view name) {
@@ -67,9 +68,11 @@ Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Unit
   {
     const Stopwatch watch(seconds_read_);
     document_ = Document::read(arguments.scene);
-    const std::string coordinates = word_at(document_, "coordinates", "plugin", CoordinatesSpec{}.plugin);
-    const std::string solver = word_at(document_, "solver", "plugin", SolverSpec{}.plugin);
+    const std::string coordinates = plugin_in(document_, "coordinates");
+    const std::string solver = plugin_in(document_, "solver");
     document_.apply(arguments.overrides);
+    const bool other_coordinates = plugin_in(document_, "coordinates") != coordinates;
+    const bool other_solver = plugin_in(document_, "solver") != solver;
     scene_ = read_scene(document_, units_);
     located("", [&] { validate(scene_); });
     {
@@ -77,7 +80,7 @@ Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Unit
       registry_ =
           std::make_unique<plugins::Registry>(plugins::Catalog(plugins::search_places(arguments.plugin_directories)));
       // An estimate opens no plugin, so nobody knows which options are foreign.
-      if (scene_.problem != ProblemKind::estimate) drop_foreign_options(coordinates, solver);
+      if (scene_.problem != ProblemKind::estimate) drop_foreign_options(other_coordinates, other_solver);
     }
   }
   seconds_read_ -= seconds_open_;
@@ -85,7 +88,7 @@ Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Unit
 
 Session::~Session() = default;
 
-void Session::drop_foreign_options(const std::string& scene_coordinates, const std::string& scene_solver) {
+void Session::drop_foreign_options(bool other_coordinates, bool other_solver) {
   const auto drop = [&](RawOptions& options, const OptionSchema& schema, const std::string& table,
                         const std::string& owner) {
     for (auto option = options.begin(); option != options.end();) {
@@ -99,14 +102,14 @@ void Session::drop_foreign_options(const std::string& scene_coordinates, const s
       }
     }
   };
-  if (scene_.coordinates.plugin != scene_coordinates) {
+  if (other_coordinates) {
     const OptionSchema& schema =
         located(
             "coordinates", [&]() -> auto& { return registry_->coordinates(scene_.coordinates.plugin); })
             .options;
     drop(scene_.coordinates.options, schema, "coordinates", "coordinates plugin '" + scene_.coordinates.plugin + "'");
   }
-  if (scene_.solver.plugin != scene_solver) {
+  if (other_solver) {
     const OptionSchema& schema = located(
                                      "solver", [&]() -> auto& { return registry_->solver(scene_.solver.plugin); })
                                      .options;

@@ -51,34 +51,36 @@ TEST_P(BadSceneTest, IsRefusedWithItsPlace) {
 
 INSTANTIATE_TEST_SUITE_P(
     Scenes, BadSceneTest,
-    testing::Values(
-        BadScene{"length =", "lenght =",
-                 "s.toml:6:1: found the key 'lenght', which [rod] does not have; did you mean 'length'?"},
-        BadScene{"\"100 mm\"", "\"100 N\"", "s.toml:6:10: found \"100 N\", whose unit"},
-        BadScene{"\"100 mm\"", "nan", "s.toml:6:10: found the number nan"},
-        BadScene{"\"100 mm\"", "\"0 mm\"", "s.toml:6:10: found \"0 mm\", expected a length greater than 0"},
-        BadScene{"\"8 mm\"", "\"0 mm\"", "s.toml:24:10: option 'radius'"},
-        BadScene{"\"8 mm\"", "\"-8 mm\"", "s.toml:24:10: option 'radius'"},
-        BadScene{"\"8 mm\"", "nan", "s.toml:24:10: option 'radius'"},
-        BadScene{"\"8 mm\"", "\"8 Nm\"", "s.toml:24:10: option 'radius'"},
-        BadScene{"radius", "raduis", "did you mean 'radius'?"}, BadScene{"radius = \"8 mm\"", "", "radius"},
-        BadScene{"\"circle\"", "\"circel\"", "s.toml:22:9: "},
-        BadScene{"\"circle\"", "\"circel\"", "did you mean 'circle'?"},
-        BadScene{"[\"60 mm\", \"0 mm\"]", "[\"0 mm\", \"0 mm\"]", "s.toml:2"},
-        BadScene{"order = 6", "order = 0", "s.toml:15:9: option 'order'"},
-        BadScene{"order = 6", "order = 1000", "s.toml:15:9: option 'order'"},
-        BadScene{"order = 6", "order = 6.5", "s.toml:15:9: option 'order'"},
-        BadScene{"order = 6", "ordr = 6", "s.toml:15:8: coordinates plugin 'legendre' has no option 'ordr'"},
-        BadScene{"\"legendre\"", "\"lgendre\"",
-                 "s.toml:14:10: coordinates plugin 'lgendre' was not found; did you mean 'legendre'?"},
-        BadScene{"\"nlopt\"", "\"nlpt\"", "s.toml:42:10: solver plugin 'nlpt' was not found; did you mean 'nlopt'?"},
-        BadScene{"\"tip_pose\"", "\"tip_pos\"",
-                 "s.toml:34:10: objective plugin 'tip_pos' was not found; did you mean 'tip_pose'?"},
-        BadScene{"\"tip_pose\"", "\"../tip_pose\"", "s.toml:34:10: "},
-        BadScene{"limit = \"2.5 N mm\"", "min = 1\nmax = -1", "s.toml:11:7: found min"},
-        BadScene{"\"pose\"", "\"grasp\"",
-                 "s.toml:2:11: found problem = \"grasp\", which is not available in this version"},
-        BadScene{"[target]\nposition = [\"97 mm\", \"20 mm\"]", "", "target"}));
+    testing::Values(BadScene{"length =", "lenght =",
+                             "s.toml:6:1: found the key 'lenght', which [rod] does not have; did you mean 'length'?"},
+                    BadScene{"\"100 mm\"", "\"100 N\"", "s.toml:6:10: found \"100 N\", whose unit"},
+                    BadScene{"\"100 mm\"", "nan", "s.toml:6:10: found the number nan"},
+                    BadScene{"\"100 mm\"", "\"0 mm\"", "s.toml:6:10: found \"0 mm\", expected a length greater than 0"},
+                    BadScene{"\"8 mm\"", "\"0 mm\"", "s.toml:24:10: option 'radius'"},
+                    BadScene{"\"8 mm\"", "\"-8 mm\"", "s.toml:24:10: option 'radius'"},
+                    BadScene{"\"8 mm\"", "nan", "s.toml:24:10: option 'radius'"},
+                    BadScene{"\"8 mm\"", "\"8 Nm\"", "s.toml:24:10: option 'radius'"},
+                    BadScene{"radius", "raduis", "did you mean 'radius'?"}, BadScene{"radius = \"8 mm\"", "", "radius"},
+                    BadScene{"\"circle\"", "\"circel\"", "s.toml:22:9: "},
+                    BadScene{"\"circle\"", "\"circel\"", "did you mean 'circle'?"},
+                    BadScene{"[\"60 mm\", \"0 mm\"]", "[\"0 mm\", \"0 mm\"]", "s.toml:2"},
+                    BadScene{"order = 6", "order = 0", "s.toml:15:9: option 'order'"},
+                    BadScene{"order = 6", "order = 1000", "s.toml:15:9: option 'order'"},
+                    BadScene{"order = 6", "order = 6.5", "s.toml:15:9: option 'order'"},
+                    BadScene{"order = 6", "ordr = 6",
+                             "s.toml:15:8: coordinates plugin 'legendre' has no option 'ordr'"},
+                    BadScene{"\"legendre\"", "\"lgendre\"",
+                             "s.toml:14:10: coordinates plugin 'lgendre' was not found; did you mean 'legendre'?"},
+                    BadScene{"\"" TENDRIL_TEST_SOLVER "\"", "\"" TENDRIL_TEST_SOLVER "x\"",
+                             "s.toml:42:10: solver plugin '" TENDRIL_TEST_SOLVER
+                             "x' was not found; did you mean '" TENDRIL_TEST_SOLVER "'?"},
+                    BadScene{"\"tip_pose\"", "\"tip_pos\"",
+                             "s.toml:34:10: objective plugin 'tip_pos' was not found; did you mean 'tip_pose'?"},
+                    BadScene{"\"tip_pose\"", "\"../tip_pose\"", "s.toml:34:10: "},
+                    BadScene{"limit = \"2.5 N mm\"", "min = 1\nmax = -1", "s.toml:11:7: found min"},
+                    BadScene{"\"pose\"", "\"grasp\"",
+                             "s.toml:2:11: found problem = \"grasp\", which is not available in this version"},
+                    BadScene{"[target]\nposition = [\"97 mm\", \"20 mm\"]", "", "target"}));
 
 TEST(BadFile, IsRefused) {
   const TemporaryDirectory directory;
@@ -156,8 +158,7 @@ TEST(BadSettings, AreRefusedLikeTheFile) {
   expect_refused(plan_brace({"--set", "rod.actuator.1.limit=1"}), "--set rod.actuator.1.limit=1: ");
   expect_refused(plan_brace({"--set", "rod.length=nan"}), "--set rod.length=nan: ");
   expect_refused(plan_brace({"--set", "obstacle.0.radius=0"}), "--set obstacle.0.radius=0: option 'radius'");
-  expect_refused(plan_brace({"--set", "solver.options.algorithm=LD_SLSQ"}),
-                 "--set solver.options.algorithm=LD_SLSQ: option 'algorithm'");
+  expect_refused(plan_brace({"--set", "solver.options.no_such_option=1"}), "--set solver.options.no_such_option=1: ");
   expect_refused(plan_brace({"--order", "0"}), "--order 0: option 'order'");
   expect_refused(plan_brace({"--order", "1000"}), "--order 1000: option 'order'");
   expect_refused(plan_brace({"--order", "many"}), "--order many: option 'order'");

@@ -64,7 +64,7 @@ TEST(SceneReader, ReadsTheBracedArm) {
   ASSERT_EQ(scene.objectives.size(), 2U);
   EXPECT_EQ(scene.objectives[0].plugin, "tip_pose");
   EXPECT_EQ(scene.objectives[0].weight, 100.0);
-  EXPECT_EQ(scene.solver.plugin, "nlopt");
+  EXPECT_EQ(scene.solver.plugin, TENDRIL_TEST_SOLVER);
 }
 
 TEST(SceneReader, ReadsEveryOtherKey) {

@@ -30,7 +30,7 @@ std::vector<std::string> opened(const plugins::Registry& registry) {
 }
 
 const std::vector<std::string> named_by_scenes{"coordinates legendre", "objective actuation_effort",
-                                               "objective tip_pose", "solver nlopt"};
+                                               "objective tip_pose", "solver " TENDRIL_TEST_SOLVER};
 
 TEST(Describe, AFreeSceneHasNoTraceOfContact) {
   plugins::Registry own = fresh_registry();
@@ -106,7 +106,8 @@ TEST(Describe, AnObjectiveOfWeightZeroOpensNothing) {
   const Description d = problem(without, own).describe();
   EXPECT_EQ(d.terms, std::vector<std::string>{"tip_pose"});
   EXPECT_EQ(why_left_out(d, "objective actuation_effort"), "its weight is 0");
-  EXPECT_EQ(opened(own), (std::vector<std::string>{"coordinates legendre", "objective tip_pose", "solver nlopt"}));
+  EXPECT_EQ(opened(own),
+            (std::vector<std::string>{"coordinates legendre", "objective tip_pose", "solver " TENDRIL_TEST_SOLVER}));
 }
 
 TEST(Describe, AMomentFixedAtZeroIsNoVariable) {

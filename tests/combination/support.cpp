@@ -1,5 +1,6 @@
 #include "support.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -28,7 +29,13 @@ Scene read(app::Document document, const std::vector<std::string>& overrides) {
     settings.push_back({text, text.substr(0, equals), text.substr(equals + 1)});
   }
   document.apply(settings);
-  return app::read_scene(document, std::make_shared<app::Units>());
+  Scene scene = app::read_scene(document, std::make_shared<app::Units>());
+  // Text that names no solver gets the command's default, which this build may have left out.
+  const std::vector<std::string> solvers = registry().names(ComponentKind::solver);
+  if (std::find(solvers.begin(), solvers.end(), scene.solver.plugin) == solvers.end()) {
+    scene.solver.plugin = TENDRIL_TEST_SOLVER;
+  }
+  return scene;
 }
 
 }  // namespace

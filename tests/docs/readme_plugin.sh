@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# readme_plugin.sh SOURCE BUILD WORK: builds the plugin that the README shows, outside the tree, and plans a scene with it.
+# readme_plugin.sh SOURCE BUILD WORK SOLVER: builds the plugin that the README shows, outside the tree, and plans a scene with it.
 set -euo pipefail
-source=$1 build=$2 work=$3
+source=$1 build=$2 work=$3 solver=$4
 rm -rf "$work"
 mkdir -p "$work/level_tip"
 
@@ -19,7 +19,7 @@ cmake --build "$work/level_tip/build" >> "$work/log" || { cat "$work/log"; exit 
 
 # A free arm whose only wish is a level tip: the plan must reach it.
 sed -e '/^\[\[objective\]\]/,$d' "$source/scenes/free.toml" > "$work/scene.toml"
-printf '[[objective]]\nplugin = "level_tip"\n\n[solver]\nplugin = "nlopt"\n' >> "$work/scene.toml"
+printf '[[objective]]\nplugin = "level_tip"\n\n[solver]\nplugin = "%s"\n' "$solver" >> "$work/scene.toml"
 "$build/bin/tendril" plan "$work/scene.toml" --plugin-dir "$work/level_tip/build" --json > "$work/plan.json"
 grep -q '"status": "solved"' "$work/plan.json"
 grep -q '"level_tip"' "$work/plan.json"

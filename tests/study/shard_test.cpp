@@ -123,7 +123,7 @@ TEST(Slurm, RunsShardsAsAnArray) {
     const ProcessResult run =
         run_process("env",
                     {std::string("SLURM_ARRAY_TASK_ID=") + task, "SLURM_ARRAY_TASK_COUNT=3", "SLURM_CPUS_PER_TASK=2",
-                     std::string("TENDRIL=") + TENDRIL_COMMAND, "bash", scene_path("../docs/study.slurm"), scene, out},
+                     std::string("TENDRIL=") + TENDRIL_COMMAND, "bash", TENDRIL_DOCS "/study.slurm", scene, out},
                     directory.path(), 100.0);
     EXPECT_TRUE(run.started);
     EXPECT_EQ(run.exit_code, 0) << run.output;

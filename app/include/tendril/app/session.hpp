@@ -67,7 +67,8 @@ class Session {
 
  private:
   ExecuteControl execute_control(const std::optional<Plan>& earlier) const;
-  void drop_foreign_options(const std::string& scene_coordinates, const std::string& scene_solver);
+  /// Of tables whose plugin the command replaces.
+  void drop_foreign_options(bool other_coordinates, bool other_solver);
   Components make_components();
   plugins::Located place() const;
   template <class Make>
