@@ -20,6 +20,7 @@ std::vector<double> read_lengths(const std::string& text, const QuantityReader& 
   const auto parsed = std::from_chars(text.data() + second + 1, end, count);
   if (parsed.ec != std::errc() || parsed.ptr != end || count < 1 || count > 1000) throw Error(expected);
   std::vector<double> values;
+  values.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) values.push_back(count == 1 ? from : from + (to - from) * i / (count - 1));
   return values;
 }

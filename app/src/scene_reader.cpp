@@ -237,9 +237,9 @@ Key<Target> points(std::string name, KeyType type, const Dimension& dimension, s
       Grid grid;
       read_table(context, node, "study." + spec.name,
                  Table<Grid>{{quantities<Grid>("x", spec.dimension, any, "the x coordinates of a grid",
-                                               [](Grid& g, std::vector<double> v) { g.x = std::move(v); }),
+                                               [](Grid& g, const std::vector<double>& v) { g.x = v; }),
                               quantities<Grid>("y", spec.dimension, any, "the y coordinates of a grid",
-                                               [](Grid& g, std::vector<double> v) { g.y = std::move(v); })}},
+                                               [](Grid& g, const std::vector<double>& v) { g.y = v; })}},
                  grid);
       if (grid.x.empty() || grid.y.empty()) context.fail(node, "both x and y, each a list of coordinates");
       for (const double x : grid.x) {
@@ -261,9 +261,9 @@ Key<Target> points(std::string name, KeyType type, const Dimension& dimension, s
 }
 
 template <class Target, class Set>
-Key<Target> texts(std::string name, std::string description, std::vector<std::string> choices, Set set) {
+Key<Target> texts(std::string name, std::string description, const std::vector<std::string>& choices, Set set) {
   Key<Target> key{{std::move(name), KeyType::texts, none, "", std::move(description)}, {}};
-  key.spec.choices = std::move(choices);
+  key.spec.choices = choices;
   const Key<std::string> one = text<std::string>(
       key.spec.name, "", "", [](std::string& t, const std::string& v) { t = v; }, key.spec.choices);
   key.read = [one, set](const Context& context, const Node& node, Target& target) {
@@ -527,6 +527,7 @@ Table<StudySpec> study_table() {
   using T = StudySpec;
   const auto modes_of = [](const std::vector<std::string>& names) {
     std::vector<StudyMode> modes;
+    modes.reserve(names.size());
     for (const std::string& name : names) modes.push_back(study_mode(name));
     return modes;
   };

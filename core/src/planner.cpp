@@ -10,6 +10,8 @@
 #include "problem_data.hpp"
 #include "tendril/certificate.hpp"
 #include "tendril/complementarity.hpp"
+#include "tendril/error.hpp"
+#include "tendril/execute.hpp"
 #include "tendril/feasibility.hpp"
 #include "tendril/polish.hpp"
 #include "tendril/tolerances.hpp"
@@ -31,6 +33,7 @@ constexpr int most_exchanges = 25;
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
 constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
 constexpr int most_starts = 5;            ///< per mode, before a program may be called infeasible
+constexpr int most_settlings = 3;         ///< executions of unstable plans, for a stable shape to start from
 constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
 constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
 constexpr double beats = 1e-12;           ///< an objective must be lower by this to win
@@ -87,7 +90,10 @@ class Planner {
     return c;
   }
 
+  StartShape shape_of(const Plan& plan, const Mode& mode) const;
   StartShape start_shape(int index, const Mode& mode) const;
+  /// Where every search ended at an equilibrium that is not stable: what the rod would do under the moments found.
+  void settle();
   void try_start(ModeState& state, const StartShape& shape);
   void attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions);
   /// From x (any quality) to a decided branch and a point on it. False: no feasible point was found.
@@ -172,32 +178,45 @@ void set_branches(PoseProgram& program, const std::vector<Branch>& branches) {
   for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, branches[static_cast<std::size_t>(k)]);
 }
 
+/// Shape, moments and contacts of an earlier result, as far as `mode` has them.
+StartShape Planner::shape_of(const Plan& plan, const Mode& mode) const {
+  const double length = d_.scale.length;
+  std::vector<std::pair<double, double>> table;
+  for (const BackbonePoint& p : plan.backbone) table.emplace_back(p[0] / length, p[4] * length);
+  StartShape shape;
+  shape.curvature = [table](double s) {
+    const auto after =
+        std::lower_bound(table.begin(), table.end(), s, [](const auto& entry, double at) { return entry.first < at; });
+    if (after == table.begin()) return table.front().second;
+    if (after == table.end()) return table.back().second;
+    const auto before = after - 1;
+    const double span = after->first - before->first;
+    const double t = span > 0.0 ? (s - before->first) / span : 0.0;
+    return (1.0 - t) * before->second + t * after->second;
+  };
+  if (plan.moments.size() == d_.rod.actuators.size()) {
+    for (const double u : plan.moments) shape.moments.push_back(u / d_.scale.moment());
+  }
+  for (const ContactSetup& c : mode.contacts) {
+    double s = std::numeric_limits<double>::quiet_NaN();
+    double f = 0.0;
+    for (const PlannedContact& planned : plan.contacts) {
+      if (planned.obstacle_name != d_.obstacle_names[static_cast<std::size_t>(c.obstacle)] ||
+          planned.at_tip != c.at_tip)
+        continue;
+      s = planned.arc_length / length;
+      f = planned.force / d_.scale.force();
+    }
+    shape.arc_lengths.push_back(s);
+    shape.forces.push_back(f);
+  }
+  return shape;
+}
+
 StartShape Planner::start_shape(int index, const Mode& mode) const {
   // An earlier plan comes first, then the scene's own start, then shapes that bend to either side.
   if (control_.start != nullptr && !control_.start->backbone.empty()) {
-    if (index == 0) {
-      const Plan& plan = *control_.start;
-      const double length = d_.scale.length;
-      StartShape shape;
-      shape.curvature = curvature_of(plan, length);
-      if (plan.moments.size() == d_.rod.actuators.size()) {
-        for (const double u : plan.moments) shape.moments.push_back(u / d_.scale.moment());
-      }
-      for (const ContactSetup& c : mode.contacts) {
-        double s = std::numeric_limits<double>::quiet_NaN();
-        double f = 0.0;
-        for (const PlannedContact& planned : plan.contacts) {
-          if (planned.obstacle_name != d_.obstacle_names[static_cast<std::size_t>(c.obstacle)] ||
-              planned.at_tip != c.at_tip)
-            continue;
-          s = planned.arc_length / length;
-          f = planned.force / d_.scale.force();
-        }
-        shape.arc_lengths.push_back(s);
-        shape.forces.push_back(f);
-      }
-      return shape;
-    }
+    if (index == 0) return shape_of(*control_.start, mode);
     --index;
   }
   if (index == 0) return d_.scene_start();
@@ -726,6 +745,35 @@ int Planner::follow() {
   return -1;
 }
 
+void Planner::settle() {
+  const std::size_t modes = modes_.size();
+  for (int attempt = 0; attempt < most_settlings && winner_ < 0 && !must_stop(); ++attempt) {
+    const Candidate* unstable = nullptr;
+    for (const ModeState& state : states_) {
+      const bool usable = state.best.has_point && !(state.best.certificate.stability > tolerance::stability);
+      if (usable && (unstable == nullptr || state.best.objective < unstable->objective)) unstable = &state.best;
+    }
+    if (unstable == nullptr) return;
+    std::vector<double> moments;
+    for (std::size_t a = 0; a < d_.rod.actuators.size(); ++a) {
+      const int variable = unstable->program->moment_variable(static_cast<int>(a));
+      moments.push_back(variable < 0 ? 0.0 : unstable->x[variable] * d_.scale.moment());
+    }
+    ExecuteControl control;
+    control.stop = control_.stop;
+    control.time_limit = std::max(1e-3, deadline_ - now());
+    control.with_obstacles = !d_.obstacles.empty();
+    Plan settled;
+    try {
+      settled = execute(d_.scene, d_.components.obstacles, moments, control).result;
+    } catch (const SceneError&) {
+      return;  // a start through the middle of an obstacle leads nowhere
+    }
+    if (settled.backbone.empty()) return;
+    for (std::size_t i = 0; i < modes; ++i) consider(states_[i], shape_of(settled, modes_[i]));
+  }
+}
+
 Plan Planner::run() {
   states_.resize(modes_.size());
   for (std::size_t i = 0; i < states_.size(); ++i) {
@@ -751,6 +799,7 @@ Plan Planner::run() {
     for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
     if (!d_.enumerated) grow();
   }
+  settle();
   return report(states_, winner_);
 }
 

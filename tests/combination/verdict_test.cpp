@@ -92,6 +92,22 @@ TEST(Verdict, RequiredContactOutOfReachIsInfeasible) {
   }
 }
 
+TEST(Verdict, ARodThatCannotStandFallsAndIsPlannedWhereItComesToRest) {
+  // Twice the weight under which a rod held upright buckles (7.84 EI/L^3), and motors too weak to matter: the upright
+  // equilibrium meets the target best, but no rod stays there.
+  for (const std::string& solver : registry().names(ComponentKind::solver)) {
+    SCOPED_TRACE(solver);
+    Scene heavy = scene(
+        "free", {"rod.base.angle=\"90 deg\"", "rod.bending_stiffness=\"1 N mm^2\"", "rod.linear_density=\"1.6 mg/mm\"",
+                 "rod.actuator.0.limit=\"1e-6 N mm\"", "target.position=[\"0 mm\", \"100 mm\"]"});
+    heavy.solver.plugin = solver;
+    const Plan found = plan(heavy);
+    EXPECT_TRUE(certified(found)) << to_string(found.status) << ": " << found.message;
+    EXPECT_GT(found.certificate.stability, 0.0);
+    EXPECT_LT(found.tip_y, 0.0);
+  }
+}
+
 TEST(Verdict, AStopFlagInterrupts) {
   const std::atomic<bool> stop{true};
   PlanControl control;
