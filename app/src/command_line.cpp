@@ -3,6 +3,7 @@
 #include <exception>
 #include <iostream>
 
+#include "new_command.hpp"
 #include "tendril/app/commands.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/study_command.hpp"
@@ -196,6 +197,13 @@ int parse_and_run(int argc, const char* const* argv) {
   SceneOptions::add_plugin_directory(*plugins, plugin_directories);
   plugins->add_flag("--json", json, "One JSON document on standard output and nothing else");
 
+  CLI::App* make = app.add_subcommand("new", "Write a plugin project that builds, plans and passes its tests as it is");
+  NewArguments make_arguments;
+  std::string make_directory;
+  make->add_option("KIND", make_arguments.kind, "coordinates, objective, obstacle or solver")->required();
+  make->add_option("NAME", make_arguments.name, "Lower-case letters, digits and '_'")->required();
+  make->add_option("DIR", make_directory, "Directory to make, by default NAME");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
@@ -226,6 +234,11 @@ int parse_and_run(int argc, const char* const* argv) {
     study_arguments.output = optional_path(study_output);
     study_arguments.words.assign(argv + 1, argv + argc);
     return run_study(study_arguments);
+  }
+  if (make->parsed()) {
+    if (make->count("DIR") > 0 && make_directory.empty()) throw InputError("new: found an empty directory name");
+    make_arguments.directory = optional_path(make_directory);
+    return run_new(make_arguments);
   }
   if (describe->parsed()) return run_describe(describe_scene.arguments(), json);
   return run_plugins({plugin_directories.begin(), plugin_directories.end()}, json);

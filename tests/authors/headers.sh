@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# headers.sh PREFIX WORK COMPILER: every installed header compiles alone, with nothing included before it.
+set -euo pipefail
+prefix=$1 work=$2 compiler=$3
+rm -rf "$work"
+mkdir -p "$work"
+cd "$prefix/include"
+find tendril -name '*.hpp' | sort > "$work/headers"
+(($(wc -l < "$work/headers") > 30))
+for header in $(< "$work/headers"); do
+  printf '#include "%s"\n#include "%s"\n' "$header" "$header" > "$work/${header//\//_}.cpp"
+done
+flags=(-std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -I. -isystem /usr/include/eigen3)
+ls "$work"/*.cpp | xargs -P 2 -n 1 "$compiler" "${flags[@]}"
