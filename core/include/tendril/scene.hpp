@@ -51,7 +51,7 @@ struct TipLoadSpec {
 struct ObstacleSpec {
   std::string name;   ///< "obstacle 1", ... if not given
   std::string shape;  ///< an obstacle component
-  RawOptions options;
+  RawOptions options{};
 };
 
 struct ContactSpec {
@@ -79,14 +79,14 @@ struct TrajectorySpec {
 struct ObjectiveSpec {
   std::string plugin;
   double weight = 1.0;
-  RawOptions options;
+  RawOptions options{};
   SourcePosition position{};
 };
 
 struct CoordinatesSpec {
   std::string plugin;  ///< whoever makes the scene names one; core knows none
   bool split_at_contact = true;
-  RawOptions options;
+  RawOptions options{};
   SourcePosition position{};
 };
 
@@ -95,7 +95,7 @@ struct SolverSpec {
   double tolerance = 1e-9;
   double time_limit = 10.0;  ///< s
   int max_iterations = 500;
-  RawOptions options;  ///< native names
+  RawOptions options{};  ///< native names
   SourcePosition position{};
 };
 
