@@ -40,6 +40,10 @@ install(
   DESTINATION "${package_dir}"
   COMPONENT tendril-dev)
 install(
+  FILES "${PROJECT_SOURCE_DIR}/docs/plugins.md" "${PROJECT_SOURCE_DIR}/docs/scene-keys.md" "${PROJECT_SOURCE_DIR}/docs/local-basis.svg"
+  DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+  COMPONENT tendril-dev)
+install(
   FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/THIRD_PARTY.md"
   DESTINATION "${CMAKE_INSTALL_DOCDIR}"
   COMPONENT tendril)
