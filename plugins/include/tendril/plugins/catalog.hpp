@@ -28,7 +28,7 @@ std::vector<SearchPlace> search_places(std::span<const std::filesystem::path> pl
 /// The file of the running program.
 std::filesystem::path executable_path();
 
-/// What a plugin's file name says: tendril-<kind>-<name>.so.
+/// What a plugin's file name says: `tendril-<kind>-<name>.so`.
 struct PluginName {
   ComponentKind kind{};
   std::string name;
@@ -54,11 +54,13 @@ class Catalog {
  public:
   explicit Catalog(std::span<const SearchPlace> places);
 
+  /// A search place, and what came of searching it.
   struct Place {
     SearchPlace place;
     std::string problem;  ///< why nothing could be taken from it; empty: searched
     int plugin_count = 0;
   };
+  /// A library that is not named like a plugin.
   struct Stray {
     std::filesystem::path path;
     std::string problem;
