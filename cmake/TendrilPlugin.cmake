@@ -48,6 +48,7 @@ function(tendril_add_plugin)
     set_target_properties(${arg_TARGET} PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${TENDRIL_PLUGIN_OUTPUT_DIRECTORY}"
                                                    INSTALL_RPATH "$ORIGIN/../..")
     add_dependencies(tendril-all-plugins ${arg_TARGET})
+    set_property(GLOBAL APPEND PROPERTY TENDRIL_PLUGINS ${arg_KIND}:${arg_NAME})
     # Solvers bring libraries with licences of their own, so each is a package of its own.
     set(component tendril)
     if(arg_KIND STREQUAL "solver")
