@@ -5,7 +5,8 @@ set -euo pipefail
 tendril=$1 docs=$2
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-env -i "$tendril" reference keys > "$work/keys"
+unset TENDRIL_PLUGIN_PATH
+"$tendril" reference keys > "$work/keys"
 diff -u "$docs/scene-keys.md" "$work/keys" || { echo "docs/scene-keys.md is not current: tendril reference keys > docs/scene-keys.md"; exit 1; }
 
 "$tendril" reference man > "$work/tendril.1"
