@@ -3,16 +3,47 @@
 include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/tendril")
-install(TARGETS tendril EXPORT tendril-targets LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}")
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/core/include/tendril" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
-install(EXPORT tendril-targets NAMESPACE tendril:: DESTINATION "${package_dir}")
+install(
+  TARGETS tendril
+  EXPORT tendril-targets
+  LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+          COMPONENT tendril
+          NAMELINK_COMPONENT tendril-dev)
+install(
+  TARGETS tendril-plugins
+  EXPORT tendril-targets
+  ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT tendril-dev)
+install(
+  DIRECTORY "${PROJECT_SOURCE_DIR}/core/include/tendril" "${PROJECT_SOURCE_DIR}/plugins/include/tendril"
+  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
+  COMPONENT tendril-dev)
+install(
+  EXPORT tendril-targets
+  NAMESPACE tendril::
+  DESTINATION "${package_dir}"
+  COMPONENT tendril-dev)
 export(EXPORT tendril-targets NAMESPACE tendril:: FILE "${PROJECT_BINARY_DIR}/tendril-targets.cmake")
 
 configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/tendril-config.cmake.in" tendril-config.cmake
                               INSTALL_DESTINATION "${package_dir}")
 write_basic_package_version_file(tendril-config-version.cmake VERSION ${PROJECT_VERSION} COMPATIBILITY SameMinorVersion)
-configure_file("${PROJECT_SOURCE_DIR}/cmake/TendrilPlugin.cmake" "${PROJECT_BINARY_DIR}/TendrilPlugin.cmake" COPYONLY)
+set(modules TendrilPlugin.cmake TendrilTestPlugin.cmake)
+foreach(module IN LISTS modules)
+  configure_file("${PROJECT_SOURCE_DIR}/cmake/${module}" "${PROJECT_BINARY_DIR}/${module}" COPYONLY)
+  install(
+    FILES "${PROJECT_SOURCE_DIR}/cmake/${module}"
+    DESTINATION "${package_dir}"
+    COMPONENT tendril-dev)
+endforeach()
 install(
   FILES "${PROJECT_BINARY_DIR}/tendril-config.cmake" "${PROJECT_BINARY_DIR}/tendril-config-version.cmake"
-        "${PROJECT_SOURCE_DIR}/cmake/TendrilPlugin.cmake"
-  DESTINATION "${package_dir}")
+  DESTINATION "${package_dir}"
+  COMPONENT tendril-dev)
+install(
+  FILES "${PROJECT_SOURCE_DIR}/docs/plugins.md" "${PROJECT_SOURCE_DIR}/docs/scene-keys.md" "${PROJECT_SOURCE_DIR}/docs/local-basis.svg"
+  DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+  COMPONENT tendril-dev)
+install(
+  FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/THIRD_PARTY.md"
+  DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+  COMPONENT tendril)

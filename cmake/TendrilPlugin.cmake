@@ -48,6 +48,14 @@ function(tendril_add_plugin)
     set_target_properties(${arg_TARGET} PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${TENDRIL_PLUGIN_OUTPUT_DIRECTORY}"
                                                    INSTALL_RPATH "$ORIGIN/../..")
     add_dependencies(tendril-all-plugins ${arg_TARGET})
-    install(TARGETS ${arg_TARGET} LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}/${TENDRIL_PLUGIN_SUBDIRECTORY}")
+    set_property(GLOBAL APPEND PROPERTY TENDRIL_PLUGINS ${arg_KIND}:${arg_NAME})
+    # Solvers bring libraries with licences of their own, so each is a package of its own.
+    set(component tendril)
+    if(arg_KIND STREQUAL "solver")
+      set(component ${arg_TARGET})
+      set_property(GLOBAL APPEND PROPERTY TENDRIL_SOLVER_COMPONENTS ${component})
+    endif()
+    install(TARGETS ${arg_TARGET} LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}/${TENDRIL_PLUGIN_SUBDIRECTORY}"
+                                          COMPONENT ${component})
   endif()
 endfunction()

@@ -3,6 +3,8 @@
 #include <exception>
 #include <iostream>
 
+#include "new_command.hpp"
+#include "reference.hpp"
 #include "tendril/app/commands.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/study_command.hpp"
@@ -142,6 +144,38 @@ std::string meant(const CLI::App& app, int argc, const char* const* argv) {
   return "";
 }
 
+/// What the reference pages say of the command, taken from what the command itself parses with.
+std::vector<CommandSpec> command_specs(const CLI::App& app) {
+  std::vector<CommandSpec> commands;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    CommandSpec spec{command->get_name(), command->get_description(), {}};
+    for (const CLI::Option* option : command->get_options()) {
+      if (option->get_group().empty() || option == command->get_help_ptr()) continue;
+      const bool positional = option->get_positional();
+      spec.options.push_back({option->get_name(positional),
+                              positional || option->get_items_expected_max() == 0 ? "" : option->get_type_name(),
+                              option->get_description(), positional, option->get_required()});
+    }
+    commands.push_back(std::move(spec));
+  }
+  return commands;
+}
+
+int run_reference(const CLI::App& app, const std::string& page, const std::vector<std::string>& directories) {
+  const std::vector<std::string> pages{"keys", "man", "bash"};
+  if (page == "keys") {
+    std::cout << key_page({directories.begin(), directories.end()});
+  } else if (page == "man") {
+    std::cout << manual_page(command_specs(app));
+  } else if (page == "bash") {
+    std::cout << bash_completion(command_specs(app));
+  } else {
+    throw InputError("reference: found the page '" + page + "', expected keys, man or bash" +
+                     did_you_mean(page, pages));
+  }
+  return 0;
+}
+
 int parse_and_run(int argc, const char* const* argv) {
   CLI::App app("Plans poses of soft continuum robots that use contact.", "tendril");
   app.require_subcommand(1);
@@ -196,6 +230,19 @@ int parse_and_run(int argc, const char* const* argv) {
   SceneOptions::add_plugin_directory(*plugins, plugin_directories);
   plugins->add_flag("--json", json, "One JSON document on standard output and nothing else");
 
+  CLI::App* make = app.add_subcommand("new", "Write a plugin project that builds, plans and passes its tests as it is");
+  NewArguments make_arguments;
+  std::string make_directory;
+  make->add_option("KIND", make_arguments.kind, "coordinates, objective, obstacle or solver")->required();
+  make->add_option("NAME", make_arguments.name, "Lower-case letters, digits and '_'")->required();
+  make->add_option("DIR", make_directory, "Directory to make, by default NAME");
+
+  CLI::App* reference = app.add_subcommand(
+      "reference", "Write reference pages: all scene keys and options, a manual page, a completion for bash");
+  std::string page;
+  reference->add_option("PAGE", page, "keys, man or bash")->required();
+  SceneOptions::add_plugin_directory(*reference, plugin_directories);
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
@@ -227,6 +274,12 @@ int parse_and_run(int argc, const char* const* argv) {
     study_arguments.words.assign(argv + 1, argv + argc);
     return run_study(study_arguments);
   }
+  if (make->parsed()) {
+    if (make->count("DIR") > 0 && make_directory.empty()) throw InputError("new: found an empty directory name");
+    make_arguments.directory = optional_path(make_directory);
+    return run_new(make_arguments);
+  }
+  if (reference->parsed()) return run_reference(app, page, plugin_directories);
   if (describe->parsed()) return run_describe(describe_scene.arguments(), json);
   return run_plugins({plugin_directories.begin(), plugin_directories.end()}, json);
 }

@@ -5,24 +5,14 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "listed_components.hpp"
 #include "tendril/plugins/probe.hpp"
-#include "tendril/plugins/registry.hpp"
 
 namespace tendril::app {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// A component as the list shows it.
-struct Listed {
-  ComponentKind kind{};
-  std::string name;
-  std::string file;     ///< empty: built in
-  std::string problem;  ///< empty: loadable
-  std::string description;
-  OptionSchema options;
-};
 
 template <class Interface>
 void describe(const Component<Interface>& component, Listed& listed) {
@@ -113,20 +103,12 @@ Json option_json(const OptionSpec& spec) {
 
 std::string option_text(const OptionSpec& spec) {
   if (spec.name == any_option) return "    and any other option of the library, by its own name\n";
-  std::string text = fmt::format("    {:<20} {}", spec.name, type_name(spec.type));
-  if (!spec.dimension.unit.empty()) text += fmt::format(" in {}", spec.dimension.unit);
-  if (!spec.choices.empty()) {
-    std::string choices;
-    for (const std::string& choice : spec.choices) choices += (choices.empty() ? "" : ", ") + choice;
-    text += " (" + choices + ")";
-  }
-  if (std::isfinite(spec.minimum)) text += fmt::format(" {} {:g}", spec.minimum_excluded ? ">" : ">=", spec.minimum);
-  if (std::isfinite(spec.maximum)) text += fmt::format(" <= {:g}", spec.maximum);
-  const Json value = value_json(spec.default_value);
+  std::string text = fmt::format("    {:<20} {}", spec.name, option_range(spec));
+  const std::string value = option_default(spec);
   if (spec.required) {
     text += ", required";
-  } else if (!value.is_null()) {
-    text += ", default " + (value.is_string() ? value.get<std::string>() : value.dump());
+  } else if (!value.empty()) {
+    text += ", default " + value;
   }
   return text + (spec.description.empty() ? "\n" : ". " + spec.description + '\n');
 }
@@ -139,11 +121,31 @@ std::string indented(const std::string& text) {
 
 }  // namespace
 
+std::vector<Listed> listed_components(plugins::Registry& registry) {
+  std::vector<Listed> all = builtin_shapes(registry);
+  for (const plugins::PluginFile& file : registry.catalog().files()) all.push_back(look_at(file));
+  return all;
+}
+
+std::string option_range(const OptionSpec& spec) {
+  std::string text = type_name(spec.type);
+  if (!spec.dimension.unit.empty()) text += fmt::format(" in {}", spec.dimension.unit);
+  if (!spec.choices.empty()) text += fmt::format(" ({})", fmt::join(spec.choices, ", "));
+  if (std::isfinite(spec.minimum)) text += fmt::format(" {} {:g}", spec.minimum_excluded ? ">" : ">=", spec.minimum);
+  if (std::isfinite(spec.maximum)) text += fmt::format(" <= {:g}", spec.maximum);
+  return text;
+}
+
+std::string option_default(const OptionSpec& spec) {
+  const Json value = value_json(spec.default_value);
+  if (value.is_null()) return "";
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
 std::string plugin_list(const std::vector<std::filesystem::path>& plugin_directories, bool json) {
   plugins::Registry registry{plugins::Catalog(plugins::search_places(plugin_directories))};
   const plugins::Catalog& catalog = registry.catalog();
-  std::vector<Listed> all = builtin_shapes(registry);
-  for (const plugins::PluginFile& file : catalog.files()) all.push_back(look_at(file));
+  const std::vector<Listed> all = listed_components(registry);
 
   if (json) {
     Json document{{"schema", 1}, {"plugins", Json::array()}, {"places", Json::array()}, {"strays", Json::array()}};

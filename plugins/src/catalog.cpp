@@ -1,5 +1,7 @@
 #include "tendril/plugins/catalog.hpp"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -36,6 +38,14 @@ fs::path shared_directory(const fs::path& a, const fs::path& b) {
   return shared;
 }
 
+/// The file of libtendril; empty if the loader does not tell.
+fs::path library_path() {
+  Dl_info info{};
+  if (::dladdr(reinterpret_cast<const void*>(&register_builtin_obstacles), &info) == 0) return {};
+  std::error_code error;
+  return fs::canonical(info.dli_fname, error);
+}
+
 }  // namespace
 
 fs::path executable_path() { return fs::read_symlink("/proc/self/exe"); }
@@ -55,6 +65,13 @@ std::vector<SearchPlace> search_places(std::span<const fs::path> plugin_director
   const fs::path bin = executable_path().parent_path();
   const fs::path own = fs::weakly_canonical(bin / TENDRIL_PLUGINS_FROM_EXECUTABLE);
   places.push_back({own, "beside the executable", shared_directory(own, bin)});
+  // Programs that link libtendril stand anywhere; the plugins stand where the library does.
+  const fs::path library = library_path().parent_path();
+  const fs::path beside_library = fs::weakly_canonical(library / TENDRIL_PLUGINS_FROM_LIBRARY);
+  if (!library.empty() && beside_library != own) {
+    if (!fs::is_directory(own)) places.pop_back();
+    places.push_back({beside_library, "beside libtendril", shared_directory(beside_library, library)});
+  }
   return places;
 }
 

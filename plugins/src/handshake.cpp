@@ -35,7 +35,7 @@ struct FieldInWords {
 
 constexpr FieldInWords fields[] = {
     {&tendril_handshake::interface_version, offsetof(tendril_handshake, interface_version), "interface version", number,
-     "rebuild the plugin against this tendril"},
+     "the plugin is older: rebuild it against this tendril"},
     {&tendril_handshake::gxx_abi, offsetof(tendril_handshake, gxx_abi), "compiler ABI version (__GXX_ABI_VERSION)",
      number, "build both with the same -fabi-version"},
     {&tendril_handshake::cxx11_abi, offsetof(tendril_handshake, cxx11_abi), "_GLIBCXX_USE_CXX11_ABI", number,
@@ -64,8 +64,11 @@ std::vector<std::string> differences(const tendril_handshake& plugin, const tend
     // A shorter handshake ends before the later fields; they must not be read.
     if (plugin.size < f.offset + sizeof(std::uint32_t)) break;
     if (plugin.*f.field == program.*f.field) continue;
+    const bool newer = f.field == &tendril_handshake::interface_version && plugin.*f.field > program.*f.field;
+    const char* advice =
+        newer ? "the plugin is newer: use the tendril it was built for, or rebuild it against this one" : f.advice;
     found.push_back(std::string(f.what) + ": " + f.show(plugin.*f.field) +
-                    ", this program: " + f.show(program.*f.field) + " (" + f.advice + ')');
+                    ", this program: " + f.show(program.*f.field) + " (" + advice + ')');
   }
   return found;
 }

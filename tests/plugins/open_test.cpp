@@ -1,6 +1,7 @@
 #include <fstream>
 
 #include "support.hpp"
+#include "tendril/version.hpp"
 
 namespace tendril::plugins {
 namespace {
@@ -126,6 +127,15 @@ TEST(OpenPlugin, AnotherInterfaceIsTold) {
   const PluginError error = failure_of_fixture("other_interface");
   EXPECT_EQ(error.failure(), Failure::other_interface);
   expect_says(error.what(), {"built for another interface", "interface version: 999, this program: 1"});
+}
+
+TEST(OpenPlugin, AnOlderInterfaceIsRefusedWithAdvice) {
+  const PluginError error = failure_of_fixture("older_interface");
+  EXPECT_EQ(error.failure(), Failure::other_interface);
+  const std::string now = std::to_string(TENDRIL_INTERFACE_VERSION);
+  const std::string before = std::to_string(TENDRIL_INTERFACE_VERSION - 1);
+  expect_says(error.what(), {"interface version: " + before + ", this program: " + now,
+                             "the plugin is older: rebuild it against this tendril"});
 }
 
 TEST(OpenPlugin, AnotherEigenAlignmentIsTold) {

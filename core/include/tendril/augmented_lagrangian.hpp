@@ -26,6 +26,7 @@ namespace tendril {
 class TENDRIL_API AugmentedLagrangianSolver : public Solver {
  public:
   ~AugmentedLagrangianSolver() override;
+  /// Rows, bounds and least squares, all by squares.
   SolverCapabilities capabilities() const override;
 
  protected:
@@ -33,22 +34,27 @@ class TENDRIL_API AugmentedLagrangianSolver : public Solver {
   class TENDRIL_API Subproblem {
    public:
     virtual ~Subproblem();
+    /// Length of x.
     virtual int variable_count() const = 0;
+    /// Length of R.
     virtual int residual_count() const = 0;
     /// Writes R and, unless `jacobian` is null, dR/dx in row-major order (residual_count() x variable_count()). False:
     /// there is no number at x, or the solve must end; then shorten the step or give up. Never throws.
     virtual bool evaluate(const double* x, double* residuals, double* jacobian) = 0;
     /// Stop when the largest entry of R^T dR/dx is below this.
     virtual double gradient_tolerance() const = 0;
+    /// Most iterations of this reduction.
     virtual int iteration_limit() const = 0;
+    /// Wall time left for the whole solve, s; infinity without a limit.
     virtual double seconds_left() const = 0;
   };
 
+  /// How a reduction of the sum of squares ended.
   struct Reduction {
     bool usable = false;    ///< x was improved or is a minimum already
     bool finished = false;  ///< x is a minimum
-    int iterations = 0;
-    std::string words{};  ///< the library's own
+    int iterations = 0;     ///< of the library
+    std::string words{};    ///< the library's own
   };
 
   /// Reduces the sum of squares from x (subproblem.variable_count() entries), which holds the result after it.
@@ -56,6 +62,7 @@ class TENDRIL_API AugmentedLagrangianSolver : public Solver {
   /// Native options for the report.
   virtual std::map<std::string, std::string> effective_options() const = 0;
 
+  /// The outer loop around reduce().
   Outcome do_solve(Callbacks& callbacks, const Start& start, const SolveControl& control) final;
 };
 

@@ -57,6 +57,7 @@ class TENDRIL_API TableStore {
 /// Coordinates: q = (q_1, ..., q_J), `functions()` numbers per piece.
 class TENDRIL_API Chain {
  public:
+  /// A piece with constant properties, dimensionless.
   struct Piece {
     int stretch = 0;  ///< between which fixed knots
     double stiffness = 1.0;

@@ -34,6 +34,7 @@ class TENDRIL_API Curve {
   explicit Curve(std::shared_ptr<const CurveTables> tables) : tables_(std::move(tables)) {}
   void follow(const Backbone& backbone);
 
+  /// A point of the curve and the unit tangent there.
   struct Point {
     Vec2 position{};
     Vec2 tangent{};

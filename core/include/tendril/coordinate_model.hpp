@@ -44,7 +44,7 @@ class TENDRIL_API LegendreBasis : public CoordinateModel {
   explicit LegendreBasis(int order, int pieces = 1);
   ~LegendreBasis() override;
 
-  static constexpr int maximum_order = 64;
+  static constexpr int maximum_order = 64;  ///< beyond it nothing was tried
 
   int function_count() const override;
   void evaluate(std::span<const double> sigma, Eigen::Ref<Eigen::MatrixXd> value, Eigen::Ref<Eigen::MatrixXd> first,

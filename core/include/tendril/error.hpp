@@ -11,8 +11,9 @@ namespace tendril {
 /// found and what was expected.
 class TENDRIL_API Error : public std::runtime_error {
  public:
+  /// `message` is for a user.
   explicit Error(const std::string& message);
-  Error(const Error&) = default;
+  Error(const Error&) = default;  ///< as exceptions are
   ~Error() override;
 };
 
@@ -20,10 +21,12 @@ class TENDRIL_API Error : public std::runtime_error {
 /// from a file adds file, line and column.
 class TENDRIL_API SceneError : public Error {
  public:
+  /// `path` names the key.
   SceneError(std::string path, const std::string& message);
-  SceneError(const SceneError&) = default;
+  SceneError(const SceneError&) = default;  ///< as exceptions are
   ~SceneError() override;
 
+  /// The key.
   const std::string& path() const { return path_; }
 
  private:

@@ -44,6 +44,7 @@ struct ContactTest {
   bool converged = false;
 };
 
+/// Contacts that explain measured points, with what is known of their accuracy.
 struct Estimate {
   EstimateStatus status = EstimateStatus::not_converged;
   std::string message;

@@ -34,6 +34,7 @@ struct Snap {
   double stability_after = 0.0;  ///< margin
 };
 
+/// What an execution starts from and what may end it.
 struct ExecuteControl {
   const std::atomic<bool>* stop = nullptr;
   double time_limit = 60.0;  ///< s

@@ -4,6 +4,7 @@
 
 namespace tendril {
 
+/// Where a search for a feasible point ended.
 struct FeasibilityReport {
   Eigen::VectorXd x;
   double infeasibility = infinity;  ///< largest violation of rows and bounds

@@ -73,6 +73,7 @@ class TENDRIL_API LoadedRod {
   };
   Imbalance imbalance(const Curvature& curvature, std::span<const double> places) const;
 
+  /// A point of the rod, dimensionless, with angle (rad) and curvature there.
   struct Point {
     Vec2 position{};
     double angle = 0.0;

@@ -11,6 +11,7 @@ namespace tendril {
 /// What sign a multiplier may have.
 enum class MultiplierSign : unsigned char { free, non_negative, non_positive };
 
+/// Multipliers of a bounded least-squares fit, and what they leave of the gradient.
 struct MultiplierFit {
   Eigen::VectorXd multipliers;  ///< one per column of the matrix
   Eigen::VectorXd residual;     ///< gradient + active * multipliers

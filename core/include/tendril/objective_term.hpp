@@ -52,6 +52,7 @@ struct ContactQuantities {
   T reference_y{};
 };
 
+/// What a term may read of one finger; empty or zero where it was not asked for.
 template <class T>
 struct FingerQuantities {
   BackboneQuantities<T> tip{};

@@ -17,8 +17,8 @@ struct SurfacePoint {
 
 /// A line on which the level-set curvature jumps: points of the patch have normal . P >= offset.
 struct Seam {
-  Vec2 normal{};
-  double offset = 0.0;
+  Vec2 normal{};        ///< unit, into the patch
+  double offset = 0.0;  ///< normal . P on the line
 };
 
 /// A fixed body of the plane. Dimensionless.
@@ -32,6 +32,7 @@ class TENDRIL_API Obstacle {
   /// Patches are the parts of the plane in which at() is smooth; a shape without seams is one patch. patch_at() names
   /// the one that holds a point, on_patch() is its surface continued beyond its seams.
   virtual int patch_at(Vec2 point) const;
+  /// at() of one patch, continued beyond its seams.
   virtual SurfacePoint on_patch(int patch, Vec2 point) const;
   /// The straight lines that bound a patch outside of the core. None: the shape is smooth.
   virtual std::span<const Seam> seams(int patch) const;
@@ -42,6 +43,7 @@ class TENDRIL_API Obstacle {
   /// Distance from `point` to the convex core that is rounded to give the shape (a circle's centre). The shape is the
   /// core grown by rounding(). The clearance bound stands on the convexity of the core.
   virtual double core_distance(Vec2 point) const = 0;
+  /// Radius by which the core is grown to give the shape.
   virtual double rounding() const = 0;
   /// Axis-aligned box for figures; unbounded shapes return infinities.
   virtual void bounding_box(Vec2& low, Vec2& high) const = 0;

@@ -35,6 +35,7 @@ struct Certificate {
   bool valid() const { return failures.empty(); }
 };
 
+/// A contact of a plan, SI units.
 struct PlannedContact {
   int obstacle = 0;  ///< index in the scene
   std::string obstacle_name;

@@ -36,11 +36,13 @@ TENDRIL_API Scale scale_of(const Scene& scene);
 
 /// What was built and what was left out, for `describe`.
 struct Description {
+  /// How many variables or rows of one name there are.
   struct Count {
     std::string name;
     int count = 0;
     std::string kind{};  ///< rows: "equality" or "inequality"
   };
+  /// The program of one way of being in contact.
   struct Mode {
     std::string name;
     std::vector<Count> variables;
@@ -55,6 +57,7 @@ struct Description {
   double length_unit = 0.0, force_unit = 0.0;  ///< SI size of the dimensionless units
 };
 
+/// What a plan starts from and what may end it.
 struct PlanControl {
   const std::atomic<bool>* stop = nullptr;
   const Plan* start = nullptr;  ///< warm start: shape, moments and contacts of an earlier plan

@@ -10,15 +10,15 @@
 /// What both sides of the plugin boundary must agree on before any C++ object crosses. Plain data of fixed layout; the
 /// host compares it with its own, field by field. Fields are only ever added at the end.
 extern "C" struct tendril_handshake {
-  std::uint32_t size;               ///< sizeof(tendril_handshake)
-  std::uint32_t interface_version;  ///< TENDRIL_INTERFACE_VERSION
-  std::uint32_t gxx_abi;            ///< __GXX_ABI_VERSION
-  std::uint32_t cxx11_abi;          ///< _GLIBCXX_USE_CXX11_ABI
-  std::uint32_t glibcxx_debug;      ///< _GLIBCXX_DEBUG defined
-  std::uint32_t eigen_version;      ///< world * 10000 + major * 100 + minor
-  std::uint32_t eigen_align_bytes;  ///< EIGEN_DEFAULT_ALIGN_BYTES
-  std::uint32_t eigen_malloc_aligned;
-  std::uint32_t sanitizers;  ///< bit 0: address, bit 1: thread, bit 2: memory
+  std::uint32_t size;                  ///< sizeof(tendril_handshake)
+  std::uint32_t interface_version;     ///< TENDRIL_INTERFACE_VERSION
+  std::uint32_t gxx_abi;               ///< __GXX_ABI_VERSION
+  std::uint32_t cxx11_abi;             ///< _GLIBCXX_USE_CXX11_ABI
+  std::uint32_t glibcxx_debug;         ///< _GLIBCXX_DEBUG defined
+  std::uint32_t eigen_version;         ///< world * 10000 + major * 100 + minor
+  std::uint32_t eigen_align_bytes;     ///< EIGEN_DEFAULT_ALIGN_BYTES
+  std::uint32_t eigen_malloc_aligned;  ///< EIGEN_MALLOC_ALREADY_ALIGNED
+  std::uint32_t sanitizers;            ///< bit 0: address, bit 1: thread, bit 2: memory
 };
 
 namespace tendril::detail {

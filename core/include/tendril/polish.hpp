@@ -4,6 +4,7 @@
 
 namespace tendril {
 
+/// When the polish is content, and when it gives up.
 struct PolishOptions {
   double active_tolerance =
       1e-5;                      ///< a row or bound this near, or with a multiplier, is taken to be active at the start
@@ -12,6 +13,7 @@ struct PolishOptions {
   int max_iterations = 40;         ///< Newton steps, over all active sets
 };
 
+/// Where the polish ended.
 struct PolishReport {
   bool converged = false;
   Eigen::VectorXd x;

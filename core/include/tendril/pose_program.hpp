@@ -37,6 +37,7 @@ enum class Branch {
   separated  ///< g >= 0, f = 0
 };
 
+/// A term of the objective and its weight.
 struct PoseProgramTerm {
   const ObjectiveTerm* term = nullptr;
   double weight = 1.0;  ///< dimensionless, > 0
@@ -81,6 +82,7 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   explicit PoseProgram(PoseProgramSpec spec);
   ~PoseProgram() override;
 
+  /// Where each block of variables and rows begins, and how long it is.
   struct Layout {
     int coordinates = 0;                        ///< q: [0, coordinates)
     int first_moment = 0, moments = 0;          ///< actuators that are not fixed at zero

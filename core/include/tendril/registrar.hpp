@@ -21,10 +21,10 @@ TENDRIL_API std::string_view to_string(ComponentKind kind);
 /// What a component says of itself, and how to make one.
 template <class Interface>
 struct Component {
-  std::string name;         ///< as scenes write it: lower case, digits, '_'
-  std::string description;  ///< one line
-  OptionSchema options;
-  std::function<std::unique_ptr<Interface>(const Options&)> make;
+  std::string name;                                                ///< as scenes write it: lower case, digits, '_'
+  std::string description;                                         ///< one line
+  OptionSchema options;                                            ///< what a scene may set
+  std::function<std::unique_ptr<Interface>(const Options&)> make;  ///< from checked, dimensionless options
 };
 
 using CoordinateComponent = Component<CoordinateModel>;
@@ -36,10 +36,10 @@ using SolverComponent = Component<Solver>;
 class TENDRIL_API Registrar {
  public:
   virtual ~Registrar();
-  virtual void add(CoordinateComponent component) = 0;
-  virtual void add(ObjectiveComponent component) = 0;
-  virtual void add(ObstacleComponent component) = 0;
-  virtual void add(SolverComponent component) = 0;
+  virtual void add(CoordinateComponent component) = 0;  ///< a coordinate model
+  virtual void add(ObjectiveComponent component) = 0;   ///< an objective term
+  virtual void add(ObstacleComponent component) = 0;    ///< an obstacle shape
+  virtual void add(SolverComponent component) = 0;      ///< a solver
 };
 
 /// Hands the shapes that core brings along (circle, ...) to `registrar`.

@@ -10,6 +10,7 @@ namespace tendril {
 
 /// The rod of a scene, dimensionless (model.md section 1): length 1, EI of the first segment 1.
 struct TENDRIL_API Rod {
+  /// A stretch with constant properties.
   struct Segment {
     double from = 0.0;
     double to = 1.0;
@@ -17,6 +18,7 @@ struct TENDRIL_API Rod {
     double weight = 0.0;          ///< rho |g| L^3 / EI0
     double rest_curvature = 0.0;  ///< kappa0 L
   };
+  /// A moment between two arc lengths, with its limits.
   struct Actuator {
     double from = 0.0;
     double to = 1.0;

@@ -20,6 +20,7 @@ TENDRIL_API std::string_view to_string(ProblemKind kind);
 TENDRIL_API std::string_view to_string(ContactModeName mode);
 TENDRIL_API std::string_view to_string(Treatment treatment);
 
+/// A stretch of the rod with constant properties.
 struct SegmentSpec {
   double length = 0.0;             ///< m, > 0
   double bending_stiffness = 0.0;  ///< N m^2, > 0
@@ -27,6 +28,7 @@ struct SegmentSpec {
   double rest_curvature = 0.0;     ///< 1/m
 };
 
+/// A moment between two arc lengths of the rod, and its limits.
 struct ActuatorSpec {
   double from = 0.0;                 ///< m
   double to = 0.0;                   ///< m; the reader fills in the rod's length
@@ -35,6 +37,7 @@ struct ActuatorSpec {
   double moment_per_pressure = 0.0;  ///< N m / Pa; 0: not given
 };
 
+/// The rod: its segments from the base on, what bends it, and where it is clamped.
 struct TENDRIL_API RodSpec {
   std::vector<SegmentSpec> segments;  ///< at least one; a uniform rod has one
   std::vector<ActuatorSpec> actuators;
@@ -43,17 +46,20 @@ struct TENDRIL_API RodSpec {
   double length() const;
 };
 
+/// What hangs at the tip.
 struct TipLoadSpec {
   double mass = 0.0;  ///< kg
   Vec2 force{};       ///< N, dead
 };
 
+/// An obstacle: its shape by name, and the options of that shape.
 struct ObstacleSpec {
   std::string name;   ///< "obstacle 1", ... if not given
   std::string shape;  ///< an obstacle component
-  RawOptions options;
+  RawOptions options{};
 };
 
+/// How contact with obstacles is planned.
 struct ContactSpec {
   ContactModeName mode = ContactModeName::allow;
   double min_force = 0.0;       ///< N
@@ -64,6 +70,7 @@ struct ContactSpec {
   int check_points = 0;  ///< fixed number, without exchange; 0: core chooses and exchanges
 };
 
+/// The pose that the tip should have; either part may be absent.
 struct TargetSpec {
   std::optional<Vec2> position;  ///< m
   std::optional<double> angle;   ///< rad
@@ -76,29 +83,33 @@ struct TrajectorySpec {
   bool cold_starts = false;  ///< plan every target from the scene's own start too, to compare
 };
 
+/// A term of the objective by name, its weight, and its options.
 struct ObjectiveSpec {
   std::string plugin;
   double weight = 1.0;
-  RawOptions options;
+  RawOptions options{};
   SourcePosition position{};
 };
 
+/// The coordinate model by name, and its options.
 struct CoordinatesSpec {
   std::string plugin;  ///< whoever makes the scene names one; core knows none
   bool split_at_contact = true;
-  RawOptions options;
+  RawOptions options{};
   SourcePosition position{};
 };
 
+/// The solver by name, what is asked of it, and its own options.
 struct SolverSpec {
   std::string plugin;  ///< likewise
   double tolerance = 1e-9;
   double time_limit = 10.0;  ///< s
   int max_iterations = 500;
-  RawOptions options;  ///< native names
+  RawOptions options{};  ///< native names
   SourcePosition position{};
 };
 
+/// A point of the backbone that was measured.
 struct MeasuredPoint {
   double arc_length = 0.0;  ///< m
   Vec2 position{};          ///< m
@@ -111,6 +122,7 @@ struct MeasurementSpec {
   std::vector<double> moments;  ///< N m, one per actuator; empty: not given
 };
 
+/// Everything that a scene file says.
 struct Scene {
   std::string file;  ///< as named by the user; empty if made in code
   std::string title;

@@ -129,6 +129,7 @@ class TENDRIL_API Solver {
     /// The point seen so far that violates least, and among equals costs least; the start until anything is better.
     VectorView best_x() const { return {best_x_.data(), best_x_.size()}; }
 
+    /// Violation of the first-order conditions at a point.
     struct Judgement {
       double infeasibility = infinity;
       double stationarity = infinity;

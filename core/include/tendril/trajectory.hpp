@@ -26,6 +26,7 @@ struct Effort {
 TENDRIL_API Effort effort_of(const Plan& plan);
 TENDRIL_API Effort& operator+=(Effort& sum, const Effort& more);
 
+/// What was planned for one target.
 struct TrajectoryStep {
   TargetSpec target;
   Plan plan;
@@ -35,6 +36,7 @@ struct TrajectoryStep {
   Effort cold;           ///< of a plan for this target from the scene's own start, if it was asked for
 };
 
+/// Plans for a row of targets.
 struct TENDRIL_API Trajectory {
   std::vector<TrajectoryStep> steps;  ///< one per target, fewer only if it was interrupted
   bool interrupted = false;
@@ -44,6 +46,7 @@ struct TENDRIL_API Trajectory {
 /// How to plan for one target. `start` is null for a plan from the scene's own start. `follow` as in PlanControl.
 using PlanStep = std::function<Plan(const TargetSpec& target, const Plan* start, bool follow)>;
 
+/// How a trajectory is planned.
 struct TrajectoryOptions {
   /// Every so many steps a full plan in place of Newton alone, which sees whether another way of being in contact has
   /// become better; it may jump there. 0: only when a contact comes or goes, or Newton fails.

@@ -14,20 +14,21 @@ namespace tendril::plugins {
 /// A directory in which plugins are looked for.
 struct SearchPlace {
   std::filesystem::path directory;
-  std::string origin;  ///< who named it: "--plugin-dir", "TENDRIL_PLUGIN_PATH", "beside the executable"
+  std::string origin;  ///< who named it: "--plugin-dir", "TENDRIL_PLUGIN_PATH", "beside the executable", ...
   /// Directories that are trusted without a look, with all above them. Empty: none.
   std::filesystem::path trusted_above{};
 };
 
 /// The directories to search, in order: `plugin_directories` (from --plugin-dir), the entries of TENDRIL_PLUGIN_PATH
 /// (separated by ':', empty ones ignored), and the own directory of this build or installation, found from the
-/// executable. The current directory is never searched unless it is named.
+/// executable, or from libtendril where the program stands elsewhere. The current directory is never searched unless it
+/// is named.
 std::vector<SearchPlace> search_places(std::span<const std::filesystem::path> plugin_directories);
 
 /// The file of the running program.
 std::filesystem::path executable_path();
 
-/// What a plugin's file name says: tendril-<kind>-<name>.so.
+/// What a plugin's file name says: `tendril-<kind>-<name>.so`.
 struct PluginName {
   ComponentKind kind{};
   std::string name;
@@ -53,11 +54,13 @@ class Catalog {
  public:
   explicit Catalog(std::span<const SearchPlace> places);
 
+  /// A search place, and what came of searching it.
   struct Place {
     SearchPlace place;
     std::string problem;  ///< why nothing could be taken from it; empty: searched
     int plugin_count = 0;
   };
+  /// A library that is not named like a plugin.
   struct Stray {
     std::filesystem::path path;
     std::string problem;

@@ -33,6 +33,7 @@ class Registry {
   const ObstacleComponent& obstacle(std::string_view name);
   const SolverComponent& solver(std::string_view name);
 
+  /// A plugin that was opened.
   struct Opened {
     ComponentKind kind{};
     std::string name;

@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# install.sh CMAKE BUILD FIRST PREFIX SCENE SOLVER: installs into FIRST, moves it to PREFIX, and plans from there.
+set -euo pipefail
+cmake=$1 build=$2 first=$3 prefix=$4 scene=$5 solver=$6
+rm -rf "$first" "$prefix"
+"$cmake" --install "$build" --prefix "$first" > /dev/null
+mv "$first" "$prefix"
+
+cd "$prefix"
+command=(env -i "$prefix/bin/tendril")
+"${command[@]}" plugins --json > plugins.json
+grep -q "\"directory\": \"$prefix/lib/tendril/plugins\"" plugins.json
+# No run path may lead out of the prefix, least of all to where it was built.
+for file in bin/* lib/*.so* lib/tendril/*/*; do
+  if [[ -f $file && ! -L $file ]] && readelf -d "$file" | grep -E 'RUNPATH|RPATH' | grep -v '\[\$ORIGIN[^]]*\]'; then
+    echo "$file: a run path that does not begin at \$ORIGIN" >&2
+    exit 1
+  fi
+done
+if grep -rlF "$build" lib/cmake; then
+  echo "the package files above name the build directory" >&2
+  exit 1
+fi
+"${command[@]}" plan "$scene" --solver "$solver" --json > plan.json
+grep -q '"status": "solved"' plan.json

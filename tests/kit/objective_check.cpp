@@ -1,0 +1,181 @@
+#include <cmath>
+#include <random>
+
+#include "checks.hpp"
+#include "difference.hpp"
+#include "quantities.hpp"
+
+namespace tendril::kit {
+
+namespace {
+
+/// What one call of a term gave.
+template <class T>
+struct Parts {
+  std::size_t residual_count = 0;
+  std::vector<T> residuals;
+  T linear{};
+  T smooth{};
+
+  T cost() const {
+    T sum = linear + smooth;
+    for (const T& r : residuals) sum += r * r;
+    return sum;
+  }
+};
+
+constexpr std::size_t most_residuals = 1024;
+
+/// A term with so many contacts and moments, as a function of a flat vector.
+class Flat {
+ public:
+  Flat(const ObjectiveTerm& term, int contacts, int moments, const Target& target)
+      : term_(term),
+        inputs_(inputs(term.reads(), contacts, moments)),
+        plain_(term.reads(), contacts, moments, target),
+        dual_(term.reads(), contacts, moments, target) {}
+
+  const std::vector<Input>& names() const { return inputs_; }
+
+  /// What Reads does not ask for is zero, as in a plan.
+  std::vector<double> random_point(std::mt19937& engine) const {
+    std::vector<double> x;
+    for (const Input& input : inputs_) {
+      const double value = std::uniform_real_distribution<double>(input.low, input.high)(engine);
+      x.push_back(input.asked ? value : 0.0);
+    }
+    return x;
+  }
+
+  Parts<double> at(const std::vector<double>& x) { return evaluate(plain_.set(x), Parts<double>{}); }
+
+  Parts<HyperDual> along(const std::vector<double>& x, std::size_t a, std::size_t b) {
+    std::vector<HyperDual> dual(x.begin(), x.end());
+    dual[a].a = 1.0;
+    dual[b].b = 1.0;
+    return evaluate(dual_.set(dual), Parts<HyperDual>{});
+  }
+
+ private:
+  template <class T>
+  Parts<T> evaluate(const Quantities<T>& quantities, Parts<T> parts) const {
+    parts.residuals.resize(most_residuals);
+    Contribution<T> out(parts.residuals);
+    term_.evaluate(quantities, out);
+    parts.residual_count = out.residual_count();
+    parts.residuals.resize(std::min(parts.residual_count, most_residuals));
+    parts.linear = out.linear_part();
+    parts.smooth = out.smooth_part();
+    return parts;
+  }
+
+  const ObjectiveTerm& term_;
+  std::vector<Input> inputs_;
+  FlatQuantities<double> plain_;
+  FlatQuantities<HyperDual> dual_;
+};
+
+std::vector<double> moved(std::vector<double> x, std::size_t i, double by) {
+  x[i] += by;
+  return x;
+}
+
+void check_values(const ObjectiveTerm& term, Flat& flat, std::mt19937& random, Findings& findings) {
+  const std::size_t residuals = flat.at(flat.random_point(random)).residual_count;
+  findings.expect(
+      residuals <= most_residuals, "residuals",
+      "found " + std::to_string(residuals) + "; this check takes at most " + std::to_string(most_residuals));
+  for (int trial = 0; trial < 200; ++trial) {
+    const std::vector<double> x = flat.random_point(random);
+    const Parts<double> parts = flat.at(x);
+    const double cost = parts.cost();
+    findings.expect(std::isfinite(cost), "finite",
+                    "the term is " + shown(cost) + " at a sensible point; expected a number");
+    findings.expect(parts.residual_count == residuals, "number of residuals",
+                    "found " + std::to_string(parts.residual_count) + " at one point and " + std::to_string(residuals) +
+                        " at another; expected a number that does not depend on the values (add a residual of 0)");
+    findings.expect(cost >= term.lower_bound() - 1e-12 * std::abs(cost), "lower_bound",
+                    "the term is " + shown(cost) + ", below lower_bound() = " + shown(term.lower_bound()) +
+                        "; expected never: override lower_bound(), with -tendril::infinity if there is none. Ways of "
+                        "being in contact that cannot win by this bound are left out");
+    if (x.empty()) continue;
+    const Parts<HyperDual> dual = flat.along(x, 0, 0);
+    findings.expect(dual.residual_count == parts.residual_count, "number of residuals",
+                    "evaluated for double " + std::to_string(parts.residual_count) + ", for HyperDual " +
+                        std::to_string(dual.residual_count) + "; expected the same");
+    // The same formula in the same order: rounding only.
+    findings.expect(std::abs(dual.cost().v - cost) <= 1e-12 * (1.0 + std::abs(cost)), "two forms",
+                    "evaluated for double " + shown(cost) + ", for HyperDual " + shown(dual.cost().v) +
+                        "; expected the same value");
+  }
+}
+
+void check_derivatives(Flat& flat, std::mt19937& random, Findings& findings) {
+  constexpr double h = 1e-3;
+  for (int trial = 0; trial < 4; ++trial) {
+    const std::vector<double> x = flat.random_point(random);
+    const double size = 1.0 + std::abs(flat.at(x).cost());
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (!flat.names()[i].asked) continue;
+      const auto say = [&](const std::string& of, double stated, const Difference& found) {
+        return "of the " + of + " by " + flat.names()[i].name + ": stated " + shown(stated) +
+               ", but differences give " + shown(found.value);
+      };
+      const Parts<HyperDual> here = flat.along(x, i, i);
+      const Difference slope = difference([&](double t) { return flat.at(moved(x, i, t)).cost(); }, 0.0, h);
+      findings.expect(agrees(here.cost().a, slope, size), "first derivative", say("term", here.cost().a, slope));
+      for (std::size_t r = 0; r < here.residuals.size(); ++r) {
+        const Difference of_residual =
+            difference([&](double t) { return flat.at(moved(x, i, t)).residuals[r]; }, 0.0, h);
+        findings.expect(agrees(here.residuals[r].a, of_residual, 1.0 + std::abs(here.residuals[r].v)),
+                        "first derivative", say("residual " + std::to_string(r + 1), here.residuals[r].a, of_residual));
+      }
+      for (std::size_t k = i; k < x.size(); ++k) {
+        if (!flat.names()[k].asked) continue;
+        const Parts<HyperDual> both = flat.along(x, i, k);
+        const Difference bend = difference([&](double t) { return flat.along(moved(x, k, t), i, k).cost().a; }, 0.0, h);
+        findings.expect(agrees(both.cost().ab, bend, size), "second derivative",
+                        say("slope by " + flat.names()[k].name, both.cost().ab, bend));
+        findings.expect(std::abs(both.linear.ab) <= 1e-12 * size, "linear part",
+                        "its second derivative by " + flat.names()[i].name + " and " + flat.names()[k].name + " is " +
+                            shown(both.linear.ab) + "; expected 0: hand what is not linear to out.smooth()");
+      }
+    }
+  }
+}
+
+void check_reads(const Reads& reads, Flat& flat, std::mt19937& random, Findings& findings) {
+  for (const double s : reads.samples) {
+    findings.expect(s >= 0.0 && s <= 1.0, "samples",
+                    "Reads::samples has " + shown(s) + "; expected arc lengths s/L from 0 to 1");
+  }
+  for (int trial = 0; trial < 5; ++trial) {
+    const std::vector<double> x = flat.random_point(random);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const Input& input = flat.names()[i];
+      if (input.asked) continue;
+      const std::string advice =
+          input.reads.empty() ? "; expected it to be left alone, since nothing hands it over (name the arc length 1 in "
+                                "Reads::samples instead)"
+                              : "; expected 'reads()' to say ." + input.reads + " = true, without which it is always 0";
+      findings.expect(flat.at(moved(x, i, 0.5)).cost() == flat.at(x).cost(), "reads",
+                      "the term changes with " + input.name + advice);
+    }
+  }
+}
+
+}  // namespace
+
+void check_objective(const ObjectiveTerm& term, int moments, const Target& target, Findings& findings) {
+  const Reads reads = term.reads();
+  for (const int contacts : {0, 1, 2}) {
+    Flat flat(term, contacts, moments, target);
+    std::mt19937 random(6);
+    check_values(term, flat, random, findings);
+    if (flat.at(flat.random_point(random)).residual_count > most_residuals) return;
+    check_reads(reads, flat, random, findings);
+    check_derivatives(flat, random, findings);
+  }
+}
+
+}  // namespace tendril::kit
