@@ -24,6 +24,7 @@ struct Certificate {
   double penetration = infinity;      ///< certified depth: the true one is not larger
   double complementarity = infinity;  ///< largest min(g, f)
   double closest_point = infinity;
+  double balance = infinity;  ///< force along a grasp's axis that one finger leaves; 0 where none is asked for
   double stationarity = infinity;
   std::string stationarity_kind = "none";  ///< "S", "M", "C" or "none"
   double moment_balance = infinity;        ///< strong form: a direct measure of model error
