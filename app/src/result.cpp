@@ -188,8 +188,14 @@ void read_backbone(const Reader& root, const Scene& scene, Plan& plan) {
 }
 
 Json backbone_json(const std::vector<BackbonePoint>& points) {
-  Json array = Json::array();
-  for (const BackbonePoint& point : points) array.push_back(numbers({point.begin(), point.end()}));
+  Json::array_t array;
+  array.reserve(points.size());
+  for (const BackbonePoint& point : points) {
+    Json::array_t row;
+    row.reserve(point.size());
+    for (const double value : point) row.push_back(number(value));
+    array.emplace_back(std::move(row));
+  }
   return array;
 }
 
@@ -198,7 +204,8 @@ Json backbone_json(const std::vector<BackbonePoint>& points) {
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json numbers(const std::vector<double>& values) {
-  Json array = Json::array();
+  Json::array_t array;
+  array.reserve(values.size());
   for (const double value : values) array.push_back(number(value));
   return array;
 }
@@ -231,7 +238,9 @@ Json versions_json() {
 
 std::string written(const Json& json) {
   // Text that is not UTF-8 (a file name, for instance) must not cost the whole result.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace);
+  text += '\n';
+  return text;
 }
 
 /// `problem` is what was done with the scene: a scene of another kind can be executed.

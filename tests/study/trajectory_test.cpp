@@ -65,7 +65,9 @@ TEST(Trajectory, ThatRequiresContactKeepsItsForce) {
   const test::CommandRun run = tendril({"plan", scene_path("trajectory.toml"), "--json", "--set",
                                         "contact.mode=require", "--set", "contact.min_force=100 mN"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  for (const auto& step : nlohmann::json::parse(run.out)["steps"]) {
+  const nlohmann::json json = nlohmann::json::parse(run.out);
+  ASSERT_EQ(json["steps"].size(), 45U);
+  for (const auto& step : json["steps"]) {
     ASSERT_EQ(step["contacts"].size(), 1U);
     EXPECT_GE(step["contacts"][0]["force"].get<double>(), 0.1 * (1.0 - 1e-9));
   }
