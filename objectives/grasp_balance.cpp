@@ -38,8 +38,7 @@ TENDRIL_PLUGIN(registrar) {
                               .default_value = std::string("square"),
                               .description = "the force squared, or as it is",
                               .choices = {"square", "linear"}}};
-  registrar.add(ObjectiveComponent{"grasp_balance", "no force on the object along a grasp's axis of symmetry", options,
-                                   [](const Options& given) {
-                                     return std::make_unique<GraspBalance>(given.text("form") == "square");
-                                   }});
+  registrar.add(ObjectiveComponent{
+      "grasp_balance", "no force on the object along a grasp's axis of symmetry", options,
+      [](const Options& given) { return std::make_unique<GraspBalance>(given.text("form") == "square"); }});
 }

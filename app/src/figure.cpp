@@ -242,11 +242,12 @@ std::string plot_command(const FigureScene& scene, const Plan& plan, const std::
   }
   if (scene.gripper) {
     parts.push_back(data + " index 'palm' using 1:2 with lines linewidth 3 linecolor rgb '#404040' title 'palm'");
-    parts.push_back(data +
-                    " index 'other finger' using 1:2 with lines linewidth 5 linecolor rgb '#6f9bd1' title 'other finger'");
+    parts.push_back(
+        data + " index 'other finger' using 1:2 with lines linewidth 5 linecolor rgb '#6f9bd1' title 'other finger'");
   }
   if (!plan.backbone.empty()) {
-    parts.push_back(data + " index 'rod' using 1:2 with lines linewidth 5 linecolor rgb '#1f4e8c' title '" + (scene.gripper ? "finger'" : "rod'"));
+    parts.push_back(data + " index 'rod' using 1:2 with lines linewidth 5 linecolor rgb '#1f4e8c' title '" +
+                    (scene.gripper ? "finger'" : "rod'"));
   }
   if (!scene.measured.empty()) {
     parts.push_back(data +

@@ -32,10 +32,11 @@ void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
   const GraspPlan& grasp = *plan.grasp;
   json["palm_distance"] = number(grasp.palm_distance);
   json["net_force"] = numbers({grasp.net_force.x, grasp.net_force.y});
-  Json quality{{"object", {{"center", numbers({grasp.object_center.x, grasp.object_center.y})},
-                           {"radius", number(grasp.object_radius)}}},
-               {"axial_force", number(grasp.axial_force)},
-               {"lateral_force", number(grasp.lateral_force)}};
+  Json quality{
+      {"object",
+       {{"center", numbers({grasp.object_center.x, grasp.object_center.y})}, {"radius", number(grasp.object_radius)}}},
+      {"axial_force", number(grasp.axial_force)},
+      {"lateral_force", number(grasp.lateral_force)}};
   if (grasp.quality) {
     const GraspQuality& q = *grasp.quality;
     quality["force_to_limit"] = numbers(q.force_margins);

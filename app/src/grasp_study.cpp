@@ -102,7 +102,8 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
   json["message"] = plan.message;
   json["moments"] = numbers(moments);
   Json pressures = Json::array();
-  for (const std::optional<double>& p : pressures_of(scene, moments)) pressures.push_back(p ? number(*p) : Json(nullptr));
+  for (const std::optional<double>& p : pressures_of(scene, moments))
+    pressures.push_back(p ? number(*p) : Json(nullptr));
   json["pressures"] = std::move(pressures);
   double force = 0.0;
   for (const PlannedContact& c : plan.contacts) force += c.force;
@@ -128,7 +129,8 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
 std::string grasp_columns(const StudyResult& result) {
   if (!of_grasps(result)) return "";
   std::string text =
-      ",diameter_m,force_limit_N,moment_change_Nm,palm_distance_m,axial_force_N,lateral_force_N,axial_stiffness_N_per_m";
+      ",diameter_m,force_limit_N,moment_change_Nm,palm_distance_m,axial_force_N,lateral_force_N,axial_stiffness_N_per_"
+      "m";
   for (std::size_t i = 0; i < actuators(result); ++i) text += fmt::format(",pressure_{}_Pa", i + 1);
   return text;
 }
@@ -136,10 +138,10 @@ std::string grasp_columns(const StudyResult& result) {
 std::string grasp_cells(const StudyResult& result, std::size_t index) {
   if (!of_grasps(result)) return "";
   const Json& value = result.values[index];
-  std::string text = fmt::format(",{},{},{},{},{},{},{}", plain(value, "diameter"), plain(value, "force_limit"),
-                                 plain(result.cases[index].moment), plain(value, "palm_distance"),
-                                 plain(value, "axial_force"), plain(value, "lateral_force"),
-                                 plain(value, "axial_stiffness"));
+  std::string text =
+      fmt::format(",{},{},{},{},{},{},{}", plain(value, "diameter"), plain(value, "force_limit"),
+                  plain(result.cases[index].moment), plain(value, "palm_distance"), plain(value, "axial_force"),
+                  plain(value, "lateral_force"), plain(value, "axial_stiffness"));
   for (std::size_t i = 0; i < actuators(result); ++i) text += ',' + entry(value, "pressures", i);
   return text;
 }
@@ -187,7 +189,8 @@ std::string grasp_study_report(const Scene& scene, const StudyResult& result) {
   }
   std::string text = printable(scene.title) + "\n\n" + grid.text("");
   text += "\nlateral: of each finger; axial: of both, positive away from the palm\n";
-  if (opening) text += "the planned moment of the last actuator is an opening one: a larger one opens the finger further\n";
+  if (opening)
+    text += "the planned moment of the last actuator is an opening one: a larger one opens the finger further\n";
   return text + trouble;
 }
 

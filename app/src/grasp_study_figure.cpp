@@ -41,9 +41,10 @@ struct Curve2 {
 std::string curves(const std::string& data, const std::vector<Curve2>& list) {
   std::string text;
   for (const Curve2& c : list) {
-    text += fmt::format("{}{} index '{}' using 1:2 with linespoints dashtype {} pointtype 7 pointsize 0.6 linewidth 2 "
-                        "linecolor rgb '{}' title {} noenhanced",
-                        text.empty() ? "plot " : ", \\\n     ", data, c.block, c.dash, c.color, gnuplot_string(c.name));
+    text += fmt::format(
+        "{}{} index '{}' using 1:2 with linespoints dashtype {} pointtype 7 pointsize 0.6 linewidth 2 "
+        "linecolor rgb '{}' title {} noenhanced",
+        text.empty() ? "plot " : ", \\\n     ", data, c.block, c.dash, c.color, gnuplot_string(c.name));
   }
   return text + '\n';
 }
@@ -85,8 +86,7 @@ void draw_grasp_study(const Scene& scene, const StudyResult& result, StagedFiles
       const std::string block = fmt::format("actuation {} {}", s + 1, a + 1);
       data.block(block, pressures ? "diameter, pressure (kPa)" : "diameter, moment (N mm)");
       for (const Json* v : series[s].values) {
-        const double value =
-            pressures ? value_of((*v)["pressures"], a) * 1e-3 : value_of((*v)["moments"], a) * 1e3;
+        const double value = pressures ? value_of((*v)["pressures"], a) * 1e-3 : value_of((*v)["moments"], a) * 1e3;
         data.numbers({(*v)["diameter"].get<double>() / unit.size, value});
       }
       left.push_back({fmt::format("{}, actuator {}", limit, a + 1), block, color, static_cast<int>(a) + 1});
@@ -108,18 +108,20 @@ void draw_grasp_study(const Scene& scene, const StudyResult& result, StagedFiles
     }
   }
   std::string panels;
-  const std::string common = "set border 3 linewidth 1 linecolor rgb '#404040'\nset tics out nomirror\n"
-                             "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\nset key outside bottom center horizontal "
-                             "Left reverse samplen 2 maxcols 2\n";
+  const std::string common =
+      "set border 3 linewidth 1 linecolor rgb '#404040'\nset tics out nomirror\n"
+      "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\nset key outside bottom center horizontal "
+      "Left reverse samplen 2 maxcols 2\n";
   int count = 0;
   const auto next = [&](const std::string& settings, const std::string& plot) {
     panels += settings + plot;
     ++count;
   };
   if (sweep) {
-    next("set xlabel 'moment of the last actuator (N mm)'\nset ylabel 'axial force of both fingers (N)'\nset xzeroaxis "
-         "linewidth 1 linecolor rgb '#404040'\nset title '(a) axial force; positive: away from the palm'\n",
-         curves(file, left));
+    next(
+        "set xlabel 'moment of the last actuator (N mm)'\nset ylabel 'axial force of both fingers (N)'\nset xzeroaxis "
+        "linewidth 1 linecolor rgb '#404040'\nset title '(a) axial force; positive: away from the palm'\n",
+        curves(file, left));
     next("set ylabel 'lateral force of each finger (N)'\nunset xzeroaxis\nset title '(b) lateral force'\n",
          curves(file, right));
   } else {
@@ -134,9 +136,10 @@ void draw_grasp_study(const Scene& scene, const StudyResult& result, StagedFiles
         plot += fmt::format("{}{} index 'object {}' using 1:2 with lines linewidth 1 linecolor rgb '{}' notitle",
                             plot.empty() ? "plot " : ", \\\n     ", file, name, color);
         for (std::size_t line = 1; line <= (*series[s].values[i])["lines"].size(); ++line) {
-          plot += fmt::format(", \\\n     {} index 'finger {} {}' using 1:2 with lines linewidth 2.5 linecolor rgb '{}' "
-                              "notitle",
-                              file, name, line, color);
+          plot += fmt::format(
+              ", \\\n     {} index 'finger {} {}' using 1:2 with lines linewidth 2.5 linecolor rgb '{}' "
+              "notitle",
+              file, name, line, color);
         }
       }
       next(fmt::format("set size ratio -1\nset xlabel 'x ({0})'\nset ylabel 'y ({0})'\nset title '({1}) force limit "

@@ -143,7 +143,8 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
                                      plan.solver.native_status.empty() ? "-" : printable(plan.solver.native_status),
                                      plan.solver.iterations, plan.solver.evaluations.values));
   if (has_shape)
-    text += moments_text(scene, plan, units) + contacts_text(plan, units) + grasp_text(scene, plan) + certificate_text(plan.certificate);
+    text += moments_text(scene, plan, units) + contacts_text(plan, units) + grasp_text(scene, plan) +
+            certificate_text(plan.certificate);
   if (!plan.modes.empty()) {
     Grid modes;
     for (const ModeRecord& mode : plan.modes) {
@@ -185,7 +186,8 @@ std::string execution_report(const Scene& scene, const Execution& execution, con
     text += '\n' + snaps.text("");
   }
   if (has_shape)
-    text += moments_text(scene, plan, units) + contacts_text(plan, units) + grasp_text(scene, plan) + certificate_text(plan.certificate);
+    text += moments_text(scene, plan, units) + contacts_text(plan, units) + grasp_text(scene, plan) +
+            certificate_text(plan.certificate);
   text += left_out_text(plan.left_out);
   text += fmt::format("\ntime: read {}, open plugins {}, execute {}, certify {}\n", seconds(run.seconds_read),
                       seconds(run.seconds_open), seconds(plan.seconds_solve), seconds(plan.seconds_certify));

@@ -529,30 +529,29 @@ Table<SceneDraft> trajectory_table() {
 
 Table<GripperSpec> gripper_table() {
   using T = GripperSpec;
-  return {{quantity<T>(
-               "half_palm", dimension::length, positive, "", "Distance from the axis of symmetry to either finger's base.",
-               [](T& t, double v) { t.half_palm = v; }, Need::required),
-           quantity<T>("finger_angle", dimension::angle, any, "0",
-                       "Angle of the upper finger's base against the axis; the lower finger is its mirror image.",
-                       [](T& t, double v) { t.finger_angle = v; }),
-           quantity<T>(
-               "object_diameter", dimension::length, positive, "", "Diameter of the round object.",
-               [](T& t, double v) { t.object_diameter = v; }, Need::required),
-           quantity<T>("palm_distance", dimension::length, positive, "free",
-                       "Fixed distance from the palm to the object's centre.",
-                       [](T& t, double v) { t.palm_distance = v; }),
-           quantities<T>("palm_distance_range", dimension::length, not_negative,
-                         "Smallest and largest distance from the palm to the object's centre.",
-                         [](T& t, std::vector<double> v) {
-                           // Two entries are asked for below, where the place in the file is known.
-                           t.palm_distance_range = {v.front(), v.size() == 2 ? v.back() : std::nan("")};
-                         }),
-           point<T>("position", dimension::length, "[0, 0]", "The palm's middle.",
-                    [](T& t, Vec2 v) { t.position = v; }),
-           quantity<T>("angle", dimension::angle, any, "0", "Direction of the axis of symmetry, away from the palm.",
-                       [](T& t, double v) { t.angle = v; }),
-           text<T>("balance", "exact", "Forces along the axis: none at all, or as an objective has it.",
-                   [](T& t, const std::string& v) { t.exact_balance = v == "exact"; }, {"exact", "objective"})}};
+  return {
+      {quantity<T>(
+           "half_palm", dimension::length, positive, "", "Distance from the axis of symmetry to either finger's base.",
+           [](T& t, double v) { t.half_palm = v; }, Need::required),
+       quantity<T>("finger_angle", dimension::angle, any, "0",
+                   "Angle of the upper finger's base against the axis; the lower finger is its mirror image.",
+                   [](T& t, double v) { t.finger_angle = v; }),
+       quantity<T>(
+           "object_diameter", dimension::length, positive, "", "Diameter of the round object.",
+           [](T& t, double v) { t.object_diameter = v; }, Need::required),
+       quantity<T>("palm_distance", dimension::length, positive, "free",
+                   "Fixed distance from the palm to the object's centre.", [](T& t, double v) { t.palm_distance = v; }),
+       quantities<T>("palm_distance_range", dimension::length, not_negative,
+                     "Smallest and largest distance from the palm to the object's centre.",
+                     [](T& t, std::vector<double> v) {
+                       // Two entries are asked for below, where the place in the file is known.
+                       t.palm_distance_range = {v.front(), v.size() == 2 ? v.back() : std::nan("")};
+                     }),
+       point<T>("position", dimension::length, "[0, 0]", "The palm's middle.", [](T& t, Vec2 v) { t.position = v; }),
+       quantity<T>("angle", dimension::angle, any, "0", "Direction of the axis of symmetry, away from the palm.",
+                   [](T& t, double v) { t.angle = v; }),
+       text<T>("balance", "exact", "Forces along the axis: none at all, or as an objective has it.",
+               [](T& t, const std::string& v) { t.exact_balance = v == "exact"; }, {"exact", "objective"})}};
 }
 
 Table<StudySpec> study_table() {
@@ -642,9 +641,10 @@ Table<SceneDraft> scene_table() {
       table<T>(
           "gripper", "gripper", "Palm, fingers and object; for the problem kind \"grasp\".", gripper_table(),
           [](T & t) -> auto& { return t.scene.gripper.emplace(); }),
-      not_available<T>("finger", KeyType::tables,
-                       "found [[finger]]; fingers that differ are not available in this version, expected one [rod] for "
-                       "both"),
+      not_available<T>(
+          "finger", KeyType::tables,
+          "found [[finger]]; fingers that differ are not available in this version, expected one [rod] for "
+          "both"),
       table<T>("trajectory", "trajectory", "The targets of a trajectory.", trajectory_table(),
                [](T& t) -> T& { return t; }),
       table<T>(
@@ -714,7 +714,8 @@ RodSpec finish_rod(const Document& document, const RodDraft& draft) {
     if (actuator.smallest_pressure || actuator.largest_pressure) {
       const std::string key = path + (actuator.smallest_pressure ? "min_pressure" : "max_pressure");
       if (actuator.limit || actuator.minimum || actuator.maximum) {
-        document.fail(document.find(key), "found a limit of the pressure beside one of the moment, expected one of them");
+        document.fail(document.find(key),
+                      "found a limit of the pressure beside one of the moment, expected one of them");
       }
       if (actuator.moment_per_pressure == 0.0) {
         document.fail(document.find(key), "found a limit of the pressure, expected 'moment_per_pressure' beside it");

@@ -35,8 +35,7 @@ std::vector<StudyCase> study_cases(const StudySpec& study) {
         for (const auto& target : values_of(study.targets)) {
           for (const auto& diameter : values_of(study.diameters)) {
             for (const auto& moment : values_of(study.moments)) {
-              cases.push_back(
-                  {static_cast<int>(cases.size()), limit, mode, target, force_limit, diameter, moment});
+              cases.push_back({static_cast<int>(cases.size()), limit, mode, target, force_limit, diameter, moment});
             }
           }
         }

@@ -39,9 +39,7 @@ std::string metres(double value) {
 
 }  // namespace
 
-Vec2 palm_to_world(const GripperSpec& gripper, Vec2 point) {
-  return gripper.position + rotated(point, gripper.angle);
-}
+Vec2 palm_to_world(const GripperSpec& gripper, Vec2 point) { return gripper.position + rotated(point, gripper.angle); }
 
 Vec2 mirrored(const GripperSpec& gripper, Vec2 point) {
   const Vec2 local = rotated(point - gripper.position, -gripper.angle);
@@ -66,8 +64,8 @@ std::vector<std::unique_ptr<Obstacle>> obstacles_of_finger(const Scene& scene, d
   const auto length = [&](double si) { return scale.to_dimensionless(si, dimension::length); };
   const Vec2 center = palm_to_world(gripper, {palm_distance, 0.0});
   std::vector<std::unique_ptr<Obstacle>> all;
-  all.push_back(std::make_unique<Circle>(Vec2{length(center.x), length(center.y)},
-                                         length(0.5 * gripper.object_diameter)));
+  all.push_back(
+      std::make_unique<Circle>(Vec2{length(center.x), length(center.y)}, length(0.5 * gripper.object_diameter)));
   all.push_back(std::make_unique<Wall>(Vec2{length(gripper.position.x), length(gripper.position.y)},
                                        rotated({0.0, 1.0}, gripper.angle)));
   return all;
@@ -88,9 +86,10 @@ void set_up_grasp(Problem::Data& data) {
   const GripperSpec& gripper = *data.scene.gripper;
   // What an exact rotation leaves of gravity along the axis is rounding.
   if (data.rod.has_gravity() && std::abs(data.rod.gravity.y) > 1e-12) {
-    throw SceneError("gravity",
-                     "gravity has a component across the axis of the gripper: both fingers would have to be planned, "
-                     "which is not available in this version; expected gravity along the axis, or fingers without mass");
+    throw SceneError(
+        "gravity",
+        "gravity has a component across the axis of the gripper: both fingers would have to be planned, "
+        "which is not available in this version; expected gravity along the axis, or fingers without mass");
   }
   data.rod.gravity.y = 0.0;
   const auto length = [&](double si) { return data.scale.to_dimensionless(si, dimension::length); };
@@ -115,8 +114,8 @@ void set_up_grasp(Problem::Data& data) {
   if (palm.minimum > palm.maximum) palm.minimum = palm.maximum;
   data.palm = palm;
   const double unit = std::isfinite(data.max_force) ? data.max_force : 1.0;
-  data.min_force = std::max(data.scale.to_dimensionless(data.scene.contact.min_force, dimension::force),
-                            least_share * unit);
+  data.min_force =
+      std::max(data.scale.to_dimensionless(data.scene.contact.min_force, dimension::force), least_share * unit);
 }
 
 std::string grasp_obstruction(const Problem::Data& data, double reach) {
@@ -134,10 +133,11 @@ std::string grasp_obstruction(const Problem::Data& data, double reach) {
   const double away = balanced ? std::hypot(nearest, base.y - radius) : std::hypot(nearest, base.y) - radius;
   if (!(away > reach)) return "";
   const bool by_limit = nearest > radius;
-  return std::string("out of reach: the object is too ") + (by_limit ? "far away" : "large") + ": at a palm distance of " +
-         metres(nearest * length) + (by_limit ? ", the smallest allowed, " : ", its own radius, ") +
-         "the contact is at least " + metres(away * length) + " from the finger's base, and this part of the finger ends " +
-         metres(reach * length) + " from it";
+  return std::string("out of reach: the object is too ") + (by_limit ? "far away" : "large") +
+         ": at a palm distance of " + metres(nearest * length) +
+         (by_limit ? ", the smallest allowed, " : ", its own radius, ") + "the contact is at least " +
+         metres(away * length) + " from the finger's base, and this part of the finger ends " + metres(reach * length) +
+         " from it";
 }
 
 void finish_grasp(const Problem::Data& data, PoseProgram& program, ConstVectorRef x, Plan& plan) {

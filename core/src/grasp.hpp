@@ -8,7 +8,8 @@ namespace tendril {
 /// respects: object, other finger, palm.
 Scene finger_in_palm_frame(const Scene& scene);
 
-/// Obstacles, palm and limits of a grasp. Throws SceneError where the scene asks for what one mirrored finger cannot do.
+/// Obstacles, palm and limits of a grasp. Throws SceneError where the scene asks for what one mirrored finger cannot
+/// do.
 void set_up_grasp(Problem::Data& data);
 
 /// Why no contact of a finger whose part reaches up to `reach` (s/L) can hold the object; empty: nothing is known.

@@ -9,7 +9,7 @@ namespace {
 /// How the held finger answers when the object or a moment moves: derivatives of the force that one finger exerts along
 /// an axis.
 struct Response {
-  double by_object = 0.0;            ///< of -sum f n . axis, by a move of the object along the axis
+  double by_object = 0.0;           ///< of -sum f n . axis, by a move of the object along the axis
   std::vector<double> by_moment{};  ///< by each actuator's moment
 };
 

@@ -772,9 +772,8 @@ Plan Planner::run() {
 
 /// Where the violation was least, and which limits stood in the way.
 std::string Planner::nearest_failure(const std::vector<ModeState>& states) const {
-  const auto least = std::min_element(states.begin(), states.end(), [](const ModeState& a, const ModeState& b) {
-    return a.violation < b.violation;
-  });
+  const auto least = std::min_element(states.begin(), states.end(),
+                                      [](const ModeState& a, const ModeState& b) { return a.violation < b.violation; });
   if (least == states.end() || !std::isfinite(least->violation)) return "";
   char text[48];
   std::snprintf(text, sizeof text, "%.2e", least->violation);

@@ -102,9 +102,10 @@ void validate_gripper(const Scene& scene) {
   require_positive(g.object_diameter, "gripper.object_diameter", "the object's diameter", "m");
   constexpr double square = 1.57079632679489662;
   if (!(std::abs(g.finger_angle) < square)) {
-    throw SceneError("gripper.finger_angle", "the fingers have to point away from the palm: expected an angle between "
-                                             "-pi/2 and pi/2, found " +
-                                                 text(g.finger_angle) + " rad");
+    throw SceneError("gripper.finger_angle",
+                     "the fingers have to point away from the palm: expected an angle between "
+                     "-pi/2 and pi/2, found " +
+                         text(g.finger_angle) + " rad");
   }
   require_finite(g.position.x, "gripper.position");
   require_finite(g.position.y, "gripper.position");

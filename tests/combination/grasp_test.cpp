@@ -1,5 +1,5 @@
-// Grasps of one mirrored finger (model.md section 6): every diameter at both force limits by every solver, the same grasp
-// written in other ways, and what cannot be held.
+// Grasps of one mirrored finger (model.md section 6): every diameter at both force limits by every solver, the same
+// grasp written in other ways, and what cannot be held.
 
 #include "tendril/grasp.hpp"
 
@@ -91,9 +91,9 @@ TEST(Grasp, TurnedMovedAndInOtherUnitsIsTheSamePlan) {
     EXPECT_NEAR(lower.x, expected.x, 1e-12);
     EXPECT_NEAR(lower.y, expected.y, 1e-12);
   }
-  const Plan inches = plan(scene("grasp_60mm", {"gripper.half_palm=\"0.787401574803150 inch\"",
-                                                "gripper.object_diameter=\"2.36220472440945 inch\"",
-                                                "contact.max_force=\"3330 mN\""}));
+  const Plan inches =
+      plan(scene("grasp_60mm", {"gripper.half_palm=\"0.787401574803150 inch\"",
+                                "gripper.object_diameter=\"2.36220472440945 inch\"", "contact.max_force=\"3330 mN\""}));
   ASSERT_TRUE(certified(inches));
   for (std::size_t a = 0; a < 2; ++a) EXPECT_NEAR(inches.moments[a], original.moments[a], 1e-8);
 }

@@ -9,8 +9,8 @@
 
 namespace tendril {
 
-/// Two mirrored fingers that hold a round object (model.md section 6, "grasp"). One finger, the upper one, is planned in
-/// the palm's frame: origin at the palm's middle, x along the axis of symmetry.
+/// Two mirrored fingers that hold a round object (model.md section 6, "grasp"). One finger, the upper one, is planned
+/// in the palm's frame: origin at the palm's middle, x along the axis of symmetry.
 
 /// The upper finger as a rod of its own in the world, with the object and the axis, which stands for the other finger,
 /// as obstacles: what `execute` needs. The palm itself is left out.

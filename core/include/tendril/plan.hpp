@@ -85,12 +85,12 @@ struct GraspQuality {
 
 /// What only a grasp has. The plan's rod and contacts are those of the upper finger; the lower one is its mirror image.
 struct GraspPlan {
-  double palm_distance = 0.0;  ///< m
-  Vec2 object_center{};        ///< m
-  double object_radius = 0.0;  ///< m
-  Vec2 net_force{};            ///< N, of both fingers on the object
-  double axial_force = 0.0;    ///< N, the same along the axis; positive: away from the palm
-  double lateral_force = 0.0;  ///< N, with which each finger presses across the axis
+  double palm_distance = 0.0;           ///< m
+  Vec2 object_center{};                 ///< m
+  double object_radius = 0.0;           ///< m
+  Vec2 net_force{};                     ///< N, of both fingers on the object
+  double axial_force = 0.0;             ///< N, the same along the axis; positive: away from the palm
+  double lateral_force = 0.0;           ///< N, with which each finger presses across the axis
   std::optional<GraspQuality> quality;  ///< of plans; an execution has none
 };
 
@@ -108,7 +108,7 @@ struct Plan {
   /// Distance of the tip to where executing the moments takes it (verify() in execute.hpp), m: loaded from the start,
   /// and settled from the plan's own shape.
   std::optional<double> model_error, local_model_error;
-  std::string verification;                           ///< what execution found, in words; empty: not asked for
+  std::string verification;  ///< what execution found, in words; empty: not asked for
   std::optional<GraspPlan> grasp;
   double objective = 0.0;                             ///< dimensionless, without penalty
   std::vector<std::pair<std::string, double>> terms;  ///< weighted, dimensionless; they sum to the objective
