@@ -15,6 +15,14 @@ void set_up_grasp(Problem::Data& data);
 /// Why no contact of a finger whose part reaches up to `reach` (s/L) can hold the object; empty: nothing is known.
 std::string grasp_obstruction(const Problem::Data& data, double reach);
 
+/// How many starts grasp_start() knows of, for each way of being in contact.
+inline constexpr int grasp_starts = 5;
+
+/// A start of a grasp with one contact: the finger in equilibrium at its largest force, without weight, pressed
+/// straight away from the axis at one of several places. How well it meets the base depends on the limits of the
+/// moments.
+StartShape grasp_start(const Problem::Data& data, const Mode& mode, int index);
+
 /// Brings a plan of the program's frame, fixed to the object, into the world, and adds what only a grasp has.
 void finish_grasp(const Problem::Data& data, PoseProgram& program, ConstVectorRef x, Plan& plan);
 

@@ -208,6 +208,10 @@ StartShape Planner::start_shape(int index, const Mode& mode) const {
     }
     --index;
   }
+  if (d_.palm && mode.contacts.size() == 1) {
+    if (index < grasp_starts) return grasp_start(d_, mode, index);
+    index -= grasp_starts;
+  }
   if (index == 0) return d_.palm ? held(d_.scene.start_tip_angle, mode) : d_.scene_start();
   const double own = d_.scene.start_tip_angle;
   const double spread = std::max(0.8, std::abs(own));
@@ -758,12 +762,13 @@ Plan Planner::run() {
   for (std::size_t i = 0; i < modes; ++i) {
     if (order.empty() || order.front() != i) order.push_back(i);
   }
-  const int starts = most_starts + (control_.start != nullptr ? 1 : 0);
+  const int starts = most_starts + (control_.start != nullptr ? 1 : 0) + (d_.palm ? 1 : 0);
   if (control_.follow && control_.start != nullptr) winner_ = follow();
   if (winner_ >= 0) return report(states_, winner_);
   for (int round = 0; round < starts && !must_stop(); ++round) {
-    // One start per mode finds most plans; only if no mode is certified are more starts spent.
-    if (round > 0 && winner_ >= 0) break;
+    // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
+    // families with several valleys of the effort.
+    if (round > 0 && winner_ >= 0 && !d_.palm) break;
     for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
     if (!d_.enumerated) grow();
   }
