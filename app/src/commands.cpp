@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "estimate_command.hpp"
+#include "grasp_result.hpp"
 #include "output.hpp"
 #include "tendril/app/figure.hpp"
 #include "tendril/app/files.hpp"
@@ -33,6 +34,12 @@ bool has_shape(const Plan& plan) {
   return !plan.backbone.empty();
 }
 
+FigureScene figure_of(Session& session, const Plan& plan) {
+  FigureScene figure = figure_scene(session.scene(), session.make_obstacles());
+  add_gripper(figure, session.scene(), plan);
+  return figure;
+}
+
 void write_output(Session& session, const Plan& plan, const std::string& json, const std::filesystem::path& directory) {
   {
     StagedFiles files(directory);
@@ -43,8 +50,7 @@ void write_output(Session& session, const Plan& plan, const std::string& json, c
   // A result without its picture is still a result.
   try {
     StagedFiles files(directory);
-    draw_figure(figure_scene(session.scene(), session.make_obstacles()), plan, files, "figure",
-                {Picture::svg, Picture::png});
+    draw_figure(figure_of(session, plan), plan, files, "figure", {Picture::svg, Picture::png});
     files.publish();
   } catch (const InputError& error) {
     note(error.what());
@@ -54,8 +60,7 @@ void write_output(Session& session, const Plan& plan, const std::string& json, c
 void write_figure(Session& session, const Plan& plan, const std::filesystem::path& file) {
   if (!has_shape(plan)) return;
   StagedFiles files(file.parent_path());
-  draw_figure(figure_scene(session.scene(), session.make_obstacles()), plan, files, file.stem().string(),
-              {picture_of(file)});
+  draw_figure(figure_of(session, plan), plan, files, file.stem().string(), {picture_of(file)});
   files.publish();
 }
 
@@ -122,9 +127,12 @@ int run_execute(const ExecuteArguments& arguments) {
   try_files(arguments.figure, arguments.output);
   Session session(arguments.scene);
   note_dropped(session);
-  const std::vector<double> moments = arguments.plan ? read_start(*arguments.plan, session.scene(), "plan").moments
-                                                     : read_moments(arguments.moments, session);
-  const Execution execution = session.execute(moments, arguments.start);
+  std::optional<Plan> plan;
+  if (arguments.plan) plan = read_start(*arguments.plan, session.scene(), "plan");
+  const std::vector<double> moments = plan ? plan->moments : read_moments(arguments.moments, session);
+  std::optional<double> palm_distance;
+  if (plan && plan->grasp) palm_distance = plan->grasp->palm_distance;
+  const Execution execution = session.execute(moments, arguments.start, palm_distance);
   const RunInfo run = session.run_info();
   const std::string json = arguments.json || arguments.output ? execution_json(session.scene(), execution, run) : "";
   if (arguments.output) write_output(session, execution.result, json, *arguments.output);

@@ -8,6 +8,7 @@
 
 #include "gnuplot.hpp"
 #include "tendril/app/input_error.hpp"
+#include "tendril/grasp.hpp"
 
 namespace tendril::app {
 
@@ -47,16 +48,28 @@ Vec2 arrow_of(const Plan& plan, const PlannedContact& contact) {
   return (longest_arrow * length_of(plan) * contact.force / largest_force(plan)) * contact.normal;
 }
 
+/// The other finger of a grasp.
+std::vector<Vec2> other_finger(const FigureScene& scene, const Plan& plan) {
+  std::vector<Vec2> points;
+  if (!scene.gripper) return points;
+  for (const BackbonePoint& p : plan.backbone) points.push_back(mirrored(*scene.gripper, {p[1], p[2]}));
+  return points;
+}
+
 /// The window of the figure: the rod with some room around it; obstacles only as far as they are near.
 Box window_of(const FigureScene& scene, const Plan& plan) {
   Box box;
   box.add(scene.base);
   for (const BackbonePoint& p : plan.backbone) box.add({p[1], p[2]});
   for (const BackbonePoint& p : plan.start_backbone) box.add({p[1], p[2]});
+  for (const Vec2 p : other_finger(scene, plan)) box.add(p);
   if (scene.target) box.add(*scene.target);
   for (const Vec2 p : scene.measured) box.add(p);
   for (const PlannedContact& contact : plan.contacts) {
-    if (contact.force > 0.0) box.add(contact.point + 1.25 * arrow_of(plan, contact));
+    if (contact.force <= 0.0) continue;
+    const Vec2 end = contact.point + 1.25 * arrow_of(plan, contact);
+    box.add(end);
+    if (scene.gripper) box.add(mirrored(*scene.gripper, end));
   }
   const double length = length_of(plan);
   Box near = box;
@@ -102,6 +115,15 @@ DataFile data_of(const FigureScene& scene, const Plan& plan, LengthUnit unit) {
   const double length = length_of(plan);
   data.block("rod", "x y");
   data.points(plan.backbone);
+  if (scene.gripper) {
+    data.block("other finger", "x y");
+    for (const Vec2 p : other_finger(scene, plan)) data.row({p.x, p.y});
+    data.block("palm", "x y");
+    for (const double side : {1.0, -1.0}) {
+      const Vec2 end = palm_to_world(*scene.gripper, {0.0, side * scene.gripper->half_palm});
+      data.row({end.x, end.y});
+    }
+  }
   data.block("start", "x y");
   data.points(plan.start_backbone);
   add_clamp(data, scene.base, scene.base_angle, length);
@@ -116,6 +138,10 @@ DataFile data_of(const FigureScene& scene, const Plan& plan, LengthUnit unit) {
     if (contact.force <= 0.0) continue;
     const Vec2 arrow = arrow_of(plan, contact);
     data.row({contact.point.x, contact.point.y, arrow.x, arrow.y});
+    if (!scene.gripper) continue;
+    const Vec2 point = mirrored(*scene.gripper, contact.point);
+    const Vec2 other = mirrored(*scene.gripper, contact.point + arrow) - point;
+    data.row({point.x, point.y, other.x, other.y});
   }
   data.block("measured", "x y");
   for (const Vec2 p : scene.measured) data.row({p.x, p.y});
@@ -141,6 +167,7 @@ Vec2 emptiest_corner(const FigureScene& scene, const Plan& plan, const Box& wind
       keep_off(scene.base);
       for (const BackbonePoint& p : plan.backbone) keep_off({p[1], p[2]});
       for (const BackbonePoint& p : plan.start_backbone) keep_off({p[1], p[2]});
+      for (const Vec2 p : other_finger(scene, plan)) keep_off(p);
       if (scene.target) keep_off(*scene.target);
       for (const Vec2 p : scene.measured) keep_off(p);
       for (const PlannedContact& contact : plan.contacts) {
@@ -213,8 +240,14 @@ std::string plot_command(const FigureScene& scene, const Plan& plan, const std::
     parts.push_back(
         data + " index 'start' using 1:2 with lines linewidth 2 dashtype (6,5) linecolor rgb '#9db7d5' title 'start'");
   }
+  if (scene.gripper) {
+    parts.push_back(data + " index 'palm' using 1:2 with lines linewidth 3 linecolor rgb '#404040' title 'palm'");
+    parts.push_back(
+        data + " index 'other finger' using 1:2 with lines linewidth 5 linecolor rgb '#6f9bd1' title 'other finger'");
+  }
   if (!plan.backbone.empty()) {
-    parts.push_back(data + " index 'rod' using 1:2 with lines linewidth 5 linecolor rgb '#1f4e8c' title 'rod'");
+    parts.push_back(data + " index 'rod' using 1:2 with lines linewidth 5 linecolor rgb '#1f4e8c' title '" +
+                    (scene.gripper ? "finger'" : "rod'"));
   }
   if (!scene.measured.empty()) {
     parts.push_back(data +

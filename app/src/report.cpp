@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "grasp_result.hpp"
 #include "tables.hpp"
 #include "tendril/tolerances.hpp"
 
@@ -78,6 +79,7 @@ std::string certificate_text(const Certificate& certificate) {
   at_most("penetration", certificate.penetration, tolerance::penetration);
   at_most("complementarity", certificate.complementarity, tolerance::complementarity);
   at_most("closest point", certificate.closest_point, tolerance::closest_point);
+  if (certificate.balance > 0.0) at_most("force balance", certificate.balance, tolerance::balance);
   at_most("stationarity", certificate.stationarity, tolerance::stationarity);
   grid.row({"  kind", certificate.stationarity_kind, "S", certificate.stationarity_kind == "S" ? "ok" : "FAILS"});
   entry("stability", certificate.stability, fmt::format("> {:g}", tolerance::stability),
@@ -141,7 +143,8 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
                                      plan.solver.native_status.empty() ? "-" : printable(plan.solver.native_status),
                                      plan.solver.iterations, plan.solver.evaluations.values));
   if (has_shape)
-    text += moments_text(scene, plan, units) + contacts_text(plan, units) + certificate_text(plan.certificate);
+    text += moments_text(scene, plan, units) + contacts_text(plan, units) + grasp_text(scene, plan) +
+            certificate_text(plan.certificate);
   if (!plan.modes.empty()) {
     Grid modes;
     for (const ModeRecord& mode : plan.modes) {
@@ -183,7 +186,8 @@ std::string execution_report(const Scene& scene, const Execution& execution, con
     text += '\n' + snaps.text("");
   }
   if (has_shape)
-    text += moments_text(scene, plan, units) + contacts_text(plan, units) + certificate_text(plan.certificate);
+    text += moments_text(scene, plan, units) + contacts_text(plan, units) + grasp_text(scene, plan) +
+            certificate_text(plan.certificate);
   text += left_out_text(plan.left_out);
   text += fmt::format("\ntime: read {}, open plugins {}, execute {}, certify {}\n", seconds(run.seconds_read),
                       seconds(run.seconds_open), seconds(plan.seconds_solve), seconds(plan.seconds_certify));

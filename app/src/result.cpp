@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "grasp_result.hpp"
 #include "result_object.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
@@ -22,6 +23,7 @@ Json certificate_json(const Certificate& certificate) {
           {"penetration", number(certificate.penetration)},
           {"complementarity", number(certificate.complementarity)},
           {"closest_point", number(certificate.closest_point)},
+          {"force_balance", number(certificate.balance)},
           {"stationarity", number(certificate.stationarity)},
           {"stationarity_kind", certificate.stationarity_kind},
           {"bounds", number(certificate.bounds)},
@@ -266,6 +268,7 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   json["target_error"] = plan.target_error ? number(*plan.target_error) : Json(nullptr);
   json["moments"] = numbers(plan.moments);
   json["contacts"] = contacts_json(plan.contacts);
+  add_grasp(json, scene, plan);
   json["certificate"] = certificate_json(plan.certificate);
   if (!plan.verification.empty()) {
     json["model_error"] = plan.model_error ? number(*plan.model_error) : Json(nullptr);
@@ -386,6 +389,7 @@ Plan read_start(const std::filesystem::path& path, const Scene& scene, const std
   plan.tip_x = tip.member("x").real();
   plan.tip_y = tip.member("y").real();
   plan.tip_angle = tip.member("angle").real();
+  if (scene.gripper) plan.grasp.emplace().palm_distance = root.member("palm_distance").real();
   read_contacts(root, scene, plan);
   read_backbone(root, scene, plan);
   return plan;

@@ -322,17 +322,16 @@ Key<Target> options(std::string name, std::string path, std::string description,
 }
 
 template <class Target>
-Key<Target> not_available(const std::string& name, KeyType type, const std::string& problem) {
+Key<Target> not_available(const std::string& name, KeyType type, const std::string& why) {
   KeySpec spec{name, type};
-  spec.unavailable = "found [" + name + "], which belongs to the problem kind \"" + problem +
-                     "\"; that kind is not available in this version, expected a scene with problem = \"pose\"";
+  spec.unavailable = why;
   return {spec, [](const Context&, const Node&, Target&) {}};
 }
 
 // What a scene says before defaults that depend on other keys are filled in.
 
 struct ActuatorDraft {
-  std::optional<double> from, to, limit, minimum, maximum;
+  std::optional<double> from, to, limit, minimum, maximum, smallest_pressure, largest_pressure;
   double moment_per_pressure = 0.0;
   SourcePosition position{};
 };
@@ -386,9 +385,14 @@ Table<ActuatorDraft> actuator_table() {
        quantity<T>("min", dimension::moment, any, "no limit", "Smallest moment (positive moments bend to the left).",
                    [](T& t, double v) { t.minimum = v; }),
        quantity<T>("max", dimension::moment, any, "no limit", "Largest moment.", [](T& t, double v) { t.maximum = v; }),
-       quantity<T>("moment_per_pressure", dimension::moment_per_pressure, positive, "",
-                   "Moment that a unit of pressure gives; only for reports.",
-                   [](T& t, double v) { t.moment_per_pressure = v; })}};
+       quantity<T>("moment_per_pressure", dimension::moment_per_pressure, any, "",
+                   "Moment that a unit of pressure gives; negative if pressure bends to the right.",
+                   [](T& t, double v) { t.moment_per_pressure = v; }),
+       quantity<T>("min_pressure", dimension::pressure, any, "no limit",
+                   "Smallest pressure; with moment_per_pressure, instead of limits of the moment.",
+                   [](T& t, double v) { t.smallest_pressure = v; }),
+       quantity<T>("max_pressure", dimension::pressure, any, "no limit", "Largest pressure.",
+                   [](T& t, double v) { t.largest_pressure = v; })}};
 }
 
 Table<RodDraft> rod_table() {
@@ -523,6 +527,33 @@ Table<SceneDraft> trajectory_table() {
                       [](T& t, bool v) { t.scene.trajectory.cold_starts = v; })}};
 }
 
+Table<GripperSpec> gripper_table() {
+  using T = GripperSpec;
+  return {
+      {quantity<T>(
+           "half_palm", dimension::length, positive, "", "Distance from the axis of symmetry to either finger's base.",
+           [](T& t, double v) { t.half_palm = v; }, Need::required),
+       quantity<T>("finger_angle", dimension::angle, any, "0",
+                   "Angle of the upper finger's base against the axis; the lower finger is its mirror image.",
+                   [](T& t, double v) { t.finger_angle = v; }),
+       quantity<T>(
+           "object_diameter", dimension::length, positive, "", "Diameter of the round object.",
+           [](T& t, double v) { t.object_diameter = v; }, Need::required),
+       quantity<T>("palm_distance", dimension::length, positive, "free",
+                   "Fixed distance from the palm to the object's centre.", [](T& t, double v) { t.palm_distance = v; }),
+       quantities<T>("palm_distance_range", dimension::length, not_negative,
+                     "Smallest and largest distance from the palm to the object's centre.",
+                     [](T& t, std::vector<double> v) {
+                       // Two entries are asked for below, where the place in the file is known.
+                       t.palm_distance_range = {v.front(), v.size() == 2 ? v.back() : std::nan("")};
+                     }),
+       point<T>("position", dimension::length, "[0, 0]", "The palm's middle.", [](T& t, Vec2 v) { t.position = v; }),
+       quantity<T>("angle", dimension::angle, any, "0", "Direction of the axis of symmetry, away from the palm.",
+                   [](T& t, double v) { t.angle = v; }),
+       text<T>("balance", "exact", "Forces along the axis: none at all, or as an objective has it.",
+               [](T& t, const std::string& v) { t.exact_balance = v == "exact"; }, {"exact", "objective"})}};
+}
+
 Table<StudySpec> study_table() {
   using T = StudySpec;
   const auto modes_of = [](const std::vector<std::string>& names) {
@@ -541,6 +572,14 @@ Table<StudySpec> study_table() {
            quantities<T>("limits", dimension::moment, positive,
                          "Largest moments in either direction, for all actuators; a side that is 0 stays 0.",
                          [](T& t, std::vector<double> v) { t.limits = std::move(v); }),
+           quantities<T>("force_limits", dimension::force, positive, "Largest contact forces.",
+                         [](T& t, std::vector<double> v) { t.force_limits = std::move(v); }),
+           quantities<T>("diameters", dimension::length, positive, "Diameters of a grasp's object.",
+                         [](T& t, std::vector<double> v) { t.diameters = std::move(v); }),
+           quantities<T>("moments", dimension::moment, any,
+                         "Changes of the planned moment of a grasp's last actuator, each carried out with the object "
+                         "where it was planned.",
+                         [](T& t, std::vector<double> v) { t.moments = std::move(v); }),
            texts<T>("starts", "Paradigms whose results \"allow\" and \"require\" start from as well.",
                     {"ignore", "ignore_then_execute", "avoid"},
                     [modes_of](T& t, const std::vector<std::string>& v) { t.starts = modes_of(v); })}};
@@ -548,14 +587,15 @@ Table<StudySpec> study_table() {
 
 Table<SceneDraft> scene_table() {
   using T = SceneDraft;
-  const std::vector<std::string> problems{"pose", "trajectory", "execute", "estimate"};
+  const std::vector<std::string> problems{"pose", "trajectory", "grasp", "execute", "estimate"};
   Table<T> scene;
   scene.keys = {
       text<T>("title", "", "Title of reports and figures.", [](T& t, const std::string& v) { t.scene.title = v; }),
       text<T>(
           "problem", "pose", "Kind of problem.",
           [](T& t, const std::string& v) {
-            for (const ProblemKind kind : {ProblemKind::trajectory, ProblemKind::execute, ProblemKind::estimate}) {
+            for (const ProblemKind kind :
+                 {ProblemKind::trajectory, ProblemKind::grasp, ProblemKind::execute, ProblemKind::estimate}) {
               if (v == to_string(kind)) t.scene.problem = kind;
             }
           },
@@ -599,8 +639,13 @@ Table<SceneDraft> scene_table() {
           objective_table(), [](T & t) -> auto& { return t.scene.objectives; }),
       table<T>(
           "solver", "solver", "The solver.", solver_table(), [](T & t) -> auto& { return t.scene.solver; }),
-      not_available<T>("gripper", KeyType::table, "grasp"),
-      not_available<T>("finger", KeyType::tables, "grasp"),
+      table<T>(
+          "gripper", "gripper", "Palm, fingers and object; for the problem kind \"grasp\".", gripper_table(),
+          [](T & t) -> auto& { return t.scene.gripper.emplace(); }),
+      not_available<T>(
+          "finger", KeyType::tables,
+          "found [[finger]]; fingers that differ are not available in this version, expected one [rod] for "
+          "both"),
       table<T>("trajectory", "trajectory", "The targets of a trajectory.", trajectory_table(),
                [](T& t) -> T& { return t; }),
       table<T>(
@@ -618,11 +663,11 @@ void refuse_other_problems(const Document& document) {
   if (node == nullptr) return;
   const auto* kind = std::get_if<std::string>(&node->value);
   if (kind == nullptr) return;
-  for (const std::string_view other : {"grasp", "study"}) {
+  for (const std::string_view other : {"study"}) {
     if (*kind == other) {
       document.fail(node->position, "found problem = \"" + *kind +
                                         "\", which is not available in this version, expected one of \"pose\", "
-                                        "\"trajectory\", \"execute\", \"estimate\"");
+                                        "\"trajectory\", \"grasp\", \"execute\", \"estimate\"");
     }
   }
 }
@@ -666,6 +711,21 @@ RodSpec finish_rod(const Document& document, const RodDraft& draft) {
     if (actuator.limit) {
       spec.minimum = -*actuator.limit;
       spec.maximum = *actuator.limit;
+    }
+    if (actuator.smallest_pressure || actuator.largest_pressure) {
+      const std::string key = path + (actuator.smallest_pressure ? "min_pressure" : "max_pressure");
+      if (actuator.limit || actuator.minimum || actuator.maximum) {
+        document.fail(document.find(key),
+                      "found a limit of the pressure beside one of the moment, expected one of them");
+      }
+      if (actuator.moment_per_pressure == 0.0) {
+        document.fail(document.find(key), "found a limit of the pressure, expected 'moment_per_pressure' beside it");
+      }
+      const double low = actuator.smallest_pressure.value_or(-infinity) * actuator.moment_per_pressure;
+      const double high = actuator.largest_pressure.value_or(infinity) * actuator.moment_per_pressure;
+      spec.minimum = actuator.moment_per_pressure > 0.0 ? low : high;
+      spec.maximum = actuator.moment_per_pressure > 0.0 ? high : low;
+      if (spec.minimum > spec.maximum) document.fail(document.find(key), "found min_pressure above max_pressure");
     }
     if (actuator.minimum) spec.minimum = *actuator.minimum;
     if (actuator.maximum) spec.maximum = *actuator.maximum;
@@ -714,6 +774,9 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
   read_table(context, document.root(), "", scene_table(), draft);
   Scene scene = std::move(draft.scene);
   scene.rod = finish_rod(document, draft.rod);
+  if (scene.gripper && scene.gripper->palm_distance_range && std::isnan(scene.gripper->palm_distance_range->second)) {
+    document.fail(document.find("gripper.palm_distance_range"), "expected two lengths: the smallest and the largest");
+  }
   scene.measurement = finish_measurement(document, *units, draft.measurement, scene);
   scene.trajectory.targets = finish_trajectory(document, draft.trajectory);
   if (scene.contact.min_force > scene.contact.max_force) {

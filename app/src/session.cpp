@@ -9,6 +9,7 @@
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/interrupt.hpp"
 #include "tendril/app/scene_reader.hpp"
+#include "tendril/grasp.hpp"
 
 namespace tendril::app {
 
@@ -193,13 +194,25 @@ void Session::use(const Scene& scene) {
   located("", [&] { validate(scene_); });
 }
 
-Execution Session::execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start) {
+Execution Session::execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start,
+                           std::optional<double> palm_distance) {
   std::optional<Plan> earlier;
   if (start) earlier = read_start(*start, scene_);
-  const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
+  const bool grasp = scene_.problem == ProblemKind::grasp;
+  if (grasp && !palm_distance) palm_distance = scene_.gripper->palm_distance;
+  if (grasp && !palm_distance) {
+    document_.fail(document_.find("gripper"),
+                   "the object's place is not known, expected 'palm_distance' in [gripper], or a result for --plan");
+  }
+  const std::vector<std::unique_ptr<Obstacle>> obstacles =
+      grasp ? obstacles_of_finger(scene_, *palm_distance) : make_obstacles();
   const InterruptGuard interrupt;
   const ExecuteControl control = execute_control(earlier);
-  Execution done = located("", [&] { return tendril::execute(scene_, obstacles, moments, control); });
+  const Scene executed = grasp ? finger_in_world(scene_) : scene_;
+  Execution done = located("", [&] { return tendril::execute(executed, obstacles, moments, control); });
+  if (grasp && !done.result.backbone.empty()) {
+    done.result.grasp = grasp_of(scene_, *palm_distance, done.result.contacts);
+  }
   done.result.left_out.insert(done.result.left_out.end(), dropped_.begin(), dropped_.end());
   return done;
 }
@@ -211,10 +224,13 @@ void Session::verify(Plan& plan, const std::optional<std::filesystem::path>& sta
   }
   std::optional<Plan> earlier;
   if (start) earlier = read_start(*start, scene_);
-  const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
+  const bool grasp = plan.grasp.has_value();
+  const Scene executed = grasp ? finger_in_world(scene_) : scene_;
+  const std::vector<std::unique_ptr<Obstacle>> obstacles =
+      grasp ? obstacles_of_finger(scene_, plan.grasp->palm_distance) : make_obstacles();
   const InterruptGuard interrupt;
   const ExecuteControl control = execute_control(earlier);
-  located("", [&] { tendril::verify(scene_, obstacles, plan, control); });
+  located("", [&] { tendril::verify(executed, obstacles, plan, control); });
 }
 
 /// `earlier` has to outlive what is returned.

@@ -30,9 +30,15 @@ StudyMode study_mode(std::string_view name) {
 std::vector<StudyCase> study_cases(const StudySpec& study) {
   std::vector<StudyCase> cases;
   for (const auto& limit : values_of(study.limits)) {
-    for (const auto& mode : values_of(study.modes)) {
-      for (const auto& target : values_of(study.targets)) {
-        cases.push_back({static_cast<int>(cases.size()), limit, mode, target});
+    for (const auto& force_limit : values_of(study.force_limits)) {
+      for (const auto& mode : values_of(study.modes)) {
+        for (const auto& target : values_of(study.targets)) {
+          for (const auto& diameter : values_of(study.diameters)) {
+            for (const auto& moment : values_of(study.moments)) {
+              cases.push_back({static_cast<int>(cases.size()), limit, mode, target, force_limit, diameter, moment});
+            }
+          }
+        }
       }
     }
   }
@@ -65,6 +71,8 @@ Scene scene_of(const Scene& scene, const StudyCase& one) {
     }
   }
   if (one.target) changed.target.position = one.target;
+  if (one.force_limit) changed.contact.max_force = *one.force_limit;
+  if (one.diameter && changed.gripper) changed.gripper->object_diameter = *one.diameter;
   return changed;
 }
 

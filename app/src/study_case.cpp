@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "grasp_study.hpp"
 #include "result_object.hpp"
 #include "study_result.hpp"
 #include "tendril/execute.hpp"
@@ -97,6 +98,11 @@ class CaseRunner {
   Json run(const StudyCase& one) {
     Json json = head_of(one);
     if (scene_.problem == ProblemKind::trajectory) return run_steps(one, std::move(json));
+    if (scene_.problem == ProblemKind::grasp) {
+      session_.use(scene_of(scene_, one));
+      run_grasp_case(session_, one, json);
+      return json;
+    }
     const Outcome outcome = carry_through(one, true);
     json["status"] = to_string(outcome.plan.status);
     json["message"] = outcome.plan.message;

@@ -109,6 +109,16 @@ void check_cases(Session& session, const Scene& scene, const StudySpec& study, c
   if (scene.problem == ProblemKind::trajectory && !study.targets.empty()) {
     throw InputError(scene.file + ": [study] has targets beside a trajectory, expected modes or limits only");
   }
+  const bool of_grasps = !study.diameters.empty() || !study.moments.empty() || !study.force_limits.empty();
+  if (of_grasps && scene.problem != ProblemKind::grasp) {
+    throw InputError(scene.file +
+                     ": [study] has diameters, force_limits or moments, expected a scene with problem = \"grasp\"");
+  }
+  if (scene.problem == ProblemKind::grasp && (!study.targets.empty() || !study.modes.empty())) {
+    throw InputError(scene.file +
+                     ": [study] has targets or modes, expected diameters, force_limits, limits or moments "
+                     "for a grasp");
+  }
   std::set<std::optional<StudyMode>> seen;
   for (const StudyCase& one : cases) {
     if (!seen.insert(one.mode).second) continue;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "grasp_study.hpp"
 #include "panels.hpp"
 #include "study_result.hpp"
 #include "tables.hpp"
@@ -102,6 +103,7 @@ std::vector<BarPanel> bars_of(const Scene& scene, const StudyResult& result, std
 
 void draw_study(Session& session, const StudyResult& result, StagedFiles& files) {
   const Scene& scene = session.scene();
+  if (scene.problem == ProblemKind::grasp) return draw_grasp_study(scene, result, files);
   std::size_t columns = 1;
   while (columns < result.groups.size() && result.groups[columns].limit == result.groups[0].limit) ++columns;
   const std::size_t rows = result.groups.size() / columns;

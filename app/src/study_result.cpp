@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "grasp_study.hpp"
 #include "tables.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/scale.hpp"
@@ -174,7 +175,7 @@ std::string cases_csv(const StudyResult& result) {
   std::string text =
       "index,limit_Nm,mode,target_x_m,target_y_m,status,tip_x_m,tip_y_m,tip_error_m,contact_force_N,model_error_m";
   for (std::size_t i = 0; i < moments; ++i) text += fmt::format(",moment_{}_Nm", i + 1);
-  text += ",message\n";
+  text += grasp_columns(result) + ",message\n";
   for (std::size_t i = 0; i < result.cases.size(); ++i) {
     const StudyCase& one = result.cases[i];
     const Json& value = result.values[i];
@@ -184,6 +185,7 @@ std::string cases_csv(const StudyResult& result) {
                         entry(value, "tip", 1), cell(value, "tip_error"), cell(value, "contact_force"),
                         cell(value, "model_error"));
     for (std::size_t m = 0; m < moments; ++m) text += ',' + entry(value, "moments", m);
+    text += grasp_cells(result, i);
     const std::string message = value.value("message", "");
     text += ',' + (message.empty() ? "" : quoted(message)) + '\n';
   }
@@ -214,6 +216,7 @@ std::string times_csv(const StudyResult& result) {
 }
 
 std::string study_report(const Scene& scene, const StudyResult& result) {
+  if (scene.problem == ProblemKind::grasp) return grasp_study_report(scene, result);
   const DisplayUnits units(scene.rod.length());
   const auto spread = [](const Statistic& s, const std::function<std::string(double)>& text) {
     if (s.count == 0) return std::string("-");

@@ -21,7 +21,7 @@ struct Named {
   const char* example;
 };
 
-constexpr std::array<Named, 12> names{{{"m", "a length", "60 mm"},
+constexpr std::array<Named, 13> names{{{"m", "a length", "60 mm"},
                                        {"rad", "an angle", "30 deg"},
                                        {"1/m", "a curvature", "5 1/m"},
                                        {"N", "a force", "0.5 N"},
@@ -32,6 +32,7 @@ constexpr std::array<Named, 12> names{{{"m", "a length", "60 mm"},
                                        {"kg", "a mass", "20 g"},
                                        {"s", "a time", "10 s"},
                                        {"N m/Pa", "a moment per pressure", "2e-6 N m/Pa"},
+                                       {"Pa", "a pressure", "50 kPa"},
                                        {"", "a pure number", "0.5"}}};
 
 constexpr std::size_t longest_unit = 64;

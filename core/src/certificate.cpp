@@ -36,6 +36,14 @@ struct Certifier::Data {
   void move(ConstVectorRef x) {
     program->jacobian(x);
     curve->follow(program->backbone());
+    if (spec.carried == 0) return;
+    from_palm = std::make_unique<Curve>(*curve);
+    from_palm->translate(-program->base_shift());
+  }
+
+  /// The rod in the frame of an obstacle.
+  const Curve& curve_beside(std::size_t obstacle) const {
+    return obstacle + static_cast<std::size_t>(spec.carried) >= spec.obstacles.size() ? *from_palm : *curve;
   }
 
   double moment_balance(ConstVectorRef x);
@@ -47,7 +55,7 @@ struct Certifier::Data {
   PoseProgramSpec spec;
   std::unique_ptr<PoseProgram> program;
   std::shared_ptr<const CurveTables> tables;
-  std::unique_ptr<Curve> curve;
+  std::unique_ptr<Curve> curve, from_palm;
 };
 
 Certifier::Certifier(const PoseProgramSpec& spec) : data_(std::make_unique<Data>(spec)) {}
@@ -311,16 +319,17 @@ Certificate Certifier::certify(PoseProgram& judged, ConstVectorRef x) {
   c.bounds = 0.0;
   for (int i = 0; i < judged.variable_count(); ++i) {
     // Limits are those of the scene: a branch that holds a force at zero is no limit.
-    const bool force = i >= at.first_force;
+    const bool force = i >= at.first_force && i < at.first_force + at.forces;
     const double low = force ? d.spec.min_force : judged.lower()[i];
     const double high = force ? d.spec.max_force : judged.upper()[i];
     c.bounds = std::max({c.bounds, low - x[i], x[i] - high});
   }
 
   c.penetration = 0.0;
-  for (const Obstacle* obstacle : d.spec.obstacles) {
-    c.penetration = std::max(c.penetration, certified_depth(*d.curve, *obstacle));
+  for (std::size_t o = 0; o < d.spec.obstacles.size(); ++o) {
+    c.penetration = std::max(c.penetration, certified_depth(d.curve_beside(o), *d.spec.obstacles[o]));
   }
+  c.balance = at.balances > 0 ? std::abs(rows[at.first_balance]) : 0.0;
 
   c.complementarity = 0.0;
   c.closest_point = 0.0;
@@ -341,6 +350,8 @@ Certificate Certifier::certify(PoseProgram& judged, ConstVectorRef x) {
 
   if (!(c.equilibrium <= tolerance::equilibrium))
     c.failures.push_back(defect("equilibrium residual", c.equilibrium, tolerance::equilibrium));
+  if (!(c.balance <= tolerance::balance))
+    c.failures.push_back(defect("force along the axis", c.balance, tolerance::balance));
   if (!(c.bounds <= tolerance::bounds))
     c.failures.push_back(defect("violation of a limit", c.bounds, tolerance::bounds));
   if (!(c.penetration <= tolerance::penetration))
@@ -371,7 +382,7 @@ std::vector<Certifier::Approach> Certifier::approaches(ConstVectorRef x, double 
   d.move(x);
   std::vector<Approach> all;
   for (std::size_t o = 0; o < d.spec.obstacles.size(); ++o) {
-    for (const ClosestApproach& at : closest_approaches(*d.curve, *d.spec.obstacles[o], level)) {
+    for (const ClosestApproach& at : closest_approaches(d.curve_beside(o), *d.spec.obstacles[o], level)) {
       all.push_back({static_cast<int>(o), at});
     }
   }

@@ -64,6 +64,10 @@ void Curve::follow(const Backbone& backbone) {
   }
 }
 
+void Curve::translate(Vec2 by) {
+  for (Vec2& start : interval_start_) start += by;
+}
+
 Curve::Point Curve::at(int piece, double sigma) const {
   int interval = 0;
   while (interval + 1 < tables_->intervals() && sigma > tables_->end(interval + 1)) ++interval;

@@ -116,8 +116,7 @@ std::vector<Extension> extensions(const Problem::Data& problem, const std::vecto
 
   const bool has_tip = std::any_of(contacts.begin(), contacts.end(), [](const ContactSetup& c) { return c.at_tip; });
   std::vector<Extension> all;
-  for (const ContactSetup& slot :
-       contact_slots(static_cast<int>(stretches), static_cast<int>(problem.obstacles.size()))) {
+  for (const ContactSetup& slot : contact_slots(static_cast<int>(stretches), problem.contact_obstacles)) {
     if (slot.at_tip && has_tip) continue;
     if (std::any_of(contacts.begin(), contacts.end(), [&](const ContactSetup& c) { return same(c, slot); })) continue;
     const auto o = static_cast<std::size_t>(slot.obstacle);
@@ -149,8 +148,7 @@ std::vector<Extension> extensions(const Problem::Data& problem, const std::vecto
 
 LeftOut search_note(const Problem::Data& problem) {
   const int stretches = static_cast<int>(problem.rod.fixed_knots().size()) - 1;
-  const double count =
-      assignment_count(stretches, static_cast<int>(problem.obstacles.size()), problem.scene.contact.count);
+  const double count = assignment_count(stretches, problem.contact_obstacles, problem.scene.contact.count);
   char text[400];
   std::snprintf(text, sizeof text,
                 "%.0f ways of assigning up to %d contacts are too many: a heuristic search tries every single contact, "

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "contact_search.hpp"
+#include "grasp.hpp"
 #include "plan_report.hpp"
 #include "problem_data.hpp"
 #include "tendril/certificate.hpp"
@@ -37,6 +38,7 @@ constexpr int most_settlings = 3;         ///< executions of unstable plans, for
 constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
 constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
 constexpr double beats = 1e-12;           ///< an objective must be lower by this to win
+constexpr double at_limit = 1e-9;         ///< a variable this near to its limit stands at it, in reports
 constexpr double at_knot = 1e-7;          ///< (in L) a contact this near to the end of its stretch leans against it
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
@@ -78,6 +80,7 @@ class Planner {
     OptimalityReport last;          ///< of the last solve
     StartShape nearest;             ///< where the violation of the rows was least, as long as there is no point
     double violation = infinity;    ///< there
+    std::string limits;             ///< that bind there
   };
 
   bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
@@ -94,6 +97,8 @@ class Planner {
   StartShape start_shape(int index, const Mode& mode) const;
   /// Where every search ended at an equilibrium that is not stable: what the rod would do under the moments found.
   void settle();
+  /// A start of a grasp. Without a force the row of the balance says nothing about where the contact should be.
+  StartShape held(double tip_angle, const Mode& mode) const;
   void try_start(ModeState& state, const StartShape& shape);
   void attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions);
   /// From x (any quality) to a decided branch and a point on it. False: no feasible point was found.
@@ -134,6 +139,8 @@ class Planner {
     return winner_ < 0 ? infinity : states_[static_cast<std::size_t>(winner_)].best.objective;
   }
   Plan report(std::vector<ModeState>& states, int winner);
+  std::string nearest_failure(const std::vector<ModeState>& states) const;
+  static std::string limits_at(const PoseProgram& program, ConstVectorRef x);
 
   Problem::Data& d_;
   const PlanControl& control_;
@@ -181,19 +188,8 @@ void set_branches(PoseProgram& program, const std::vector<Branch>& branches) {
 /// Shape, moments and contacts of an earlier result, as far as `mode` has them.
 StartShape Planner::shape_of(const Plan& plan, const Mode& mode) const {
   const double length = d_.scale.length;
-  std::vector<std::pair<double, double>> table;
-  for (const BackbonePoint& p : plan.backbone) table.emplace_back(p[0] / length, p[4] * length);
   StartShape shape;
-  shape.curvature = [table](double s) {
-    const auto after =
-        std::lower_bound(table.begin(), table.end(), s, [](const auto& entry, double at) { return entry.first < at; });
-    if (after == table.begin()) return table.front().second;
-    if (after == table.end()) return table.back().second;
-    const auto before = after - 1;
-    const double span = after->first - before->first;
-    const double t = span > 0.0 ? (s - before->first) / span : 0.0;
-    return (1.0 - t) * before->second + t * after->second;
-  };
+  shape.curvature = curvature_of(plan, length);
   if (plan.moments.size() == d_.rod.actuators.size()) {
     for (const double u : plan.moments) shape.moments.push_back(u / d_.scale.moment());
   }
@@ -210,6 +206,7 @@ StartShape Planner::shape_of(const Plan& plan, const Mode& mode) const {
     shape.arc_lengths.push_back(s);
     shape.forces.push_back(f);
   }
+  if (plan.grasp) shape.palm_distance = plan.grasp->palm_distance / length;
   return shape;
 }
 
@@ -219,7 +216,11 @@ StartShape Planner::start_shape(int index, const Mode& mode) const {
     if (index == 0) return shape_of(*control_.start, mode);
     --index;
   }
-  if (index == 0) return d_.scene_start();
+  if (d_.palm && mode.contacts.size() == 1) {
+    if (index < grasp_starts) return grasp_start(d_, mode, index);
+    index -= grasp_starts;
+  }
+  if (index == 0) return d_.palm ? held(d_.scene.start_tip_angle, mode) : d_.scene_start();
   const double own = d_.scene.start_tip_angle;
   const double spread = std::max(0.8, std::abs(own));
   const double angles[] = {own,
@@ -229,7 +230,14 @@ StartShape Planner::start_shape(int index, const Mode& mode) const {
                            0.25 * own + 0.1,
                            own + 2.0 * spread,
                            own - 2.0 * spread};
-  return constant_curvature(angles[std::min(index, 6)]);
+  const double angle = angles[std::min(index, 6)];
+  return d_.palm ? held(angle, mode) : constant_curvature(angle);
+}
+
+StartShape Planner::held(double tip_angle, const Mode& mode) const {
+  StartShape shape = constant_curvature(tip_angle);
+  shape.forces.assign(mode.contacts.size(), std::isfinite(d_.max_force) ? d_.max_force : 1.0);
+  return shape;
 }
 
 OptimalityReport Planner::solve(ModeState& state, NonlinearProgram& program, const Eigen::VectorXd& x,
@@ -363,6 +371,7 @@ bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
     // Only the search over assignments goes on from there.
     if (!d_.enumerated) state.nearest = program.shape_of(f.x);
     state.violation = f.infeasibility;
+    state.limits = limits_at(program, f.x);
   }
   char text[96];
   std::snprintf(text, sizeof text, "no feasible point near: violation %.2e%s", f.infeasibility,
@@ -790,17 +799,41 @@ Plan Planner::run() {
   for (std::size_t i = 0; i < modes; ++i) {
     if (order.empty() || order.front() != i) order.push_back(i);
   }
-  const int starts = most_starts + (control_.start != nullptr ? 1 : 0);
+  const int starts = most_starts + (control_.start != nullptr ? 1 : 0) + (d_.palm ? 1 : 0);
   if (control_.follow && control_.start != nullptr) winner_ = follow();
   if (winner_ >= 0) return report(states_, winner_);
   for (int round = 0; round < starts && !must_stop(); ++round) {
-    // One start per mode finds most plans; only if no mode is certified are more starts spent.
-    if (round > 0 && winner_ >= 0) break;
+    // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
+    // families with several valleys of the effort.
+    if (round > 0 && winner_ >= 0 && !d_.palm) break;
     for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
     if (!d_.enumerated) grow();
   }
   settle();
   return report(states_, winner_);
+}
+
+/// Where the violation was least, and which limits stood in the way.
+std::string Planner::nearest_failure(const std::vector<ModeState>& states) const {
+  const auto least = std::min_element(states.begin(), states.end(),
+                                      [](const ModeState& a, const ModeState& b) { return a.violation < b.violation; });
+  if (least == states.end() || !std::isfinite(least->violation)) return "";
+  char text[48];
+  std::snprintf(text, sizeof text, "%.2e", least->violation);
+  return "; the nearest (" + least->record.mode + ") violates them by " + text +
+         (least->limits.empty() ? ", with no variable at a limit" : ", with " + least->limits);
+}
+
+/// The variables that are at a limit at x.
+std::string Planner::limits_at(const PoseProgram& program, ConstVectorRef x) {
+  std::string text;
+  for (int i = 0; i < program.variable_count(); ++i) {
+    if (program.lower()[i] == program.upper()[i]) continue;
+    const bool low = x[i] <= program.lower()[i] + at_limit;
+    if (!low && x[i] < program.upper()[i] - at_limit) continue;
+    text += (text.empty() ? "" : ", ") + program.variable_name(i) + (low ? " at its smallest" : " at its largest");
+  }
+  return text;
 }
 
 Plan Planner::report(std::vector<ModeState>& states, int winner) {
@@ -888,7 +921,8 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
                          ? "infeasible by a bound: " + modes_.front().skip
                          : "infeasible: from " + std::to_string(most_starts) +
                                " starts per mode every search ended where no change of the plan reduces the violation "
-                               "of its constraints";
+                               "of its constraints" +
+                               nearest_failure(states);
     } else if (shown >= 0) {
       const Certificate& c = states[static_cast<std::size_t>(shown)].best.certificate;
       const bool only_unstable =
@@ -937,6 +971,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   if (d_.target.has_position) plan.target_error = norm(tip - d_.target.position) * length;
   plan.contacts = planned_contacts(program, d_.obstacle_names, d_.scale);
   plan.backbone = sampled_backbone(program, length);
+  if (d_.palm) finish_grasp(d_, program, x, plan);
   plan.seconds_certify = tally_.seconds_certifying;
   return plan;
 }
@@ -949,7 +984,7 @@ Plan Problem::plan(const PlanControl& control) {
   Plan plan = planner.run();
   plan.seconds_assemble = data_->seconds_assemble;
   plan.seconds_solve = now() - begin - plan.seconds_certify;
-  plan.start_backbone = outline(data_->scene_start(), data_->rod, data_->scale.length);
+  if (!data_->palm) plan.start_backbone = outline(data_->scene_start(), data_->rod, data_->scale.length);
   return plan;
 }
 

@@ -59,6 +59,7 @@ PoseProgram::Data::Data(PoseProgramSpec s)
   layout.first_force = layout.first_arc_length + s_count;
   layout.forces = contact_count;
   x_count = layout.first_force + contact_count;
+  if (spec.palm && spec.palm->minimum != spec.palm->maximum) layout.palm = x_count++;
   layout.first_gap = q_count;
   layout.first_closest = q_count + contact_count;
   layout.first_check = layout.first_closest + contact_count;
@@ -69,6 +70,8 @@ PoseProgram::Data::Data(PoseProgramSpec s)
       ++layout.orders;
     }
   }
+  layout.first_balance = layout.first_order + layout.orders;
+  layout.balances = spec.palm && spec.palm->balance && contact_count > 0 ? 1 : 0;
   branches.assign(spec.contacts.size(), Branch::open);
 
   length_rate.setZero(pieces, s_count);
@@ -135,6 +138,12 @@ PoseProgram::Data::Data(PoseProgramSpec s)
     index.contacts[static_cast<std::size_t>(k)].arc_length = next++;
     unit_variable.push_back(layout.first_arc_length + k);
   }
+  if (layout.palm >= 0) {
+    index.palm = next++;
+    unit_variable.push_back(layout.palm);
+  } else if (spec.palm) {
+    values.palm = spec.palm->minimum;
+  }
   index.count = next;
   terms.bind(index);
   (void)first_sample;
@@ -187,7 +196,7 @@ PoseProgram::Data::Data(PoseProgramSpec s)
   force_tangent.setZero(nodes, pieces);
   node_buffer.setZero(nodes);
   check_buffer.setZero(nodes);
-  vector_buffer.setZero(std::max(q_count, 1));
+  vector_buffer.setZero(std::max(q_count, s_count + 1));
   for (int l = 0; l < s_count; ++l) rate_sums.emplace_back(chain, false);
   psi.setZero(nodes, pieces);
   psi_knot.setZero(pieces + 1);
@@ -199,8 +208,9 @@ PoseProgram::Data::Data(PoseProgramSpec s)
   adjoint.setZero(2, pieces);
   virtual_adjoint.setZero(2, pieces);
   row_buffer.setZero(x_count);
-  check_rows.setZero(q_count + s_count, layout.checks);
-  scaled_rows.setZero(layout.checks, q_count + s_count);
+  const int others = s_count + (layout.palm >= 0 ? 1 : 0);
+  check_rows.setZero(q_count + others, layout.checks);
+  scaled_rows.setZero(layout.checks, q_count + others);
   third.setZero(n);
 }
 
@@ -209,7 +219,7 @@ PoseProgram::~PoseProgram() = default;
 PoseProgram::PoseProgram(PoseProgramSpec spec) : PoseProgram(std::make_unique<Data>(std::move(spec))) {}
 
 PoseProgram::PoseProgram(std::unique_ptr<Data> data)
-    : NonlinearProgram(data->x_count, data->layout.first_order + data->layout.orders, data->terms.residual_count()),
+    : NonlinearProgram(data->x_count, data->layout.first_balance + data->layout.balances, data->terms.residual_count()),
       data_(std::move(data)) {
   const Layout& at = data_->layout;
   const PoseProgramSpec& s = data_->spec;
@@ -242,6 +252,10 @@ PoseProgram::PoseProgram(std::unique_ptr<Data> data)
     lower_[at.first_arc_length + k] = soft_low ? low : low + margin;
     upper_[at.first_arc_length + k] = soft_high ? high : high - margin;
   }
+  if (at.palm >= 0) {
+    lower_[at.palm] = s.palm->minimum;
+    upper_[at.palm] = s.palm->maximum;
+  }
   row_lower_.setZero();
   row_upper_.setZero();
   for (int k = 0; k < at.forces; ++k) set_branch(k, Branch::open);
@@ -256,9 +270,15 @@ const PoseProgram::Layout& PoseProgram::layout() const { return data_->layout; }
 const PoseProgramSpec& PoseProgram::spec() const { return data_->spec; }
 const Chain& PoseProgram::chain() const { return data_->chain; }
 const Backbone& PoseProgram::backbone() const { return data_->backbone; }
+Vec2 PoseProgram::base_shift() const { return data_->shift; }
 const std::vector<PoseProgram::ContactState>& PoseProgram::contacts() const { return data_->contacts; }
 Branch PoseProgram::branch(int contact) const { return data_->branches[static_cast<std::size_t>(contact)]; }
 double PoseProgram::term_value(int i) const { return data_->terms[static_cast<std::size_t>(i)].value(); }
+
+double PoseProgram::palm_distance(ConstVectorRef x) const {
+  if (!data_->spec.palm) return 0.0;
+  return data_->layout.palm >= 0 ? x[data_->layout.palm] : data_->spec.palm->minimum;
+}
 
 int PoseProgram::moment_variable(int actuator) const {
   return data_->moment_variable[static_cast<std::size_t>(actuator)];
@@ -294,7 +314,8 @@ std::string PoseProgram::row_name(int row) const {
   if (row < at.first_closest) return numbered("contact_gap", row - at.first_gap);
   if (row < at.first_check) return numbered("closest_point", row - at.first_closest);
   if (row < at.first_order) return numbered("non_penetration", row - at.first_check);
-  return numbered("contact_order", row - at.first_order);
+  if (row < at.first_balance) return numbered("contact_order", row - at.first_order);
+  return numbered("force_balance", row - at.first_balance);
 }
 
 std::string PoseProgram::variable_name(int variable) const {
@@ -303,6 +324,7 @@ std::string PoseProgram::variable_name(int variable) const {
   if (variable < at.first_moment) return numbered("coordinate", variable);
   if (variable < at.first_arc_length) return numbered("moment", variable - at.first_moment);
   if (variable < at.first_force) return numbered("contact arc length", variable - at.first_arc_length);
+  if (variable == at.palm) return "palm distance";
   return numbered("contact force", variable - at.first_force);
 }
 
@@ -312,6 +334,10 @@ std::string PoseProgram::variable_name(int variable) const {
 void PoseProgram::Data::evaluate_shape(ConstVectorRef x) {
   const double* s = x.data() + layout.first_arc_length;
   const std::span<const double> knots(s, spec.split ? static_cast<std::size_t>(s_count) : 0);
+  if (spec.palm) {
+    shift = -(layout.palm >= 0 ? x[layout.palm] : spec.palm->minimum) * spec.palm->axis;
+    backbone.place(spec.rod->base + shift);
+  }
   backbone.move(x.head(q_count), knots);
   for (std::size_t i = 0; i < moving.size(); ++i) {
     const int variable = moving_variable[i];
@@ -357,7 +383,9 @@ void PoseProgram::Data::evaluate_shape(ConstVectorRef x) {
       const int i = at.station[use];
       const auto row = static_cast<std::size_t>(at.rows[use]);
       check_point[row] = start + h * Vec2{at.chord_x[i], at.chord_y[i]};
-      check_surface[row] = spec.obstacles[static_cast<std::size_t>(spec.checks[row].obstacle)]->at(check_point[row]);
+      const int obstacle = spec.checks[row].obstacle;
+      const Vec2 seen = carried(obstacle) ? check_point[row] - shift : check_point[row];
+      check_surface[row] = spec.obstacles[static_cast<std::size_t>(obstacle)]->at(seen);
     }
   }
 }
@@ -457,6 +485,11 @@ void PoseProgram::Data::evaluate_rows(ConstVectorRef x, Eigen::VectorXd& c) {
     if (spec.contacts[static_cast<std::size_t>(k)].region != spec.contacts[static_cast<std::size_t>(k) + 1].region)
       continue;
     c[order++] = x[layout.first_arc_length + k + 1] - x[layout.first_arc_length + k];
+  }
+  if (layout.balances > 0) {
+    double sum = 0.0;
+    for (const ContactState& contact : contacts) sum += contact.force * dot(contact.surface.normal, spec.palm->axis);
+    c[layout.first_balance] = sum;
   }
 }
 
@@ -583,6 +616,17 @@ void PoseProgram::Data::base_rows() {
   }
 }
 
+void PoseProgram::Data::mark_palm_column() {
+  if (layout.palm < 0) return;
+  const auto mark = [this](const BaseIndex::Point& p) {
+    rows(p.x, layout.palm) = -spec.palm->axis.x;
+    rows(p.y, layout.palm) = -spec.palm->axis.y;
+  };
+  for (const BaseIndex::Contact& contact : index.contacts) mark(contact.point);
+  if (index.tip.x >= 0) mark(index.tip);
+  for (const BaseIndex::Point& sample : index.samples) mark(sample);
+}
+
 void PoseProgram::Data::equilibrium_jacobian(ConstVectorRef x, Eigen::MatrixXd& jacobian) {
   (void)x;
   const BasisTable& table = chain.table();
@@ -703,8 +747,22 @@ void PoseProgram::Data::contact_jacobian(Eigen::MatrixXd& jacobian) {
   }
 }
 
+void PoseProgram::Data::balance_jacobian(Eigen::MatrixXd& jacobian) const {
+  if (layout.balances == 0) return;
+  jacobian.row(layout.first_balance).setZero();
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const ContactState& c = contacts[k];
+    const BaseIndex::Point& p = index.contacts[k].point;
+    const Vec2 tau = turned(c.surface.normal);
+    const double turning = c.force * c.surface.curvature * dot(tau, spec.palm->axis);
+    jacobian.row(layout.first_balance) += turning * (tau.x * rows.row(p.x) + tau.y * rows.row(p.y));
+    jacobian(layout.first_balance, layout.first_force + static_cast<Eigen::Index>(k)) +=
+        dot(c.surface.normal, spec.palm->axis);
+  }
+}
+
 void PoseProgram::Data::check_row(int j, const CheckStations& at, std::size_t use, Vec2 direction, double* row,
-                                  double* by_arc_length) const {
+                                  double* others) const {
   const auto check = static_cast<std::size_t>(at.rows[use]);
   const Vec2 point = check_point[check];
   backbone.row_before(j, point, direction, row);
@@ -717,8 +775,9 @@ void PoseProgram::Data::check_row(int j, const CheckStations& at, std::size_t us
   for (int l = 0; l < s_count; ++l) {
     Vec2 rate = length_rate(j, l) / h * (point - backbone.knot_point(j));
     for (int i = 0; i < j; ++i) rate += length_rate(i, l) * backbone.chord(i);
-    by_arc_length[l] = dot(direction, rate);
+    others[l] = dot(direction, rate);
   }
+  if (layout.palm >= 0) others[s_count] = carried(spec.checks[check].obstacle) ? 0.0 : -dot(direction, spec.palm->axis);
 }
 
 void PoseProgram::Data::check_jacobian(Eigen::MatrixXd& jacobian) {
@@ -730,11 +789,13 @@ void PoseProgram::Data::check_jacobian(Eigen::MatrixXd& jacobian) {
     for (std::size_t use = 0; use < at.rows.size(); ++use) {
       const auto check = static_cast<std::size_t>(at.rows[use]);
       double* row = row_buffer.data();
-      check_row(j, at, use, check_surface[check].normal, row, row + layout.first_arc_length);
+      double* others = vector_buffer.data();
+      check_row(j, at, use, check_surface[check].normal, row, others);
       const Eigen::Index r = layout.first_check + at.rows[use];
       const int active = (j + 1) * n;
       for (int i = 0; i < active; ++i) jacobian(r, i) = row[i];
-      for (int l = 0; l < s_count; ++l) jacobian(r, layout.first_arc_length + l) = row[layout.first_arc_length + l];
+      for (int l = 0; l < s_count; ++l) jacobian(r, layout.first_arc_length + l) = others[l];
+      if (layout.palm >= 0) jacobian(r, layout.palm) = others[s_count];
     }
   }
 }
@@ -749,9 +810,11 @@ void PoseProgram::do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out
   if (!derivatives) return;
   d.backbone.sum_normals();
   d.base_rows();
+  d.mark_palm_column();
   d.equilibrium_jacobian(x, out.jacobian);
   d.contact_jacobian(out.jacobian);
   d.check_jacobian(out.jacobian);
+  d.balance_jacobian(out.jacobian);
   d.terms.differentiate(d.values, d.term_gradient, d.term_rest_gradient, d.term_jacobian);
   out.gradient.setZero();
   out.rest_gradient.setZero();

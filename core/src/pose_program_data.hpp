@@ -33,6 +33,7 @@ struct PoseProgram::Data {
   std::vector<int> moment_variable;  ///< per actuator
   std::vector<Branch> branches;
   bool gravity = false;
+  Vec2 shift{};  ///< of the base
   int pieces = 0, n = 0, nodes = 0, q_count = 0, x_count = 0, s_count = 0;
 
   /// d length_j / d s_l and d (mass beyond j) / d s_l for the arc length variables (zero for an unsplit rod).
@@ -77,22 +78,27 @@ struct PoseProgram::Data {
   Eigen::VectorXd base_gradient;
   Eigen::MatrixXd adjoint, virtual_adjoint;  ///< 2 x pieces: sums of c and c' of all points beyond
   Eigen::VectorXd row_buffer;
-  Eigen::MatrixXd check_rows;   ///< (coordinates + arc lengths) x checks: tangential rows for the Hessian
-  Eigen::MatrixXd scaled_rows;  ///< checks x (coordinates + arc lengths)
+  Eigen::MatrixXd check_rows;   ///< (coordinates + arc lengths + palm) x checks: tangential rows for the Hessian
+  Eigen::MatrixXd scaled_rows;  ///< checks x (coordinates + arc lengths + palm)
   Eigen::VectorXd third;
 
   double length(int j) const { return backbone.length(j); }
+  double start_distance(const StartShape& shape, const std::vector<Vec2>& points, ConstVectorRef lower,
+                        ConstVectorRef upper) const;
   void evaluate_shape(ConstVectorRef x);
   void evaluate_forces(ConstVectorRef x);
   void evaluate_rows(ConstVectorRef x, Eigen::VectorXd& c);
   void fill_base(ConstVectorRef x);
   void base_rows();
+  void mark_palm_column();
+  bool carried(int obstacle) const { return obstacle >= static_cast<int>(spec.obstacles.size()) - spec.carried; }
   void equilibrium_jacobian(ConstVectorRef x, Eigen::MatrixXd& jacobian);
   void contact_jacobian(Eigen::MatrixXd& jacobian);
   void check_jacobian(Eigen::MatrixXd& jacobian);
-  /// direction . dP of a check point, after check_jacobian(): the coordinates up to its piece, and the arc lengths.
-  void check_row(int j, const CheckStations& at, std::size_t use, Vec2 direction, double* row,
-                 double* by_arc_length) const;
+  void balance_jacobian(Eigen::MatrixXd& jacobian) const;
+  /// direction . dP of a check point against its obstacle, after check_jacobian(): the coordinates up to its piece, and
+  /// from `others` on the arc lengths and the palm distance.
+  void check_row(int j, const CheckStations& at, std::size_t use, Vec2 direction, double* row, double* others) const;
   void point_row_of_moving(const MovingPoint& m, int variable, double* x, double* y, double* angle, double* curvature);
   double own_rate(const MovingPoint& m, int variable, int l) const;
   bool gather_check_adjoints(CheckStations& at, ConstVectorRef multipliers, Vec2& sum) const;

@@ -138,6 +138,8 @@ void PoseProgram::do_hessian(ConstVectorRef x, double sigma, ConstVectorRef mult
         delta += d.length(last) * m.weight(g) * psi * turned(m.node_tangent(g));
       }
     }
+    // The balance row f n(P) . axis has the form of the virtual work along a constant displacement.
+    if (layout.balances > 0) delta += multipliers[layout.first_balance] * d.spec.palm->axis;
     // gap: d;  closest point: t(phi) . n(P);  virtual work of the force: f n(P) . delta.
     const double along = closest * curvature * dot(tau, c.tangent) + c.force * curvature * dot(tau, delta);
     d.base_gradient[at.point.x] += gap * n0.x + along * tau.x;
@@ -437,7 +439,7 @@ void PoseProgram::Data::add_inner_second(ConstVectorRef x, double sigma, ConstVe
 
   // Check points: the obstacle's curvature, as one product over all rows. Rows vanish behind their piece.
   int rows_used = 0;
-  const int width = q_count + s_count;
+  const int width = q_count + s_count + (layout.palm >= 0 ? 1 : 0);
   for (int j = 0; j < pieces; ++j) {
     const CheckStations& at = stations[static_cast<std::size_t>(j)];
     for (std::size_t use = 0; use < at.rows.size(); ++use) {
@@ -458,9 +460,10 @@ void PoseProgram::Data::add_inner_second(ConstVectorRef x, double sigma, ConstVe
     for (int i = 0; i < width; ++i) {
       std::fill_n(column, width, 0.0);
       kernels::add_weighted_columns(width, width, rows_used, check_rows.data(), scaled_rows.col(i).data(), 1, column);
-      double* out = h.col(i < q_count ? i : s0 + i - q_count).data();
+      double* out = h.col(i < q_count ? i : i < q_count + s_count ? s0 + i - q_count : layout.palm).data();
       for (int k = 0; k < q_count; ++k) out[k] += column[k];
       for (int l = 0; l < s_count; ++l) out[s0 + l] += column[q_count + l];
+      if (layout.palm >= 0) out[layout.palm] += column[width - 1];
     }
   }
   (void)x;

@@ -43,6 +43,39 @@ StartShape constant_curvature(double tip_angle) {
   return shape;
 }
 
+/// The palm distance at which the first contact's part of a shape comes nearest to touching its obstacle, and the rest
+/// overlaps it least. `points`: of the shape at equal steps of arc length, with the base at Rod::base.
+double PoseProgram::Data::start_distance(const StartShape& shape, const std::vector<Vec2>& points, ConstVectorRef lower,
+                                         ConstVectorRef upper) const {
+  const double low = lower[layout.palm];
+  const double high = upper[layout.palm];
+  if (std::isfinite(shape.palm_distance)) return std::clamp(shape.palm_distance, low, high);
+  if (spec.contacts.empty()) return 0.5 * (low + high);
+  const Obstacle& obstacle = *spec.obstacles[static_cast<std::size_t>(spec.contacts[0].obstacle)];
+  const bool at_tip = spec.contacts[0].at_tip;
+  const double from = at_tip ? 1.0 : lower[layout.first_arc_length];
+  const double to = at_tip ? 1.0 : upper[layout.first_arc_length];
+  constexpr int candidates = 60;
+  double best = infinity;
+  double distance = low;
+  for (int c = 0; c <= candidates; ++c) {
+    const double trial = low + (high - low) * c / candidates;
+    double own = infinity;
+    double any = infinity;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double s = static_cast<double>(i) / static_cast<double>(points.size() - 1);
+      const double gap = obstacle.at(points[i] - trial * spec.palm->axis).distance;
+      any = std::min(any, gap);
+      if (s >= from && s <= to) own = std::min(own, gap);
+    }
+    const double defect = std::abs(own) + std::max(0.0, -any);
+    if (!(defect < best)) continue;
+    best = defect;
+    distance = trial;
+  }
+  return distance;
+}
+
 Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
   const Data& d = *data_;
   const Layout& at = d.layout;
@@ -63,6 +96,11 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
     const double middle = angle + 0.5 * h * shape.curvature((i + 0.25) * h);
     points.push_back(points.back() + h * Vec2{std::cos(middle), std::sin(middle)});
     angle += h * shape.curvature((i + 0.5) * h);
+  }
+  if (d.spec.palm) {
+    const double distance = at.palm < 0 ? d.spec.palm->minimum : d.start_distance(shape, points, lower(), upper());
+    if (at.palm >= 0) x[at.palm] = distance;
+    for (Vec2& p : points) p += -distance * d.spec.palm->axis;
   }
   for (int k = 0; k < at.arc_lengths; ++k) {
     const int variable = at.first_arc_length + k;
@@ -152,6 +190,7 @@ StartShape PoseProgram::shape_of(ConstVectorRef x) const {
     shape.arc_lengths.push_back(variable < 0 ? std::numeric_limits<double>::quiet_NaN() : x[variable]);
     shape.forces.push_back(x[at.first_force + k]);
   }
+  if (d.spec.palm) shape.palm_distance = palm_distance(x);
   return shape;
 }
 

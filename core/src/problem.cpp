@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "contact_search.hpp"
+#include "grasp.hpp"
 #include "plan_report.hpp"
 #include "problem_data.hpp"
 #include "tendril/chain.hpp"
@@ -57,21 +58,22 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
   const double begin = now();
   Data& d = *data_;
   validate(scene);
-  if (scene.problem != ProblemKind::pose && scene.problem != ProblemKind::trajectory) {
+  const bool grasp = scene.problem == ProblemKind::grasp;
+  if (scene.problem != ProblemKind::pose && scene.problem != ProblemKind::trajectory && !grasp) {
     throw SceneError("problem", "problem \"" + std::string(to_string(scene.problem)) +
-                                    "\" cannot be planned here, expected \"pose\" or \"trajectory\"" +
+                                    "\" cannot be planned here, expected \"pose\", \"trajectory\" or \"grasp\"" +
                                     (scene.problem == ProblemKind::execute ? ", or the command 'execute'" : ""));
   }
-  d.scene = scene;
+  d.scene = grasp ? finger_in_palm_frame(scene) : scene;
   d.components = std::move(components);
   d.scale = scale_of(scene);
-  d.rod = make_rod(scene, d.scale);
+  d.rod = make_rod(d.scene, d.scale);
   if (!d.components.coordinates) throw Error("a problem needs a coordinate model");
   if (!d.components.solver) throw Error("a problem needs a solver");
   if (d.components.terms.size() != scene.objectives.size()) throw Error("one term per objective is needed");
 
   // Obstacles.
-  d.obstacle_names = obstacle_names(scene);
+  d.obstacle_names = obstacle_names(d.scene);
   if (needs_obstacles(scene)) {
     if (d.components.obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
     for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
@@ -85,16 +87,19 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
       }
     }
   }
+  d.contact_obstacles = static_cast<int>(d.obstacles.size());
   d.max_force = d.scale.to_dimensionless(scene.contact.max_force, dimension::force);
   d.min_force = scene.contact.mode == ContactModeName::require
                     ? d.scale.to_dimensionless(scene.contact.min_force, dimension::force)
                     : 0.0;
+  if (grasp) set_up_grasp(d);
 
   // Target and terms.
   d.take_target(scene.problem == ProblemKind::trajectory ? scene.trajectory.targets.front() : scene.target);
   std::map<std::string, int> seen;
   bool reads_contact_place = false;
   std::string place_reader;
+  bool reads_moments = false;
   for (std::size_t i = 0; i < scene.objectives.size(); ++i) {
     const ObjectiveSpec& objective = scene.objectives[i];
     if (!needs_term(objective)) {
@@ -116,7 +121,8 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
                                  std::string(to_string(scene.contact.mode)) + "\", " +
                                  std::to_string(scene.obstacles.size()) + " obstacles)");
     }
-    if (reads.palm_distance) {
+    reads_moments = reads_moments || reads.moments;
+    if (reads.palm_distance && !grasp) {
       throw SceneError(path, "objective '" + objective.plugin + "' needs a palm, but a pose has none");
     }
     if (reads.contact_point || reads.contact_gap || reads.contact_normal || reads.contact_arc_length) {
@@ -125,6 +131,11 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
     }
     d.objective_scale = std::max(d.objective_scale, objective.weight);
     d.terms.push_back(term);
+  }
+  if (grasp && !reads_moments) {
+    throw SceneError("objective",
+                     "a grasp needs an objective that weighs the moments, such as 'actuation_effort': with the contact "
+                     "force at its limit and no force along the axis there is still a whole family of grasps");
   }
   for (PoseProgramTerm& t : d.terms) {
     t.weight /= d.objective_scale;
@@ -146,7 +157,7 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
   }
   if (d.rod.actuators.empty()) d.left_out.push_back({"moments", "the rod has no actuator"});
   std::string no_contact;
-  if (scene.obstacles.empty()) {
+  if (d.scene.obstacles.empty()) {
     no_contact = "the scene has no obstacle";
   } else if (scene.contact.mode == ContactModeName::ignore) {
     no_contact = "contact mode \"ignore\"";
@@ -158,12 +169,19 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
     d.left_out.push_back({"contact variables and rows",
                           scene.contact.mode == ContactModeName::avoid ? "contact mode \"avoid\"" : "max_force is 0"});
   }
-  d.left_out.push_back({"palm distance", "a pose has no palm"});
+  if (!grasp) {
+    d.left_out.push_back({"palm distance", "a pose has no palm"});
+  } else {
+    if (d.palm->minimum == d.palm->maximum) d.left_out.push_back({"palm distance", "it is fixed"});
+    if (!d.palm->balance) d.left_out.push_back({"force balance as a row", "the scene leaves it to an objective"});
+    d.left_out.push_back({"the lower finger", "it is the mirror image of the upper one"});
+    d.left_out.push_back({"complementarity of the contacts", "a grasp holds its object: every contact touches"});
+  }
 
   // Modes: the small programs.
   const std::vector<double> knots = d.rod.fixed_knots();
   const std::size_t stretches = knots.size() - 1;
-  const bool require = scene.contact.mode == ContactModeName::require && d.contact_planned();
+  const bool require = d.scene.contact.mode == ContactModeName::require && d.contact_planned();
   if (!require) {
     Mode none{d.obstacles.empty() ? "free" : "no contact", {}, ""};
     if (reads_contact_place)
@@ -171,7 +189,7 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
     d.modes.push_back(std::move(none));
   }
   if (d.contact_planned()) {
-    const auto obstacles = static_cast<int>(d.obstacles.size());
+    const int obstacles = d.contact_obstacles;
     const int count = scene.contact.count;
     const std::vector<ContactSetup> slots = contact_slots(static_cast<int>(stretches), obstacles);
     const auto few = every_assignment(slots, count, most_enumerated);
@@ -206,7 +224,9 @@ Mode Problem::Data::mode(std::vector<ContactSetup> contacts) const {
     mode.name += contact_name(c, obstacle_names, knots.size() - 1);
     // A point at arc length s is at most s away from the base.
     const double reach = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
-    if (obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > reach) {
+    if (palm) {
+      if (mode.skip.empty()) mode.skip = grasp_obstruction(*this, reach);
+    } else if (obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > reach) {
       mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
     }
   }
@@ -226,6 +246,8 @@ PoseProgramSpec Problem::Data::spec(const Mode& mode, const std::vector<int>& re
   s.nodes = with_nodes;
   s.min_force = min_force;
   s.max_force = max_force;
+  s.palm = palm;
+  s.carried = carried;
   s.tables = tables;
   return s;
 }
@@ -278,7 +300,7 @@ std::vector<CheckPoint> Problem::Data::first_checks(const PoseProgramSpec& spec,
 Mode Problem::Data::largest_mode() const {
   const int stretches = static_cast<int>(rod.fixed_knots().size()) - 1;
   std::vector<ContactSetup> contacts;
-  for (const ContactSetup& slot : contact_slots(stretches, static_cast<int>(obstacles.size()))) {
+  for (const ContactSetup& slot : contact_slots(stretches, contact_obstacles)) {
     if (static_cast<int>(contacts.size()) == scene.contact.count) break;
     if (!slot.at_tip || contacts.empty() || !contacts.back().at_tip) contacts.push_back(slot);
   }
@@ -326,6 +348,7 @@ Description Problem::describe() const {
     add(m.variables, "moments", at.moments);
     add(m.variables, "contact_arc_length", at.arc_lengths);
     add(m.variables, "contact_force", at.forces);
+    add(m.variables, "palm_distance", at.palm >= 0 ? 1 : 0);
     const bool rows_for_complementarity =
         at.forces > 0 && d.scene.contact.treatment != Treatment::penalty && d.min_force == 0.0;
     if (rows_for_complementarity && d.scene.contact.treatment == Treatment::slack) add(m.variables, "slack", at.forces);
@@ -339,6 +362,7 @@ Description Problem::describe() const {
           d.scene.contact.treatment == Treatment::scholtes ? "inequality" : "equality");
     }
     add(m.rows, "contact_order", at.orders, "inequality");
+    add(m.rows, "force_balance", at.balances, "equality");
     if (program.variable_count() > most) {
       most = program.variable_count();
       largest = out.modes.size();

@@ -23,7 +23,11 @@ struct Problem::Data {
   Components components;
   Scale scale;
   Rod rod;
-  std::vector<const Obstacle*> obstacles;  ///< those that the plan respects
+  std::vector<std::unique_ptr<Obstacle>> own_obstacles;  ///< of a grasp
+  std::vector<const Obstacle*> obstacles;                ///< those that the plan respects
+  int contact_obstacles = 0;                             ///< the first so many may be touched
+  std::optional<PalmSetup> palm;                         ///< of a grasp
+  int carried = 0;                                       ///< obstacles that stand on the palm: the last ones
   std::vector<std::string> obstacle_names;
   std::vector<PoseProgramTerm> terms;  ///< weights divided by `objective_scale`
   double objective_scale = 1.0;

@@ -45,6 +45,7 @@ TermEvaluator::TermEvaluator(WeightedTerm term, const Target& target, int contac
   for (auto& c : contacts_) c = {next(), next(), next(), 0.6, 0.8, next(), next(), next(), next()};
   for (double& m : moments_) m = next();
   finger_[0].bending_energy = next();
+  quantities_.palm_distance = next();
   Contribution<double> dry{std::span<double>{}};
   weighted_.term->evaluate(quantities_, dry);
   residuals_ = static_cast<int>(dry.residual_count());
@@ -52,6 +53,7 @@ TermEvaluator::TermEvaluator(WeightedTerm term, const Target& target, int contac
   has_smooth_ = dry.smooth_part() != 0.0;
   finger_[0].tip = {};
   finger_[0].bending_energy = 0.0;
+  quantities_.palm_distance = 0.0;
   for (auto& p : samples_) p = {};
   for (auto& c : contacts_) c = {};
   for (double& m : moments_) m = 0.0;
@@ -118,6 +120,7 @@ void TermEvaluator::bind(const BaseIndex& index, std::size_t first_sample) {
   }
   for (std::size_t a = 0; a < moments_.size(); ++a) add_input(moments_[a], dual_moments_[a], index.moments[a]);
   if (reads_.bending_energy) add_input(f.bending_energy, d.bending_energy, index.energy);
+  if (reads_.palm_distance) add_input(quantities_.palm_distance, dual_quantities_.palm_distance, index.palm);
   input_gradient_.resize(inputs_.size());
   input_hessian_.resize(inputs_.size() * inputs_.size());
 }
@@ -142,6 +145,10 @@ void TermEvaluator::evaluate(const BaseValues& at, double& cost, double& rest, d
     contacts_[k].reference_y = at.references[k].y;
     dual_contacts_[k].reference_x = at.references[k].x;
     dual_contacts_[k].reference_y = at.references[k].y;
+  }
+  if (reads_.palm_distance && index_->palm < 0) {
+    quantities_.palm_distance = at.palm;
+    dual_quantities_.palm_distance = at.palm;
   }
   Contribution<double> out{residual_values_};
   weighted_.term->evaluate(quantities_, out);

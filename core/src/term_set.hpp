@@ -32,6 +32,7 @@ struct BaseIndex {
   std::vector<Contact> contacts;
   std::vector<int> moments;  ///< one per actuator; -1: fixed at zero
   int energy = -1;
+  int palm = -1;  ///< palm distance; -1: no variable
   int count = 0;
 };
 
@@ -40,6 +41,7 @@ struct BaseValues {
   Eigen::VectorXd base;                ///< BaseIndex::count
   std::vector<SurfacePoint> surfaces;  ///< one per contact
   std::vector<Vec2> references;        ///< one per contact
+  double palm = 0.0;                   ///< palm distance where it is no variable
 };
 
 /// One term with the storage that it reads from. It sees zeros wherever its Reads did not ask: a derivative can then

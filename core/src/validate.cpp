@@ -91,6 +91,54 @@ void validate_rod(const RodSpec& rod) {
   }
 }
 
+void validate_gripper(const Scene& scene) {
+  if (scene.problem != ProblemKind::grasp) {
+    if (scene.gripper) throw SceneError("gripper", "[gripper] needs problem = \"grasp\"");
+    return;
+  }
+  if (!scene.gripper) throw SceneError("gripper", "problem \"grasp\" needs a [gripper]");
+  const GripperSpec& g = *scene.gripper;
+  require_positive(g.half_palm, "gripper.half_palm", "half the palm's width", "m");
+  require_positive(g.object_diameter, "gripper.object_diameter", "the object's diameter", "m");
+  constexpr double square = 1.57079632679489662;
+  if (!(std::abs(g.finger_angle) < square)) {
+    throw SceneError("gripper.finger_angle",
+                     "the fingers have to point away from the palm: expected an angle between "
+                     "-pi/2 and pi/2, found " +
+                         text(g.finger_angle) + " rad");
+  }
+  require_finite(g.position.x, "gripper.position");
+  require_finite(g.position.y, "gripper.position");
+  require_finite(g.angle, "gripper.angle");
+  if (g.palm_distance && g.palm_distance_range) {
+    throw SceneError("gripper.palm_distance_range",
+                     "found 'palm_distance_range' beside 'palm_distance', expected one of them");
+  }
+  if (g.palm_distance) require_positive(*g.palm_distance, "gripper.palm_distance", "the palm distance", "m");
+  if (g.palm_distance_range) {
+    require_not_negative(g.palm_distance_range->first, "gripper.palm_distance_range", "the palm distance", "m");
+    require_positive(g.palm_distance_range->second, "gripper.palm_distance_range", "the largest palm distance", "m");
+    if (g.palm_distance_range->first > g.palm_distance_range->second) {
+      throw SceneError("gripper.palm_distance_range", "the limits contradict each other: at least " +
+                                                          text(g.palm_distance_range->first) + " m and at most " +
+                                                          text(g.palm_distance_range->second) + " m");
+    }
+  }
+  if (!scene.obstacles.empty()) {
+    throw SceneError("obstacle", "the object of a grasp is in [gripper], expected no [[obstacle]] beside it");
+  }
+  if (scene.target.position || scene.target.angle) {
+    throw SceneError("target", "a grasp has no target pose, expected no [target]");
+  }
+  if (scene.rod.base_position.x != 0.0 || scene.rod.base_position.y != 0.0 || scene.rod.base_angle != 0.0) {
+    throw SceneError("rod.base", "the fingers stand on the palm, expected their place in [gripper]");
+  }
+  if (scene.contact.mode == ContactModeName::ignore || scene.contact.mode == ContactModeName::avoid) {
+    throw SceneError("contact.mode", "a grasp needs contact, expected \"allow\" or \"require\"");
+  }
+  if (scene.contact.max_force == 0.0) throw SceneError("contact.max_force", "a grasp needs a max_force above 0");
+}
+
 }  // namespace
 
 void validate(const Scene& scene) {
@@ -110,6 +158,7 @@ void validate(const Scene& scene) {
   if (scene.target.angle) require_finite(*scene.target.angle, "target.angle");
 
   validate_trajectory(scene);
+  validate_gripper(scene);
 
   const ContactSpec& c = scene.contact;
   require_not_negative(c.min_force, "contact.min_force", "the least contact force", "N");
@@ -128,7 +177,7 @@ void validate(const Scene& scene) {
   }
   require_positive(c.beta, "contact.beta", "beta", "");
   if (c.mode == ContactModeName::require) {
-    if (scene.obstacles.empty())
+    if (scene.obstacles.empty() && !scene.gripper)
       throw SceneError("contact.mode", "\"require\" needs an obstacle, but the scene has none");
     if (!(c.min_force > 0.0)) {
       throw SceneError("contact.min_force", "\"require\" needs a min_force above 0");

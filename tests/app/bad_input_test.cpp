@@ -78,8 +78,7 @@ INSTANTIATE_TEST_SUITE_P(
                              "s.toml:34:10: objective plugin 'tip_pos' was not found; did you mean 'tip_pose'?"},
                     BadScene{"\"tip_pose\"", "\"../tip_pose\"", "s.toml:34:10: "},
                     BadScene{"limit = \"2.5 N mm\"", "min = 1\nmax = -1", "s.toml:11:7: found min"},
-                    BadScene{"\"pose\"", "\"grasp\"",
-                             "s.toml:2:11: found problem = \"grasp\", which is not available in this version"},
+                    BadScene{"\"pose\"", "\"grasp\"", "problem \"grasp\" needs a [gripper]"},
                     BadScene{"[target]\nposition = [\"97 mm\", \"20 mm\"]", "", "target"}));
 
 TEST(BadFile, IsRefused) {

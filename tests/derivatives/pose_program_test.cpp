@@ -65,11 +65,12 @@ class Sines : public CoordinateModel {
 /// Reads everything there is, nonlinearly, in all three forms.
 class Everything : public ObjectiveBase<Everything> {
  public:
-  explicit Everything(bool contacts) : contacts_(contacts) {}
+  explicit Everything(bool contacts, bool palm = false) : contacts_(contacts), palm_(palm) {}
   Reads reads() const override {
     Reads r;
     r.tip_position = r.tip_angle = r.bending_energy = r.moments = true;
     r.contact_point = r.contact_gap = r.contact_normal = r.contact_force = r.contact_arc_length = contacts_;
+    r.palm_distance = palm_;
     r.samples = {0.23, 0.61, 0.97};
     return r;
   }
@@ -79,6 +80,7 @@ class Everything : public ObjectiveBase<Everything> {
     out.residual(f.tip.x * f.tip.y - 0.3);
     out.residual(sin(f.tip.angle) + f.bending_energy * 0.2);
     out.linear(0.7 * f.tip.y);
+    if (palm_) out.smooth(exp(x.palm_distance) * f.tip.y);
     for (const T& u : f.moments) out.smooth(exp(0.3 * u) * f.tip.x);
     for (const BackboneQuantities<T>& b : f.samples) {
       out.residual(b.x * b.angle);
@@ -91,7 +93,7 @@ class Everything : public ObjectiveBase<Everything> {
   }
 
  private:
-  bool contacts_;
+  bool contacts_, palm_;
 };
 
 // Sixth-order central differences: the error is e^6 times seventh derivatives and 1e-16/e from rounding, relative to
@@ -107,6 +109,7 @@ struct Case {
   bool tip_contact;
   int interior_contacts;
   const char* shapes = "circles";
+  bool palm = false;
 };
 
 std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name; }
@@ -127,7 +130,7 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
     make_obstacles(c.shapes);
     spec.obstacles = {upper.get(), lower.get()};
     const bool contacts = c.tip_contact || c.interior_contacts > 0;
-    everything = std::make_unique<Everything>(contacts);
+    everything = std::make_unique<Everything>(contacts, c.palm);
     spec.terms = {{everything.get(), 1.3, "everything"}};
     spec.split = c.split;
     // Two contacts in one region: in one stretch when split, in one piece otherwise.
@@ -135,6 +138,13 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
     if (c.tip_contact) spec.contacts.push_back({0, true, 0});
     spec.nodes = 34;
     spec.checks = {{0, 0.5, 0}, {0, 0.5, 1}, {1, 0.31, 1}, {1, 0.8, 0}};
+    if (c.palm) {
+      spec.palm = PalmSetup{{0.8, -0.6}, -0.3, 0.4, true};
+      carried = std::make_unique<Circle>(Vec2{-0.2, 0.3}, 0.1);
+      spec.obstacles.push_back(carried.get());
+      spec.carried = 1;
+      spec.checks.push_back({1, 0.6, 2});
+    }
     program = std::make_unique<PoseProgram>(spec);
   }
 
@@ -181,6 +191,7 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
     Curve curve(std::make_shared<CurveTables>(program->chain().rule()));
     curve.follow(program->backbone());
     for (const CheckPoint& c : spec.checks) {
+      if (c.obstacle == 2) continue;
       points.emplace_back(spec.obstacles[static_cast<std::size_t>(c.obstacle)], curve.position(c.piece, c.sigma));
     }
     return std::any_of(points.begin(), points.end(), [](const auto& p) {
@@ -207,7 +218,7 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
   }
 
   Rod rod;
-  std::unique_ptr<Obstacle> upper, lower;
+  std::unique_ptr<Obstacle> upper, lower, carried;
   std::unique_ptr<Everything> everything;
   PoseProgramSpec spec;
   std::unique_ptr<PoseProgram> program;
@@ -288,6 +299,17 @@ std::vector<Case> cases() {
     for (const char* shapes : {"walls", "hulls"}) {
       all.push_back({split ? "legendre6_split" : "legendre6", legendre(6), split, true, 2, shapes});
     }
+  }
+  for (const bool split : {false, true}) {
+    for (const bool tip : {false, true}) {
+      for (const int contacts : {1, 2}) {
+        const char* name = split ? "legendre6_split_palm" : "legendre6_palm";
+        all.push_back({name, legendre(6), split, tip, contacts, "circles", true});
+      }
+    }
+    all.push_back({split ? "legendre6_split_palm" : "legendre6_palm", legendre(6), split, true, 2, "hulls", true});
+    all.push_back(
+        {split ? "pcc3_split_palm" : "pcc3_palm", std::make_shared<Linear>(3), split, true, 0, "circles", true});
   }
   return all;
 }

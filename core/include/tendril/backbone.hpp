@@ -32,6 +32,10 @@ class TENDRIL_API Backbone {
 
   const Chain& chain() const { return *chain_; }
 
+  /// Where the next move() begins.
+  void place(Vec2 base) { base_ = base; }
+  Vec2 base() const { return base_; }
+
   /// Moves to coordinates q (chain.coordinate_count()) and moving knots (chain.knot_count()).
   void move(ConstVectorRef q, std::span<const double> knots);
 

@@ -33,6 +33,8 @@ class TENDRIL_API Curve {
  public:
   explicit Curve(std::shared_ptr<const CurveTables> tables) : tables_(std::move(tables)) {}
   void follow(const Backbone& backbone);
+  /// Shifts every point.
+  void translate(Vec2 by);
 
   /// A point of the curve and the unit tangent there.
   struct Point {

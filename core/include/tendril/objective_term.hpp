@@ -71,7 +71,8 @@ struct Target {
 };
 
 /// Everything a term may read, dimensionless (model.md section 1). What Reads did not ask for is zero.
-/// A pose has one finger, a grasp planned for two fingers has two.
+/// A pose has one finger, and so has a grasp whose other finger is its mirror image. In a grasp points are measured
+/// from the object's centre, x along the axis of symmetry; the palm is at x = -palm_distance.
 template <class T>
 struct Quantities {
   std::span<const FingerQuantities<T>> fingers{};

@@ -24,6 +24,7 @@ struct Certificate {
   double penetration = infinity;      ///< certified depth: the true one is not larger
   double complementarity = infinity;  ///< largest min(g, f)
   double closest_point = infinity;
+  double balance = infinity;  ///< force along a grasp's axis that one finger leaves; 0 where none is asked for
   double stationarity = infinity;
   std::string stationarity_kind = "none";  ///< "S", "M", "C" or "none"
   double moment_balance = infinity;        ///< strong form: a direct measure of model error
@@ -72,6 +73,28 @@ struct ModeRecord {
   double objective = infinity;  ///< dimensionless, of the best point found
 };
 
+/// What a small error does to a grasp at held moments. NaN: the equilibrium has no derivative there.
+struct GraspQuality {
+  /// N/m: force that drives the object back, per distance that it is moved along the axis (negative: it drives it on),
+  /// and across it.
+  double axial_stiffness = 0.0, lateral_stiffness = 0.0;
+  /// N, for each actuator of the upper finger: change of the force on the object (along the axis, across it) if that
+  /// moment alone is 1 % larger.
+  std::vector<Vec2> force_by_moment;
+  std::vector<double> force_margins;  ///< N, distance of each contact force to its limit
+};
+
+/// What only a grasp has. The plan's rod and contacts are those of the upper finger; the lower one is its mirror image.
+struct GraspPlan {
+  double palm_distance = 0.0;           ///< m
+  Vec2 object_center{};                 ///< m
+  double object_radius = 0.0;           ///< m
+  Vec2 net_force{};                     ///< N, of both fingers on the object
+  double axial_force = 0.0;             ///< N, the same along the axis; positive: away from the palm
+  double lateral_force = 0.0;           ///< N, with which each finger presses across the axis
+  std::optional<GraspQuality> quality;  ///< of plans; an execution has none
+};
+
 /// A plan in SI units, except where said.
 struct Plan {
   PlanStatus status = PlanStatus::failed;
@@ -86,7 +109,8 @@ struct Plan {
   /// Distance of the tip to where executing the moments takes it (verify() in execute.hpp), m: loaded from the start,
   /// and settled from the plan's own shape.
   std::optional<double> model_error, local_model_error;
-  std::string verification;                           ///< what execution found, in words; empty: not asked for
+  std::string verification;  ///< what execution found, in words; empty: not asked for
+  std::optional<GraspPlan> grasp;
   double objective = 0.0;                             ///< dimensionless, without penalty
   std::vector<std::pair<std::string, double>> terms;  ///< weighted, dimensionless; they sum to the objective
   std::vector<PlannedContact> contacts;

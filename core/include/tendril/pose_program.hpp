@@ -1,7 +1,9 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +46,15 @@ struct PoseProgramTerm {
   std::string name;
 };
 
+/// The palm that a finger stands on (model.md section 6, "grasp"). The program's frame is fixed to the object, whose
+/// centre is the origin: the rod's base stands at `Rod::base` minus the palm distance times `axis`, so that every point
+/// of the rod has the same constant derivative with respect to the distance.
+struct PalmSetup {
+  Vec2 axis{1.0, 0.0};                  ///< unit vector away from the palm
+  double minimum = 0.0, maximum = 0.0;  ///< of the palm distance; equal: fixed, and no variable
+  bool balance = true;                  ///< whether sum_k f_k n_k . axis = 0 is a row
+};
+
 /// Everything that a pose program is assembled from. Pointers are borrowed and must outlive the program.
 struct PoseProgramSpec {
   const Rod* rod = nullptr;
@@ -57,6 +68,8 @@ struct PoseProgramSpec {
   int nodes = 0;  ///< Gauss nodes per smooth interval of a piece
   double min_force = 0.0;
   double max_force = infinity;
+  std::optional<PalmSetup> palm{};
+  int carried = 0;  ///< the last so many obstacles stand on the palm: they move with the rod's base
   std::shared_ptr<TableStore> tables{};  ///< shared by programs of one rod and model; null: each makes its own
 };
 
@@ -66,6 +79,7 @@ struct StartShape {
   std::vector<double> moments{};            ///< one per actuator; empty: those that hold the shape without other loads
   std::vector<double> arc_lengths{};        ///< one per contact; empty or NaN: the nearest point
   std::vector<double> forces{};             ///< one per contact; empty: 0
+  double palm_distance = std::numeric_limits<double>::quiet_NaN();  ///< NaN: where the shape nearly touches
 };
 
 /// Constant curvature with this angle of the tip against the base.
@@ -76,7 +90,8 @@ TENDRIL_API StartShape constant_curvature(double tip_angle);
 inline constexpr double knot_clearance = 1e-5;
 
 /// The nonlinear program of one way of being in contact (model.md section 5). x = (q, moments, contact arc lengths,
-/// contact forces), each block only if needed. Exact first and second derivatives; no allocation after construction.
+/// contact forces, palm distance), each block only if needed. Exact first and second derivatives; no allocation after
+/// construction.
 class TENDRIL_API PoseProgram : public NonlinearProgram {
  public:
   explicit PoseProgram(PoseProgramSpec spec);
@@ -88,10 +103,12 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     int first_moment = 0, moments = 0;          ///< actuators that are not fixed at zero
     int first_arc_length = 0, arc_lengths = 0;  ///< interior contacts
     int first_force = 0, forces = 0;            ///< all contacts
-    int first_gap = 0;  ///< rows: equilibrium [0, coordinates), then gaps, closest points, checks, order
+    int palm = -1;                              ///< palm distance; -1: none, or fixed
+    int first_gap = 0;  ///< rows: equilibrium [0, coordinates), then gaps, closest points, checks, order, balance
     int first_closest = 0;
     int first_check = 0, checks = 0;
     int first_order = 0, orders = 0;
+    int first_balance = 0, balances = 0;
   };
   const Layout& layout() const;
   const PoseProgramSpec& spec() const;
@@ -100,6 +117,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   int moment_variable(int actuator) const;
   /// Interior contact k's arc length variable, or -1 for a contact at the tip.
   int arc_length_variable(int contact) const;
+  /// Distance of the palm at x; 0 without a palm.
+  double palm_distance(ConstVectorRef x) const;
   int force_variable(int contact) const { return layout().first_force + contact; }
 
   /// Chooses the branch of contact k: changes bounds only. Calls invalidate().
@@ -123,6 +142,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   };
   const std::vector<ContactState>& contacts() const;
   const Backbone& backbone() const;
+  /// How far the base stands from Rod::base.
+  Vec2 base_shift() const;
   /// Weighted value of term i, and its name.
   double term_value(int i) const;
 

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tendril/geometry.hpp"
@@ -122,6 +123,18 @@ struct MeasurementSpec {
   std::vector<double> moments;  ///< N m, one per actuator; empty: not given
 };
 
+/// Two mirrored fingers on a palm and the round object between them (model.md section 6, "grasp").
+struct GripperSpec {
+  double half_palm = 0.0;               ///< m, from the axis of symmetry to the base of either finger
+  double finger_angle = 0.0;            ///< rad, of the upper finger's base against the axis
+  double object_diameter = 0.0;         ///< m
+  std::optional<double> palm_distance;  ///< m, from the palm to the object's centre, if it is fixed
+  std::optional<std::pair<double, double>> palm_distance_range;  ///< m; neither: free
+  Vec2 position{};                                               ///< m, the palm's middle
+  double angle = 0.0;                                            ///< rad, direction of the axis, away from the palm
+  bool exact_balance = true;  ///< no force along the axis, as a constraint; else an objective sees to it
+};
+
 /// Everything that a scene file says.
 struct Scene {
   std::string file;  ///< as named by the user; empty if made in code
@@ -137,6 +150,7 @@ struct Scene {
   TargetSpec target;
   MeasurementSpec measurement;
   TrajectorySpec trajectory;
+  std::optional<GripperSpec> gripper;
   std::vector<ObjectiveSpec> objectives;
   SolverSpec solver;
   QuantityReader read_quantity;  ///< for numbers with units inside raw options; may be empty

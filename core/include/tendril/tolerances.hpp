@@ -5,6 +5,7 @@
 namespace tendril::tolerance {
 
 inline constexpr double equilibrium = 1e-9;      ///< residual of the equilibrium rows
+inline constexpr double balance = 1e-9;          ///< force along the axis of a grasp
 inline constexpr double bounds = 1e-9;           ///< moments, forces, arc lengths beyond their limits
 inline constexpr double penetration = 1e-9;      ///< certified depth
 inline constexpr double complementarity = 1e-9;  ///< min(gap, force)

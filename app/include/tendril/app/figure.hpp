@@ -25,6 +25,7 @@ struct FigureScene {
   Vec2 base{};
   double base_angle = 0.0;
   std::optional<Vec2> gravity;
+  std::optional<GripperSpec> gripper;  ///< the other finger of a grasp is drawn too
   std::string title;
 };
 

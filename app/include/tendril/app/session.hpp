@@ -46,7 +46,9 @@ class Session {
   /// added to the plan's left_out.
   Plan plan(const std::optional<std::filesystem::path>& start);
   /// What the rod does under `moments` (N m, one per actuator), from an earlier result or from the scene's start.
-  Execution execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start);
+  /// `palm_distance`: m, where a grasp holds its object; null: where the scene fixes it.
+  Execution execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start,
+                    std::optional<double> palm_distance = std::nullopt);
   /// Executes the plan and judges it by what comes of it (core's verify()).
   void verify(Plan& plan, const std::optional<std::filesystem::path>& start);
   const Units& units() const { return *units_; }

@@ -26,8 +26,11 @@ const std::vector<std::string>& study_mode_names();
 struct StudySpec {
   std::vector<double> limits;  ///< N m
   std::vector<StudyMode> modes;
-  std::vector<Vec2> targets;      ///< m
-  std::vector<StudyMode> starts;  ///< whose results `allow` and `require` start from as well
+  std::vector<Vec2> targets;         ///< m
+  std::vector<double> force_limits;  ///< N
+  std::vector<double> diameters;     ///< m, of a grasp's object
+  std::vector<double> moments;       ///< N m, added to the planned moment of a grasp's last actuator, and carried out
+  std::vector<StudyMode> starts;     ///< whose results `allow` and `require` start from as well
 };
 
 /// One combination of the sweeps.
@@ -36,9 +39,10 @@ struct StudyCase {
   std::optional<double> limit;  ///< N m
   std::optional<StudyMode> mode;
   std::optional<Vec2> target;  ///< m
+  std::optional<double> force_limit, diameter, moment;
 };
 
-/// Every combination, in the order of limits, modes, targets.
+/// Every combination, in the order of limits, force limits, modes, targets, diameters, moments.
 std::vector<StudyCase> study_cases(const StudySpec& study);
 
 /// The scene of one case.

@@ -1,0 +1,76 @@
+#include <Eigen/LU>
+#include <cmath>
+
+#include "grasp.hpp"
+
+namespace tendril {
+namespace {
+
+/// How the held finger answers when the object or a moment moves: derivatives of the force that one finger exerts along
+/// an axis.
+struct Response {
+  double by_object = 0.0;           ///< of -sum f n . axis, by a move of the object along the axis
+  std::vector<double> by_moment{};  ///< by each actuator's moment
+};
+
+/// The equilibrium of one finger at given moments and place is G(z, p) = 0 with z = (coordinates, places, forces); the
+/// object moves along `axis`.
+Response response_of(PoseProgramSpec spec, Vec2 axis, double shift, ConstVectorRef x, const PoseProgram& original) {
+  // The base stays where it is; a variable of its own moves it against the object along the axis.
+  Rod rod = *spec.rod;
+  rod.base += original.base_shift() + shift * axis;
+  spec.rod = &rod;
+  spec.checks.clear();
+  spec.terms.clear();
+  spec.palm = PalmSetup{axis, shift - 1.0, shift + 1.0, true};
+  PoseProgram program(spec);
+  const PoseProgram::Layout& at = program.layout();
+  Eigen::VectorXd y(program.variable_count());
+  y.head(at.palm) = x.head(at.palm);
+  y[at.palm] = shift;
+  const Eigen::MatrixXd jacobian = program.jacobian(y);
+
+  std::vector<int> unknowns;
+  std::vector<int> rows;
+  for (int i = 0; i < at.coordinates; ++i) unknowns.push_back(i);
+  for (int i = 0; i < at.arc_lengths + at.forces; ++i) unknowns.push_back(at.first_arc_length + i);
+  for (int i = 0; i < at.coordinates + at.forces; ++i) rows.push_back(i);
+  for (int k = 0; k < at.arc_lengths; ++k) rows.push_back(at.first_closest + k);
+  const Eigen::FullPivLU<Eigen::MatrixXd> system(Eigen::MatrixXd(jacobian(rows, unknowns)));
+  const Eigen::RowVectorXd balance = jacobian.row(at.first_balance);
+  const auto derivative = [&](int variable) {
+    if (!system.isInvertible()) return std::nan("");
+    const Eigen::VectorXd z = system.solve(-Eigen::VectorXd(jacobian(rows, variable)));
+    return -(balance[variable] + Eigen::RowVectorXd(balance(unknowns)).dot(z));
+  };
+  Response out;
+  out.by_object = derivative(at.palm);
+  for (std::size_t a = 0; a < spec.rod->actuators.size(); ++a) {
+    const int variable = program.moment_variable(static_cast<int>(a));
+    out.by_moment.push_back(variable < 0 ? 0.0 : derivative(variable));
+  }
+  return out;
+}
+
+}  // namespace
+
+GraspQuality grasp_quality(PoseProgram& program, ConstVectorRef x, const Scale& scale) {
+  program.constraints(x);
+  const Response axial = response_of(program.spec(), {1.0, 0.0}, 0.0, x, program);
+  const Response lateral = response_of(program.spec(), {0.0, 1.0}, 0.0, x, program);
+  GraspQuality q;
+  // Both fingers answer alike to a move along the axis, and oppositely to one across it, which the mirror image turns
+  // into the same sum.
+  const double stiffness = scale.force() / scale.length;
+  q.axial_stiffness = -2.0 * axial.by_object * stiffness;
+  q.lateral_stiffness = -2.0 * lateral.by_object * stiffness;
+  for (std::size_t a = 0; a < axial.by_moment.size(); ++a) {
+    const int variable = program.moment_variable(static_cast<int>(a));
+    const double one_percent = variable < 0 ? 0.0 : 0.01 * x[variable];
+    q.force_by_moment.push_back(
+        {axial.by_moment[a] * one_percent * scale.force(), lateral.by_moment[a] * one_percent * scale.force()});
+  }
+  return q;
+}
+
+}  // namespace tendril
