@@ -73,11 +73,17 @@ std::vector<Contestant> able_contestants(plugins::Registry& registry, const std:
   for (const Contestant& contestant : all) {
     Trace trace;
     int certified = 0;
+    bool refused = false;
     std::string reason;
     for (Scene scene : trial) {
       scene.solver.time_limit = time_limit;
       try {
         const TimedPlan timed = timed_plan(registry, with_contestant(scene, contestant));
+        if (timed.plan.solver.status == SolveStatus::unsupported) {
+          refused = true;
+          reason = timed.plan.solver.message;
+          break;
+        }
         if (timed.plan.status == PlanStatus::solved) {
           ++certified;
         } else if (reason.empty()) {
@@ -95,7 +101,7 @@ std::vector<Contestant> able_contestants(plugins::Registry& registry, const std:
       }
     }
     const bool choice = !contestant.options.empty();
-    if (choice && certified == 0) {
+    if (choice && (refused || certified == 0)) {
       group(reason, contestant.name);
       continue;
     }

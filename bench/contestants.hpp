@@ -25,8 +25,8 @@ Scene with_contestant(Scene scene, const Contestant& contestant);
 std::vector<Contestant> find_contestants(plugins::Registry& registry, std::vector<LeftOut>& left_out);
 
 /// Those that can solve something: out of the choices that an option offers, whoever has no certified plan of any
-/// `trial` within `time_limit` (s) is left out with the reason, and so is one that does the same as an earlier one,
-/// call for call. Solvers as they are and treatments stay in.
+/// `trial` within `time_limit` (s), or does not take the programs of one, is left out with the reason, and so is one
+/// that does the same as an earlier one, to the last bit. Solvers as they are and treatments stay in.
 std::vector<Contestant> able_contestants(plugins::Registry& registry, const std::vector<Contestant>& all,
                                          const std::vector<Scene>& trial, double time_limit,
                                          std::vector<LeftOut>& left_out);

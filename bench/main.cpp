@@ -4,14 +4,11 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
-#include <memory>
 
+#include "parts.hpp"
 #include "report.hpp"
-#include "tendril/app/document.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/interrupt.hpp"
-#include "tendril/app/scene_reader.hpp"
-#include "tendril/planner.hpp"
 #include "tendril/version.hpp"
 #include "tolerance_sweep.hpp"
 #include "workload.hpp"
@@ -21,7 +18,7 @@ namespace {
 using namespace tendril;
 
 struct Arguments {
-  std::vector<std::string> scenes, limits, solvers, plugin_directories, settings;
+  std::vector<std::string> limits, solvers, plugin_directories, settings;
   std::string targets_x, targets_y, output, report, against;
   int starts = 0;
   bool treatments = false;
@@ -32,20 +29,6 @@ plugins::Registry registry_of(const Arguments& arguments) {
   const std::vector<std::filesystem::path> places(arguments.plugin_directories.begin(),
                                                   arguments.plugin_directories.end());
   return plugins::Registry(plugins::Catalog(plugins::search_places(places)));
-}
-
-Scene read(const std::string& file, const std::vector<std::string>& settings) {
-  app::Document document = app::Document::read(file);
-  std::vector<app::Override> overrides;
-  for (const std::string& text : settings) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos) throw Error("--set " + text + ": expected KEY=VALUE");
-    overrides.push_back({"--set " + text, text.substr(0, equals), text.substr(equals + 1)});
-  }
-  document.apply(overrides);
-  Scene scene = app::read_scene(document, std::make_shared<app::Units>());
-  validate(scene);
-  return scene;
 }
 
 /// Prints sections and, if asked for, writes their files.
@@ -66,7 +49,7 @@ int show(const Arguments& arguments, const std::vector<bench::Section>& sections
 int solvers(const Arguments& arguments) {
   plugins::Registry registry = registry_of(arguments);
   std::vector<LeftOut> left_out;
-  if (arguments.scenes.empty()) {
+  if (arguments.extent.scenes.empty()) {
     const bench::SolverComparisonSetup setup = bench::solver_setup(registry, arguments.extent, left_out);
     std::vector<bench::Section> sections{bench::solver_section(setup, bench::compare_solvers(registry, setup))};
     sections.front().left_out = left_out;
@@ -79,8 +62,9 @@ int solvers(const Arguments& arguments) {
   bench::SolverComparisonSetup setup;
   if (arguments.targets_x.empty() != arguments.targets_y.empty())
     throw Error("--targets-x and --targets-y go together");
-  for (const std::string& file : arguments.scenes) {
-    bench::BenchScene scene{std::filesystem::path(file).stem().string(), read(file, arguments.settings), {}};
+  for (const std::string& file : arguments.extent.scenes) {
+    bench::BenchScene scene{
+        std::filesystem::path(file).stem().string(), bench::scene_from_file(file, arguments.settings), {}};
     if (!arguments.targets_x.empty()) {
       for (const double x : bench::read_lengths(arguments.targets_x, scene.scene.read_quantity)) {
         for (const double y : bench::read_lengths(arguments.targets_y, scene.scene.read_quantity)) {
@@ -117,15 +101,6 @@ int accuracy(const Arguments& arguments) {
   return show(arguments, {bench::accuracy_section(setup, bench::measure_accuracy(registry, setup))});
 }
 
-int lean(const Arguments& arguments) {
-  return show(arguments, {bench::lean_section(registry_of(arguments), bench::lean_setup(arguments.extent))});
-}
-
-int scaling(const Arguments& arguments) {
-  plugins::Registry registry = registry_of(arguments);
-  return show(arguments, {bench::scaling_section(registry, bench::scaling_setup(arguments.extent))});
-}
-
 int report(const Arguments& arguments) {
   plugins::Registry registry = registry_of(arguments);
   bench::ReportArguments how{arguments.report, arguments.extent, std::nullopt};
@@ -157,11 +132,12 @@ int run(int argc, char** argv) {
       output(command("accuracy", "Error against run time of every coordinate model that is found"));
   CLI::App* solvers_command =
       output(command("solvers", "Every solver, algorithm and treatment of complementarity on the same programs"));
-  const CLI::App* lean_command = output(command("lean", "What a scene pays for what it does not use"));
-  const CLI::App* scaling_command = output(command("scaling", "How the cost grows with the size of what is asked for"));
+  std::vector<const CLI::App*> part_commands;
+  for (const bench::Part& part : bench::parts()) part_commands.push_back(output(command(part.name, part.description)));
   CLI::App* report_command = command("report", "All of these as one page, with a recommendation");
 
-  solvers_command->add_option("SCENE", arguments.scenes, "Scene files (TOML); without one: the scenes of the report");
+  solvers_command->add_option("SCENE", arguments.extent.scenes,
+                              "Scene files (TOML); without one: the scenes of the report");
   const auto list = [&](const char* name, std::vector<std::string>& to, const char* description) {
     solvers_command->add_option(name, to, description)->expected(1)->take_all();
   };
@@ -177,6 +153,8 @@ int run(int argc, char** argv) {
     sub->add_option("--seed", arguments.extent.seed, "Seed of the random starts");
   }
   report_command->add_option("DIR", arguments.report, "Directory of the report")->required();
+  report_command->add_option("SCENE", arguments.extent.scenes,
+                             "Scene files (TOML) to put to the solvers, too, each with its own target");
   report_command->add_option("--against", arguments.against, "Directory of another report to compare with");
   try {
     program.parse(argc, argv);
@@ -184,8 +162,11 @@ int run(int argc, char** argv) {
     arguments.extent.stop = &app::InterruptGuard::flag();
     if (accuracy_command->parsed()) return accuracy(arguments);
     if (solvers_command->parsed()) return solvers(arguments);
-    if (lean_command->parsed()) return lean(arguments);
-    if (scaling_command->parsed()) return scaling(arguments);
+    for (std::size_t i = 0; i < part_commands.size(); ++i) {
+      if (!part_commands[i]->parsed()) continue;
+      plugins::Registry registry = registry_of(arguments);
+      return show(arguments, bench::parts()[i].run(registry, arguments.extent));
+    }
     return report(arguments);
   } catch (const CLI::Success& message) {
     return program.exit(message);

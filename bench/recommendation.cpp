@@ -78,8 +78,8 @@ Recommendation recommend(plugins::Registry& registry, const AccuracySetup& accur
   r.contestant = solver_setup.contestants[best->contestant];
   const Scene& plain = accuracy_setup.scenes.front().scene;
   r.model_is_default = is_default_model(registry, plain, r.model, r.value);
-  r.contestant_is_default = r.contestant.solver == plain.solver.plugin && r.contestant.options.empty() &&
-                            r.contestant.treatment == plain.contact.treatment;
+  r.solver_is_default = r.contestant.solver == plain.solver.plugin && r.contestant.options.empty();
+  r.treatment_is_default = r.contestant.treatment == plain.contact.treatment;
   return r;
 }
 
@@ -122,7 +122,7 @@ Section recommendation_section(const Recommendation& r, const AccuracySetup& acc
       "Solver: {}, with the treatment {}. Nobody was certified on more programs ({} of {}), and of those that were "
       "certified on as many it ranks first: {:.3g} ms and {:.3g} evaluations per plan (shifted geometric means). {}",
       r.contestant.name, to_string(r.contestant.treatment), first.certified, first.programs, 1e3 * first.seconds,
-      first.evaluations, verdict(r.contestant_is_default)));
+      first.evaluations, verdict(r.contestant_is_default())));
   std::string others;
   for (const Standing& s : all) {
     const Contestant& c = solver_setup.contestants[s.contestant];
@@ -136,9 +136,9 @@ Section recommendation_section(const Recommendation& r, const AccuracySetup& acc
               "The recommendation",
               {"what", "recommended", "default of `tendril plan`"},
               {{std::string("coordinates"), words(r.model, r.value), std::string(r.model_is_default ? "yes" : "no")},
-               {std::string("solver"), r.contestant.name, std::string(r.contestant_is_default ? "yes" : "no")},
+               {std::string("solver"), r.contestant.name, std::string(r.solver_is_default ? "yes" : "no")},
                {std::string("treatment of complementarity"), std::string(to_string(r.contestant.treatment)),
-                std::string(r.contestant_is_default ? "yes" : "no")}}};
+                std::string(r.treatment_is_default ? "yes" : "no")}}};
   section.tables = {table};
   return section;
 }

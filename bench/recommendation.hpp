@@ -14,7 +14,8 @@ struct Recommendation {
   ModelSweep model;
   int value = 0;
   Contestant contestant;
-  bool model_is_default = false, contestant_is_default = false;
+  bool model_is_default = false, solver_is_default = false, treatment_is_default = false;
+  bool contestant_is_default() const { return solver_is_default && treatment_is_default; }
   bool found = false;  ///< false: no model meets the goal on all scenes, or nobody was certified
 };
 

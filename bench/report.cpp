@@ -7,6 +7,7 @@
 
 #include "against.hpp"
 #include "machine.hpp"
+#include "parts.hpp"
 #include "recommendation.hpp"
 #include "tendril/app/document.hpp"
 #include "tolerance_sweep.hpp"
@@ -16,14 +17,6 @@ namespace tendril::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr int repetitions = 20;
-constexpr int quick_repetitions = 3;
-
-int repetitions_of(const Extent& extent) {
-  if (extent.repetitions > 0) return extent.repetitions;
-  return extent.quick ? quick_repetitions : repetitions;
-}
 
 constexpr const char* style =
     "body{font:16px/1.5 sans-serif;color:#222;max-width:72em;margin:2em auto;padding:0 1em}"
@@ -46,21 +39,24 @@ Json object(const Facts& facts) {
   return out;
 }
 
-/// The grasp problem belongs here as soon as scenes can ask for it.
-void add_grasps(plugins::Registry& registry, SolverComparisonSetup& setup, std::vector<LeftOut>& left_out) {
-  try {
-    const std::string finger =
-        "problem = \"grasp\"\n[rod]\n[[rod.segment]]\nlength = \"70 mm\"\nbending_stiffness = \"0.01 N m^2\"\n"
-        "[[rod.segment]]\nlength = \"30 mm\"\nbending_stiffness = \"0.01 N m^2\"\n"
-        "[[rod.actuator]]\nto = \"70 mm\"\nlimit = \"1 N m\"\n[[rod.actuator]]\nfrom = \"70 mm\"\nlimit = \"1 N m\"\n"
-        "[gripper]\nhalf_palm = \"20 mm\"\nobject_diameter = \"60 mm\"\npalm_distance_range = [\"30 mm\", \"130 mm\"]\n"
-        "[contact]\nmode = \"allow\"\nmax_force = \"3.33 N\"\n"
-        "[[objective]]\nplugin = \"contact_force\"\n[[objective]]\nplugin = \"actuation_effort\"\nweight = 1e-3\n";
-    BenchScene grasp{"grasp", scene_from_text(finger, "grasp", registry), {}};
-    (void)timed_plan(registry, grasp.scene);
-    setup.scenes.push_back(std::move(grasp));
-  } catch (const Error& error) {
-    left_out.push_back({"scenes of grasps", error.what()});
+/// Files are put to the solvers as they are: with their own target, coordinates and objectives.
+void add_files(plugins::Registry& registry, const std::vector<std::string>& files, SolverComparisonSetup& setup,
+               std::vector<LeftOut>& left_out) {
+  for (const std::string& file : files) {
+    const std::string name = std::filesystem::path(file).filename().string();
+    BenchScene one{name, scene_from_file(file, {}), {}};
+    const ProblemKind problem = one.scene.problem;
+    if (problem == ProblemKind::trajectory || problem == ProblemKind::execute || problem == ProblemKind::estimate) {
+      left_out.push_back(
+          {"scene '" + name + "'", "it does not ask for one plan, which is what the solvers are put to"});
+      continue;
+    }
+    try {
+      (void)timed_plan(registry, one.scene);
+      setup.scenes.push_back(std::move(one));
+    } catch (const Error& error) {
+      left_out.push_back({"scene '" + name + "'", error.what()});
+    }
   }
 }
 
@@ -75,7 +71,7 @@ AccuracySetup accuracy_setup(const plugins::Registry& registry, const Extent& ex
                               : std::vector<int>{1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 16, 24, 32, 48, 64};
   setup.most_coordinates = extent.quick ? 48 : 128;
   setup.compared = extent.quick ? 6 : 24;
-  setup.repetitions = repetitions_of(extent);
+  setup.repetitions = extent.repetitions_of_timed();
   setup.stop = extent.stop;
   return setup;
 }
@@ -84,7 +80,7 @@ SolverComparisonSetup solver_setup(plugins::Registry& registry, const Extent& ex
   SolverComparisonSetup setup;
   setup.scenes = bench_scenes(registry, extent.quick ? 2 : 3);
   if (extent.quick) setup.scenes.resize(3);
-  add_grasps(registry, setup, left_out);
+  add_files(registry, extent.scenes, setup, left_out);
   setup.starts = extent.quick ? 1 : 2;
   setup.seed = extent.seed;
   setup.repetitions = extent.quick ? 1 : 3;
@@ -103,18 +99,6 @@ SolverComparisonSetup solver_setup(plugins::Registry& registry, const Extent& ex
   return setup;
 }
 
-LeanSetup lean_setup(const Extent& extent) { return {repetitions_of(extent), extent.stop}; }
-
-ScalingSetup scaling_setup(const Extent& extent) {
-  ScalingSetup setup;
-  setup.values = extent.quick ? std::vector<int>{1, 2, 4, 8} : std::vector<int>{1, 2, 4, 8, 16, 32, 64};
-  setup.most_coordinates = extent.quick ? 48 : 128;
-  setup.most_obstacles = extent.quick ? 8 : 32;
-  setup.repetitions = extent.quick ? quick_repetitions : repetitions_of(extent);
-  setup.stop = extent.stop;
-  return setup;
-}
-
 std::vector<double> tolerance_values(const Extent& extent) {
   return extent.quick ? std::vector<double>{1e-3, 1e-6, 1e-9}
                       : std::vector<double>{1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10};
@@ -123,18 +107,18 @@ std::vector<double> tolerance_values(const Extent& extent) {
 bool write_report(plugins::Registry& registry, const ReportArguments& arguments) {
   const Extent& extent = arguments.extent;
   const double begin = now();
+  const double processor_begin = processor_now();
   app::StagedFiles files(arguments.directory);
-  const auto stopped = [&] { return extent.stop != nullptr && extent.stop->load(); };
 
   say("accuracy ...");
   const AccuracySetup how = accuracy_setup(registry, extent);
   const Accuracy accuracy = measure_accuracy(registry, how);
-  if (stopped()) return false;
+  if (extent.stopped()) return false;
   say("solvers ...");
   std::vector<LeftOut> left_out;
   const SolverComparisonSetup contest = solver_setup(registry, extent, left_out);
   const SolverComparison comparison = compare_solvers(registry, contest);
-  if (stopped()) return false;
+  if (extent.stopped()) return false;
   const Recommendation recommendation = recommend(registry, how, accuracy, contest, comparison);
   std::vector<Section> sections{recommendation_section(recommendation, how, accuracy, contest, comparison),
                                 accuracy_section(how, accuracy), solver_section(contest, comparison)};
@@ -145,11 +129,12 @@ bool write_report(plugins::Registry& registry, const ReportArguments& arguments)
       sections.push_back(tolerance_section(registry, contest, scene, tolerance_values(extent)));
     }
   }
-  say("lean ...");
-  sections.push_back(lean_section(registry, lean_setup(extent)));
-  say("scaling ...");
-  sections.push_back(scaling_section(registry, scaling_setup(extent)));
-  if (stopped()) return false;
+  for (const Part& part : parts()) {
+    say(part.name + std::string(" ..."));
+    const std::vector<Section> more = part.run(registry, extent);
+    sections.insert(sections.end(), more.begin(), more.end());
+    if (extent.stopped()) return false;
+  }
 
   Section origin;
   origin.name = "origin";
@@ -157,10 +142,15 @@ bool write_report(plugins::Registry& registry, const ReportArguments& arguments)
   const Facts here = machine();
   const Facts built = versions(registry);
   origin.prose.push_back(fmt::format(
-      "Measured in {:.0f} s, one thread, {}, seed {}. Times depend on the machine and on what else it does; counts and "
-      "errors do not. The same commit gives the same counts.",
+      "Measured in {:.0f} s, one thread, {}, seed {}. Times of plans are processor times, so that what else the "
+      "machine "
+      "does hardly counts; this process had a processor for {:.0f} % of the time. Times of single solves and "
+      "evaluations, "
+      "which are too short to be interrupted often, are wall times, of which medians are shown. Counts and errors do "
+      "not "
+      "depend on the machine's load: the same commit gives the same counts.",
       now() - begin, extent.quick ? "quick: few values and repetitions, whose times decide nothing" : "in full",
-      extent.seed));
+      extent.seed, 100.0 * (processor_now() - processor_begin) / (now() - begin)));
   origin.tables = {facts_table("machine", "Machine", here), facts_table("versions", "Versions", built)};
   sections.push_back(origin);
 

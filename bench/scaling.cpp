@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scenes.hpp"
 #include "statistics.hpp"
 #include "tendril/plugins/components.hpp"
 #include "workload.hpp"
@@ -15,6 +16,15 @@ namespace {
 
 /// Exponents are fitted over the upper half of a sweep: below it fixed costs hide them.
 constexpr double upper_part = 0.25;
+
+struct Sizes {
+  std::vector<int> values;  ///< of every option that is swept
+  int most_coordinates = 0, most_obstacles = 0;
+};
+Sizes sizes(const Extent& extent) {
+  if (extent.quick) return {{1, 2, 4, 8}, 48, 8};
+  return {{1, 2, 4, 8, 16, 32, 64}, 128, 32};
+}
 
 struct Point {
   int size = 0;
@@ -40,7 +50,7 @@ std::string pegs(int count) {
   return text;
 }
 
-std::vector<Sweep> sweeps(plugins::Registry& registry, const ScalingSetup& setup, Section& section) {
+std::vector<Sweep> sweeps(plugins::Registry& registry, const Sizes& setup, Section& section) {
   std::vector<Sweep> all;
   const std::string target = "[target]\nposition = [\"95 mm\", \"16 mm\"]\n";
   const std::string allow = "[contact]\nmode = \"allow\"\nmax_force = \"1 N\"\n";
@@ -105,14 +115,13 @@ Line exponent(const Sweep& sweep, bool evaluation) {
 
 }  // namespace
 
-Section scaling_section(plugins::Registry& registry, const ScalingSetup& setup) {
+Section scaling_section(plugins::Registry& registry, const Extent& extent) {
   Section section;
   section.name = "scaling";
   section.title = "How the cost grows";
-  std::vector<Sweep> all = sweeps(registry, setup, section);
+  std::vector<Sweep> all = sweeps(registry, sizes(extent), section);
   all.erase(std::remove_if(all.begin(), all.end(), [](const Sweep& s) { return s.points.empty(); }), all.end());
-  const auto stopped = [&] { return setup.stop != nullptr && setup.stop->load(); };
-  for (int repetition = -1; repetition < setup.repetitions && !stopped(); ++repetition) {
+  for (int repetition = -1; repetition < extent.repetitions_of_timed() && !extent.stopped(); ++repetition) {
     for (Sweep& sweep : all) {
       for (Point& point : sweep.points) {
         if (repetition >= 0 && point.plan.plan.status != PlanStatus::solved) continue;

@@ -1,22 +1,13 @@
 #pragma once
 
-#include <atomic>
-#include <vector>
-
-#include "scenes.hpp"
+#include "extent.hpp"
 #include "section.hpp"
+#include "tendril/plugins/registry.hpp"
 
 namespace tendril::bench {
 
-struct ScalingSetup {
-  std::vector<int> values;  ///< of every option that is swept, and of check points
-  int most_coordinates = 0;
-  int most_obstacles = 32;
-  int repetitions = 20;
-  const std::atomic<bool>* stop = nullptr;
-};
-
-/// Time of an evaluation and of a plan over the size of what is asked for, with measured exponents.
-Section scaling_section(plugins::Registry& registry, const ScalingSetup& setup);
+/// Time of an evaluation and of a plan over the size of what is asked for (functions and pieces of every coordinate
+/// plugin that is found, check points, obstacles, contacts), with measured exponents.
+Section scaling_section(plugins::Registry& registry, const Extent& extent);
 
 }  // namespace tendril::bench

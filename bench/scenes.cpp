@@ -20,6 +20,20 @@ Scene scene_from_text(const std::string& text, const std::string& name, const pl
   return scene;
 }
 
+Scene scene_from_file(const std::string& file, const std::vector<std::string>& settings) {
+  app::Document document = app::Document::read(file);
+  std::vector<app::Override> overrides;
+  for (const std::string& text : settings) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) throw Error("--set " + text + ": expected KEY=VALUE");
+    overrides.push_back({"--set " + text, text.substr(0, equals), text.substr(equals + 1)});
+  }
+  document.apply(overrides);
+  Scene scene = app::read_scene(document, std::make_shared<app::Units>());
+  validate(scene);
+  return scene;
+}
+
 std::string gravity() { return "gravity = [\"0 m/s^2\", \"-9.81 m/s^2\"]\n"; }
 
 std::string arm(const std::string& limit) {

@@ -16,6 +16,9 @@ namespace tendril::bench {
 /// found takes its place.
 Scene scene_from_text(const std::string& text, const std::string& name, const plugins::Registry& registry);
 
+/// A scene from a file, with settings KEY=VALUE as `--set` of the commands takes them. Throws Error or InputError.
+Scene scene_from_file(const std::string& file, const std::vector<std::string>& settings);
+
 /// A scene whose solution is known: the moment is at its limit, so every model is put to the same moment.
 struct KnownScene {
   std::string name;

@@ -11,6 +11,7 @@
 
 #include "statistics.hpp"
 #include "tendril/plugins/components.hpp"
+#include "tendril/tolerances.hpp"
 #include "workload.hpp"
 
 namespace tendril::bench {
@@ -43,7 +44,13 @@ Scene variant(const SolverComparisonSetup& setup, const SolverProgram& program, 
 SolverRun run_of(const TimedPlan& timed, const std::vector<Vec2>& references) {
   const Plan& plan = timed.plan;
   SolverRun run;
-  run.status = to_string(plan.status);
+  // What core's restoration and polish make of a start that the solver never saw is not the solver's plan.
+  const bool refused = plan.solver.status == SolveStatus::unsupported;
+  run.status = refused ? "refused: " + plan.solver.message : std::string(to_string(plan.status));
+  const Certificate& c = plan.certificate;
+  run.feasible = !refused && c.equilibrium <= tolerance::equilibrium && c.bounds <= tolerance::bounds &&
+                 c.penetration <= tolerance::penetration && c.complementarity <= tolerance::complementarity &&
+                 c.closest_point <= tolerance::closest_point;
   run.sides = sides(plan, references);
   run.objective = plan.objective;
   run.seconds = timed.seconds;
@@ -169,6 +176,7 @@ std::vector<Standing> standings(const SolverComparisonSetup& setup, const Solver
     one.contestant = run.contestant;
     ++one.programs;
     one.certified += run.certified() ? 1 : 0;
+    one.feasible += run.feasible ? 1 : 0;
     one.best_of_side += run.reached ? 1 : 0;
     one.best_known += run.best_known ? 1 : 0;
     const double limit = setup.time_limit > 0.0

@@ -34,9 +34,10 @@ struct SolverProgram {
 /// One contestant on one program.
 struct SolverRun {
   std::size_t program = 0, contestant = 0;
-  std::string status;  ///< of the plan: the certificate's word
-  std::string sides;   ///< on which side of each obstacle the rod passes
-  std::string mode;    ///< the way of being in contact that won
+  std::string status;     ///< of the plan: the certificate's word; "refused: ..." where the solver does not take it
+  bool feasible = false;  ///< every row and bound holds to the certificate's tolerances, whatever else
+  std::string sides;      ///< on which side of each obstacle the rod passes
+  std::string mode;       ///< the way of being in contact that won
   double objective = 0.0;
   double best = 0.0;        ///< lowest certified objective that any contestant reached on this target and these sides
   bool reached = false;     ///< certified, and its objective is the best of its sides to 1e-6 of max(best, 1e-6)
@@ -62,7 +63,7 @@ SolverComparison compare_solvers(plugins::Registry& registry, const SolverCompar
 /// How one contestant did over all programs.
 struct Standing {
   std::size_t contestant = 0;
-  int programs = 0, certified = 0, best_of_side = 0, best_known = 0;
+  int programs = 0, certified = 0, feasible = 0, best_of_side = 0, best_known = 0;
   double seconds = 0.0;      ///< shifted geometric mean, failures as the limit
   double evaluations = 0.0;  ///< likewise
   int rank = 0;

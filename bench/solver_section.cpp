@@ -27,8 +27,22 @@ double seconds_of(const SolverRun& run) { return run.seconds; }
 /// A plan that needs no solver at all still costs one look.
 double evaluations_of(const SolverRun& run) { return std::max(1.0, static_cast<double>(run.evaluations)); }
 
-/// Solvers have a colour each, treatments a dash; choices of options have colours of their own.
-std::vector<app::ChartSeries> profile(const SolverComparisonSetup& setup, const Cost& cost) {
+/// Who is drawn together: solvers with every treatment, or with every choice of their options.
+enum class Field { treatments, options };
+
+bool takes_part(const SolverComparisonSetup& setup, std::size_t c, Field field) {
+  const Contestant& one = setup.contestants[c];
+  if (field == Field::treatments) return one.options.empty();
+  if (!one.options.empty()) return true;
+  // The solver as it is, beside its options.
+  return one.treatment == Treatment::penalty &&
+         std::any_of(setup.contestants.begin(), setup.contestants.end(),
+                     [&](const Contestant& other) { return other.solver == one.solver && !other.options.empty(); });
+}
+
+/// Solvers have a colour each, treatments a dash; choices of options have colours of their own. The best of a program
+/// is the best of all contestants, drawn or not.
+std::vector<app::ChartSeries> profile(const SolverComparisonSetup& setup, const Cost& cost, Field field) {
   const std::vector<std::vector<double>> ratios = performance_ratios(cost);
   double last = 1.0;
   for (const auto& row : ratios) {
@@ -39,6 +53,7 @@ std::vector<app::ChartSeries> profile(const SolverComparisonSetup& setup, const 
   std::vector<app::ChartSeries> series;
   std::map<std::string, int> colors;
   for (std::size_t c = 0; c < ratios.size(); ++c) {
+    if (!takes_part(setup, c, field)) continue;
     const Contestant& contestant = setup.contestants[c];
     const std::string key = contestant.options.empty() ? contestant.solver : contestant.name;
     app::ChartSeries line;
@@ -61,17 +76,17 @@ std::vector<app::ChartSeries> profile(const SolverComparisonSetup& setup, const 
 }
 
 Table ranking_table(const SolverComparisonSetup& setup, const SolverComparison& comparison) {
-  Table table{
-      "solvers_ranking",
-      "Ranking by the shifted geometric mean of the time of a plan (shift 1 ms, failures count as the limit); "
-      "means within a factor of 1.5 are one class, in which the evaluations decide (shift 10)",
-      {"rank", "contestant", "programs", "certified", "best of its side", "best known", "time (ms)", "evaluations"},
-      {}};
+  Table table{"solvers_ranking",
+              "Ranking by the shifted geometric mean of the time of a plan (shift 1 ms, failures count as the limit); "
+              "means within a factor of 1.5 are one class, in which the evaluations decide (shift 10)",
+              {"rank", "contestant", "programs", "certified", "feasible", "best of its side", "best known", "time (ms)",
+               "evaluations"},
+              {}};
   for (const Standing& s : standings(setup, comparison)) {
     const auto share = [&](int n) { return fmt::format("{} ({:.1f} %)", n, 100.0 * n / std::max(1, s.programs)); };
     table.rows.push_back({std::int64_t{s.rank}, setup.contestants[s.contestant].name, std::int64_t{s.programs},
-                          share(s.certified), share(s.best_of_side), share(s.best_known), 1e3 * s.seconds,
-                          s.evaluations});
+                          share(s.certified), share(s.feasible), share(s.best_of_side), share(s.best_known),
+                          1e3 * s.seconds, s.evaluations});
   }
   return table;
 }
@@ -234,6 +249,10 @@ Section solver_section(const SolverComparisonSetup& setup, const SolverCompariso
       "side "
       "of every obstacle. Best known: the lowest on any side from any start. A local search from a start on the wrong "
       "side may stay there; that is the start's doing.");
+  section.prose.push_back(
+      "Feasible: every row and bound holds to the certificate's tolerances, whatever is to be said of stationarity and "
+      "stability. A program that a solver does not take counts as failed, even where the planner finds a plan without "
+      "it.");
   const auto odd = std::count_if(comparison.runs.begin(), comparison.runs.end(),
                                  [](const SolverRun& run) { return !run.repeatable; });
   if (setup.repetitions > 1) {
@@ -242,24 +261,27 @@ Section solver_section(const SolverComparisonSetup& setup, const SolverCompariso
         "repetitions of {} of {} runs.",
         setup.repetitions, comparison.runs.size() - static_cast<std::size_t>(odd), comparison.runs.size()));
   }
-  const auto chart = [&](const std::string& title, const std::string& what, const Cost& cost) {
-    return app::Chart{title,
-                      "factor of the best " + what + " on the same program",
-                      "share of the programs",
-                      true,
-                      false,
-                      profile(setup, cost),
-                      {}};
+  const auto add = [&](const std::string& name, const std::string& what, const Cost& cost, Field field) {
+    std::vector<app::ChartSeries> lines = profile(setup, cost, field);
+    if (lines.empty()) return;
+    const bool treatments = field == Field::treatments;
+    section.figures.push_back({name + (treatments ? "" : "_options"),
+                               "At the left end: how often a contestant is the best of all. At the right end: how "
+                               "often it is certified at all. " +
+                                   std::string(treatments ? "Colour: solver; dashes: treatment of complementarity."
+                                                          : "Solvers as they are, and with what their options offer."),
+                               {"Performance profile on " + what + (treatments ? ": treatments" : ": algorithms"),
+                                "factor of the least " + what + " on the same program",
+                                "share of the programs",
+                                true,
+                                false,
+                                std::move(lines),
+                                {}}});
   };
-  const std::string caption =
-      "At the left end: how often a contestant is the best. At the right end: how often it is certified at all. "
-      "Colour: "
-      "solver or algorithm; dashes: treatment of complementarity.";
-  section.figures.push_back(
-      {"solvers_time", caption, chart("Performance profile on time", "time", costs(setup, comparison, seconds_of))});
-  section.figures.push_back(
-      {"solvers_evaluations", caption,
-       chart("Performance profile on evaluations", "number of evaluations", costs(setup, comparison, evaluations_of))});
+  for (const Field field : {Field::treatments, Field::options}) {
+    add("solvers_time", "time", costs(setup, comparison, seconds_of), field);
+    add("solvers_evaluations", "evaluations", costs(setup, comparison, evaluations_of), field);
+  }
   section.tables = {ranking_table(setup, comparison), profile_table(setup, comparison),
                     outcome_table(setup, comparison), cost_table(setup, comparison), run_table(setup, comparison)};
   return section;

@@ -34,12 +34,15 @@ Plan random_start(Uniform& random, double length);
 std::string sides(const Plan& plan, const std::vector<Vec2>& references);
 
 double now();  ///< s, of a clock that never goes back
+/// s that this process had a processor. Plans use one thread, so on a quiet machine it runs as fast as now(); what
+/// other programs do hardly shows in it.
+double processor_now();
 
 /// A plan and what it took.
 struct TimedPlan {
   Plan plan;
-  double seconds = 0.0;     ///< making the components of opened plugins, assembling, planning
-  double evaluating = 0.0;  ///< of it, inside programs while a solver ran
+  double seconds = 0.0;     ///< processor time: making the components of opened plugins, assembling, planning
+  double evaluating = 0.0;  ///< wall time, inside programs while a solver ran
   int solves = 0, iterations = 0;
   std::int64_t evaluations = 0;  ///< of values inside the solves
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "gnuplot.hpp"
 #include "tendril/app/input_error.hpp"
@@ -86,8 +87,9 @@ void draw_chart(const Chart& chart, StagedFiles& files, const std::string& stem,
     if (rows.empty()) continue;
     data += fmt::format("\n\n# series {}\n{}", i + 1, rows);
     const std::string block = fmt::format("{} index 'series {}' ", file, i + 1);
-    const std::string line = fmt::format("linewidth 2 dashtype {} linecolor rgb '{}'", pick(dashes, series.dash),
-                                         pick(palette, series.color));
+    const std::string line = fmt::format(
+        "linewidth 2 dashtype {} linecolor rgb '{}'",
+        pick(dashes, series.dash + series.color / static_cast<int>(std::size(palette))), pick(palette, series.color));
     const std::string title = "title " + gnuplot_string(series.name) + " noenhanced";
     if (bars) {
       parts.push_back(block + fmt::format("using 1:2:3:4 with xerrorbars pointtype 0 linewidth 1 linecolor rgb '{}' "
@@ -113,7 +115,9 @@ void draw_chart(const Chart& chart, StagedFiles& files, const std::string& stem,
       "set border 3 linewidth 1 linecolor rgb '#404040'\n"
       "set tics out nomirror textcolor rgb '#404040'\n"
       "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\n"
-      "set key outside right top Left reverse samplen 2.6 spacing 1.25\n";
+      "set key outside right top Left reverse maxcols 1 ";
+  // Long lists have to fit beside the plot.
+  script += chart.series.size() > 14 ? "samplen 2 spacing 1.0 font ',11'\n" : "samplen 2.6 spacing 1.25\n";
   if (chart.log_x) script += "set logscale x\n" + tics_text('x', x);
   if (chart.log_y) script += "set logscale y\n" + tics_text('y', y);
   script += range_text('x', x, chart.log_x) + range_text('y', y, chart.log_y);
