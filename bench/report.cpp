@@ -83,7 +83,7 @@ SolverComparisonSetup solver_setup(plugins::Registry& registry, const Extent& ex
   add_files(registry, extent.scenes, setup, left_out);
   setup.starts = extent.quick ? 1 : 2;
   setup.seed = extent.seed;
-  setup.repetitions = extent.quick ? 1 : 3;
+  setup.repetitions = extent.quick ? 1 : 5;
   setup.time_limit = 2.0;
   setup.stop = extent.stop;
   const std::vector<Contestant> all = find_contestants(registry, left_out);

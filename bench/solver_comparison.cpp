@@ -21,6 +21,8 @@ namespace {
 /// Times below this are mostly overhead, and do not decide a mean.
 constexpr double seconds_shift = 1e-3;
 constexpr double evaluations_shift = 10.0;
+/// s. Plans that take longer are timed once: their time is known well enough, and most of the bench's would go there.
+constexpr double long_plan = 0.05;
 /// Means within this factor of a class's fastest are the same class: the spread of a busy machine.
 constexpr double same_class = 1.5;
 
@@ -133,7 +135,6 @@ SolverComparison compare_solvers(plugins::Registry& registry, const SolverCompar
   }
   const bool terminal = ::isatty(STDERR_FILENO) != 0;
   const std::size_t contestants = setup.contestants.size();
-  const std::size_t total = comparison.programs.size() * contestants * static_cast<std::size_t>(setup.repetitions);
   const auto stopped = [&] { return setup.stop != nullptr && setup.stop->load(); };
   std::vector<std::vector<double>> seconds;
   std::size_t done = 0;
@@ -141,6 +142,7 @@ SolverComparison compare_solvers(plugins::Registry& registry, const SolverCompar
     for (std::size_t p = 0; p < comparison.programs.size() && !stopped(); ++p) {
       const SolverProgram& program = comparison.programs[p];
       for (std::size_t c = 0; c < contestants && !stopped(); ++c) {
+        if (repetition > 0 && seconds[p * contestants + c].front() > long_plan) continue;
         PlanControl control;
         control.stop = setup.stop;
         if (setup.starts > 0) control.start = &shapes[p];
@@ -158,12 +160,18 @@ SolverComparison compare_solvers(plugins::Registry& registry, const SolverCompar
           first.repeatable = first.repeatable && run.iterations == first.iterations &&
                              run.evaluations == first.evaluations && run.status == first.status;
         }
-        if (terminal) fmt::print(stderr, "\r{} of {} plans", ++done, total);
+        if (terminal) fmt::print(stderr, "\r{} plans, repetition {} of {}", ++done, repetition + 1, setup.repetitions);
       }
     }
   }
   if (terminal) fmt::print(stderr, "\n");
-  for (std::size_t i = 0; i < comparison.runs.size(); ++i) comparison.runs[i].seconds = median(seconds[i]);
+  for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
+    SolverRun& run = comparison.runs[i];
+    const Quartiles q = quartiles(seconds[i]);
+    run.seconds = q.median;
+    run.repetitions = static_cast<int>(seconds[i].size());
+    run.spread = (q.high - q.low) / q.median;
+  }
   judge(comparison);
   return comparison;
 }

@@ -19,7 +19,7 @@ struct SolverComparisonSetup {
   std::vector<double> limits;  ///< N m, of every actuator; empty: the scene's own
   int starts = 0;              ///< random ones per target; 0: the scene's own start alone
   std::uint64_t seed = 1;
-  int repetitions = 1;                    ///< the median time counts
+  int repetitions = 1;                    ///< of plans below 50 ms; the median time counts
   double time_limit = 0.0;                ///< s, of a plan, what a failure counts as; 0: the scene's own
   std::int64_t evaluation_limit = 20000;  ///< likewise; who needs more has failed
   const std::atomic<bool>* stop = nullptr;
@@ -49,6 +49,8 @@ struct SolverRun {
   std::int64_t evaluations = 0;
   int mode_iterations = 0;
   std::int64_t mode_evaluations = 0;
+  int repetitions = 1;     ///< what took long is timed once
+  double spread = 0.0;     ///< of the times: distance of the quartiles over the median
   bool repeatable = true;  ///< iterations and evaluations were the same each time
   bool certified() const { return status == "solved"; }
 };

@@ -194,6 +194,8 @@ Table run_table(const SolverComparisonSetup& setup, const SolverComparison& comp
                "evaluations",
                "mode_iterations",
                "mode_evaluations",
+               "repetitions",
+               "spread",
                "repeatable"},
               {},
               false};
@@ -225,6 +227,8 @@ Table run_table(const SolverComparisonSetup& setup, const SolverComparison& comp
                           run.evaluations,
                           std::int64_t{run.mode_iterations},
                           run.mode_evaluations,
+                          std::int64_t{run.repetitions},
+                          run.spread,
                           std::int64_t{run.repeatable}});
   }
   return table;
@@ -253,13 +257,21 @@ Section solver_section(const SolverComparisonSetup& setup, const SolverCompariso
       "Feasible: every row and bound holds to the certificate's tolerances, whatever is to be said of stationarity and "
       "stability. A program that a solver does not take counts as failed, even where the planner finds a plan without "
       "it.");
-  const auto odd = std::count_if(comparison.runs.begin(), comparison.runs.end(),
-                                 [](const SolverRun& run) { return !run.repeatable; });
   if (setup.repetitions > 1) {
+    std::vector<double> spreads;
+    int odd = 0;
+    for (const SolverRun& run : comparison.runs) {
+      if (run.repetitions == 1) continue;
+      spreads.push_back(run.spread);
+      odd += run.repeatable ? 0 : 1;
+    }
     section.prose.push_back(fmt::format(
-        "Times are medians of {} interleaved repetitions. Status, iterations and evaluations were the same in all "
-        "repetitions of {} of {} runs.",
-        setup.repetitions, comparison.runs.size() - static_cast<std::size_t>(odd), comparison.runs.size()));
+        "Times are medians of {} interleaved repetitions; plans of more than 50 ms were timed once. Half of the runs "
+        "spread by less than {:.2g} % between their quartiles, nine in ten by less than {:.2g} %. Status, iterations "
+        "and "
+        "evaluations were the same in all repetitions of {} of {} runs.",
+        setup.repetitions, 100.0 * median(spreads), 100.0 * quantile(spreads, 0.9),
+        spreads.size() - static_cast<std::size_t>(odd), spreads.size()));
   }
   const auto add = [&](const std::string& name, const std::string& what, const Cost& cost, Field field) {
     std::vector<app::ChartSeries> lines = profile(setup, cost, field);
