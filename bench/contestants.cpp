@@ -62,7 +62,14 @@ std::vector<Contestant> able_contestants(plugins::Registry& registry, const std:
   std::vector<std::pair<Trace, std::string>> traces;
   // Dozens of choices are out for the same few reasons.
   std::vector<LeftOut> groups;
-  const auto group = [&](const std::string& why, const std::string& what) {
+  const auto group = [&](std::string why, const Contestant& contestant) {
+    const std::string& what = contestant.name;
+    // "solver CHOICE cannot ...": whose name it is stands before the reason already.
+    for (const auto& [option, value] : contestant.options) {
+      const auto* choice = std::get_if<std::string>(&value.value);
+      const std::string own = choice != nullptr ? contestant.solver + ' ' + *choice + ' ' : "";
+      if (!own.empty() && why.starts_with(own)) why.erase(0, own.size());
+    }
     const auto same = std::find_if(groups.begin(), groups.end(), [&](const LeftOut& g) { return g.why == why; });
     if (same != groups.end()) {
       same->what += "; " + what;
@@ -102,12 +109,12 @@ std::vector<Contestant> able_contestants(plugins::Registry& registry, const std:
     }
     const bool choice = !contestant.options.empty();
     if (choice && (refused || certified == 0)) {
-      group(reason, contestant.name);
+      group(reason, contestant);
       continue;
     }
     const auto twin = std::find_if(traces.begin(), traces.end(), [&](const auto& t) { return t.first == trace; });
     if (choice && twin != traces.end()) {
-      group("does the same as '" + twin->second + "', to the last bit", contestant.name);
+      group("does the same as '" + twin->second + "', to the last bit", contestant);
       continue;
     }
     if (contestant.treatment == Treatment::penalty) traces.emplace_back(std::move(trace), contestant.name);

@@ -243,7 +243,9 @@ Section solver_section(const SolverComparisonSetup& setup, const SolverCompariso
   const double limit = setup.time_limit > 0.0 ? setup.time_limit : setup.scenes.front().scene.solver.time_limit;
   section.prose.push_back(fmt::format(
       "{} contestants on {} programs: the scenes {}, each with its targets and {}, seed {}. All get the same starts, "
-      "derivatives, scaling and limits: {:g} s and {} evaluations per plan. Success is the certificate's word, at one "
+      "derivatives, scaling and limits: {:g} s and {} evaluations per plan. Options are tried one at a time, the "
+      "others at "
+      "their defaults. Success is the certificate's word, at one "
       "tolerance for all.",
       setup.contestants.size(), comparison.programs.size(), scenes,
       setup.starts > 0 ? fmt::format("{} random starts", setup.starts) : std::string("the scene's own start"),

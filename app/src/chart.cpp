@@ -16,7 +16,7 @@ namespace {
 /// Told apart by people who do not see all colours (Okabe and Ito), the yellow darkened for lines on white.
 constexpr const char* palette[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b8930b",
                                    "#56b4e9", "#000000", "#8c5a2b", "#7a7a7a"};
-constexpr const char* dashes[] = {"solid", "(7,4)", "(2,3)", "(10,3,2,3)"};
+constexpr const char* dashes[] = {"solid", "(14,6)", "(4,5)", "(14,5,4,5)"};
 constexpr int marks[] = {7, 5, 9, 11, 13, 15, 6, 4, 8};
 
 template <std::size_t Size, class T>

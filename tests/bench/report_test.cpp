@@ -138,8 +138,12 @@ TEST_F(QuickReport, LeanScenesAreCheaper) {
   const Json& lean = table[0];
   const Json& carrying = table[6];
   ASSERT_EQ(carrying[0], "free, no gravity, carrying everything");
-  for (const std::size_t column : {1U, 2U, 3U, 4U}) EXPECT_LT(lean[column], carrying[column]) << column;
-  EXPECT_LT(2.0 * lean[8].get<double>(), carrying[8].get<double>());
+  // Variables, rows, programs, plugins; memory where it is measured.
+  for (const std::size_t column : {2U, 3U, 4U, 5U}) EXPECT_LT(lean[column], carrying[column]) << column;
+  if (lean[6].is_number()) {
+    EXPECT_LT(lean[6], carrying[6]);
+  }
+  EXPECT_LT(2.0 * lean[9].get<double>(), carrying[9].get<double>());
 }
 
 TEST_F(QuickReport, GivesTheSameCountsAgain) {
