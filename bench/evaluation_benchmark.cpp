@@ -147,5 +147,3 @@ void certificate(benchmark::State& state) {
 BENCHMARK(certificate);
 
 }  // namespace
-
-BENCHMARK_MAIN();

@@ -1,103 +1,173 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
-#include <memory>
+#include <filesystem>
 
-#include "solver_comparison.hpp"
-#include "tendril/app/document.hpp"
+#include "parts.hpp"
+#include "report.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/interrupt.hpp"
-#include "tendril/app/scene_reader.hpp"
-#include "tendril/planner.hpp"
 #include "tendril/version.hpp"
+#include "tolerance_sweep.hpp"
 #include "workload.hpp"
 
 namespace {
 
 using namespace tendril;
 
-struct SolverOptions {
-  std::string scene, targets_x, targets_y, output;
+struct Arguments {
   std::vector<std::string> limits, solvers, plugin_directories, settings;
+  std::string targets_x, targets_y, output, report, against;
   int starts = 0;
-  std::uint64_t seed = 1;
+  bool treatments = false;
+  bench::Extent extent;
 };
 
-Scene read(const SolverOptions& options) {
-  app::Document document = app::Document::read(options.scene);
-  std::vector<app::Override> overrides;
-  for (const std::string& text : options.settings) {
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos) throw Error("--set " + text + ": expected KEY=VALUE");
-    overrides.push_back({"--set " + text, text.substr(0, equals), text.substr(equals + 1)});
-  }
-  document.apply(overrides);
-  Scene scene = app::read_scene(document, std::make_shared<app::Units>());
-  validate(scene);
-  return scene;
+plugins::Registry registry_of(const Arguments& arguments) {
+  const std::vector<std::filesystem::path> places(arguments.plugin_directories.begin(),
+                                                  arguments.plugin_directories.end());
+  return plugins::Registry(plugins::Catalog(plugins::search_places(places)));
 }
 
-int compare(const SolverOptions& options) {
+/// Prints sections and, if asked for, writes their files.
+int show(const Arguments& arguments, const std::vector<bench::Section>& sections) {
+  if (app::InterruptGuard::flag().load()) return 1;
+  for (const bench::Section& section : sections) fmt::print("{}", bench::markdown(section));
+  if (arguments.output.empty()) return 0;
+  app::StagedFiles files(arguments.output);
+  for (const bench::Section& section : sections) {
+    bench::write_files(section, files);
+    files.write(section.name + ".md", bench::markdown(section));
+  }
+  files.publish();
+  return 0;
+}
+
+/// The comparison of the report, or the user's own scenes, targets and limits.
+int solvers(const Arguments& arguments) {
+  plugins::Registry registry = registry_of(arguments);
+  std::vector<LeftOut> left_out;
+  if (arguments.extent.scenes.empty()) {
+    const bench::SolverComparisonSetup setup = bench::solver_setup(registry, arguments.extent, left_out);
+    std::vector<bench::Section> sections{bench::solver_section(setup, bench::compare_solvers(registry, setup))};
+    sections.front().left_out = left_out;
+    for (const bench::BenchScene& scene : setup.scenes) {
+      if (scene.name != "brace") continue;
+      sections.push_back(bench::tolerance_section(registry, setup, scene, bench::tolerance_values(arguments.extent)));
+    }
+    return show(arguments, sections);
+  }
   bench::SolverComparisonSetup setup;
-  setup.scene = read(options);
-  plugins::Registry registry(plugins::Catalog(plugins::search_places(
-      std::vector<std::filesystem::path>(options.plugin_directories.begin(), options.plugin_directories.end()))));
-  setup.solvers = options.solvers.empty() ? registry.names(ComponentKind::solver) : options.solvers;
-  for (const std::string& solver : setup.solvers) (void)registry.solver(solver);
-  if (options.targets_x.empty() != options.targets_y.empty()) throw Error("--targets-x and --targets-y go together");
-  if (!options.targets_x.empty()) {
-    for (const double x : bench::read_lengths(options.targets_x, setup.scene.read_quantity)) {
-      for (const double y : bench::read_lengths(options.targets_y, setup.scene.read_quantity)) {
-        setup.targets.push_back({x, y});
+  if (arguments.targets_x.empty() != arguments.targets_y.empty())
+    throw Error("--targets-x and --targets-y go together");
+  for (const std::string& file : arguments.extent.scenes) {
+    bench::BenchScene scene{
+        std::filesystem::path(file).stem().string(), bench::scene_from_file(file, arguments.settings), {}};
+    if (!arguments.targets_x.empty()) {
+      for (const double x : bench::read_lengths(arguments.targets_x, scene.scene.read_quantity)) {
+        for (const double y : bench::read_lengths(arguments.targets_y, scene.scene.read_quantity)) {
+          scene.targets.push_back({x, y});
+        }
       }
     }
+    setup.scenes.push_back(std::move(scene));
   }
-  for (const std::string& limit : options.limits) {
-    setup.limits.push_back(setup.scene.read_quantity(limit, dimension::moment));
+  for (const std::string& limit : arguments.limits) {
+    setup.limits.push_back(setup.scenes.front().scene.read_quantity(limit, dimension::moment));
   }
-  setup.starts = options.starts;
-  setup.seed = options.seed;
-  const app::InterruptGuard interrupt;
-  setup.stop = &app::InterruptGuard::flag();
-  const std::vector<bench::SolverRun> runs = bench::compare_solvers(registry, setup);
-  const std::string head = fmt::format("{} plans, {} starts per target, seed {}, tendril {}\n\n", runs.size(),
-                                       options.starts > 0 ? std::to_string(options.starts) + " random" : "the scene's",
-                                       options.seed, TENDRIL_VERSION);
-  const std::string table = head + bench::solver_table(setup, runs);
-  fmt::print("{}", table);
-  if (!options.output.empty()) {
-    app::StagedFiles files(options.output);
-    files.write("solvers.md", table);
-    files.write("solvers.csv", bench::solver_csv(setup, runs));
-    files.publish();
+  for (const std::string& solver : arguments.solvers) (void)registry.solver(solver);
+  for (const bench::Contestant& contestant : bench::find_contestants(registry, left_out)) {
+    const bool asked = arguments.solvers.empty() || std::find(arguments.solvers.begin(), arguments.solvers.end(),
+                                                              contestant.solver) != arguments.solvers.end();
+    const bool plain = contestant.options.empty() && contestant.treatment == Treatment::penalty;
+    if (asked && (plain || (arguments.treatments && contestant.options.empty()))) {
+      setup.contestants.push_back(contestant);
+    }
   }
-  return app::InterruptGuard::flag().load() ? 1 : 0;
+  setup.starts = arguments.starts;
+  setup.seed = arguments.extent.seed;
+  setup.repetitions = std::max(1, arguments.extent.repetitions);
+  setup.stop = arguments.extent.stop;
+  bench::Section section = bench::solver_section(setup, bench::compare_solvers(registry, setup));
+  section.left_out = left_out;
+  return show(arguments, {section});
+}
+
+int accuracy(const Arguments& arguments) {
+  plugins::Registry registry = registry_of(arguments);
+  const bench::AccuracySetup setup = bench::accuracy_setup(registry, arguments.extent);
+  return show(arguments, {bench::accuracy_section(setup, bench::measure_accuracy(registry, setup))});
+}
+
+int report(const Arguments& arguments) {
+  plugins::Registry registry = registry_of(arguments);
+  bench::ReportArguments how{arguments.report, arguments.extent, std::nullopt};
+  if (!arguments.against.empty()) how.against = arguments.against;
+  return bench::write_report(registry, how) ? 0 : 1;
 }
 
 int run(int argc, char** argv) {
   CLI::App program("Compares what tendril is made of by error, effort and success.", "tendril-bench");
   program.require_subcommand(1);
   program.set_version_flag("--version", TENDRIL_VERSION);
-  SolverOptions options;
-  CLI::App* solvers = program.add_subcommand("solvers", "Every solver on the same targets, limits and starts");
-  solvers->add_option("SCENE", options.scene, "Scene file (TOML)")->required();
-  const auto list = [&](const char* name, std::vector<std::string>& to, const char* description) {
-    return solvers->add_option(name, to, description)->expected(1)->take_all();
+  Arguments arguments;
+  const auto command = [&](const char* name, const char* description) {
+    CLI::App* sub = program.add_subcommand(name, description);
+    sub->add_option("--plugin-dir", arguments.plugin_directories,
+                    "Directory to search for plugins first; may be repeated")
+        ->expected(1)
+        ->take_all();
+    sub->add_flag("--quick", arguments.extent.quick, "A small selection, to see that everything works");
+    sub->add_option("--repetitions", arguments.extent.repetitions, "Interleaved repetitions of what is timed")
+        ->check(CLI::Range(1, 10000));
+    return sub;
   };
-  solvers->add_option("--targets-x", options.targets_x, "First, last, count, for instance \"91 mm:99 mm:5\"");
-  solvers->add_option("--targets-y", options.targets_y, "The same for y");
-  list("--limit", options.limits, "Limit of every actuator's moment; may be repeated");
-  list("--solver", options.solvers, "Solver to compare, by default every one found; may be repeated");
-  list("--plugin-dir", options.plugin_directories, "Directory to search for plugins first; may be repeated");
-  list("--set", options.settings, "Sets a key of the scene: KEY=VALUE");
-  solvers->add_option("--starts", options.starts, "Random starts per target; 0: the scene's own")
+  const auto output = [&](CLI::App* sub) {
+    sub->add_option("--output", arguments.output, "Directory for tables (CSV, JSON, Markdown) and figures");
+    return sub;
+  };
+  const CLI::App* accuracy_command =
+      output(command("accuracy", "Error against run time of every coordinate model that is found"));
+  CLI::App* solvers_command =
+      output(command("solvers", "Every solver, algorithm and treatment of complementarity on the same programs"));
+  std::vector<const CLI::App*> part_commands;
+  for (const bench::Part& part : bench::parts()) part_commands.push_back(output(command(part.name, part.description)));
+  CLI::App* report_command = command("report", "All of these as one page, with a recommendation");
+
+  solvers_command->add_option("SCENE", arguments.extent.scenes,
+                              "Scene files (TOML); without one: the scenes of the report");
+  const auto list = [&](const char* name, std::vector<std::string>& to, const char* description) {
+    solvers_command->add_option(name, to, description)->expected(1)->take_all();
+  };
+  solvers_command->add_option("--targets-x", arguments.targets_x, "First, last, count, for instance \"91 mm:99 mm:5\"");
+  solvers_command->add_option("--targets-y", arguments.targets_y, "The same for y");
+  list("--limit", arguments.limits, "Limit of every actuator's moment; may be repeated");
+  list("--solver", arguments.solvers, "Solver to compare, by default every one found; may be repeated");
+  list("--set", arguments.settings, "Sets a key of the scene: KEY=VALUE");
+  solvers_command->add_flag("--treatments", arguments.treatments, "Every treatment of complementarity, too");
+  solvers_command->add_option("--starts", arguments.starts, "Random starts per target; 0: the scene's own")
       ->check(CLI::Range(0, 100000));
-  solvers->add_option("--seed", options.seed, "Seed of the random starts");
-  solvers->add_option("--output", options.output, "Directory for solvers.md and solvers.csv");
+  for (CLI::App* sub : {solvers_command, report_command}) {
+    sub->add_option("--seed", arguments.extent.seed, "Seed of the random starts");
+  }
+  report_command->add_option("DIR", arguments.report, "Directory of the report")->required();
+  report_command->add_option("SCENE", arguments.extent.scenes,
+                             "Scene files (TOML) to put to the solvers, too, each with its own target");
+  report_command->add_option("--against", arguments.against, "Directory of another report to compare with");
   try {
     program.parse(argc, argv);
-    return compare(options);
+    const app::InterruptGuard interrupt;
+    arguments.extent.stop = &app::InterruptGuard::flag();
+    if (accuracy_command->parsed()) return accuracy(arguments);
+    if (solvers_command->parsed()) return solvers(arguments);
+    for (std::size_t i = 0; i < part_commands.size(); ++i) {
+      if (!part_commands[i]->parsed()) continue;
+      plugins::Registry registry = registry_of(arguments);
+      return show(arguments, bench::parts()[i].run(registry, arguments.extent));
+    }
+    return report(arguments);
   } catch (const CLI::Success& message) {
     return program.exit(message);
   } catch (const CLI::ParseError& error) {

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "tendril/error.hpp"
+#include "tendril/plugins/components.hpp"
 
 namespace tendril::bench {
 
@@ -66,11 +69,78 @@ std::string sides(const Plan& plan, const std::vector<Vec2>& references) {
   return text;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+double processor_now() {
+  timespec time{};
+  if (::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) != 0) throw Error("this system does not tell processor times");
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+TimedPlan timed_plan(plugins::Registry& registry, const Scene& scene, const PlanControl& control) {
+  TimedPlan timed;
+  const double begin = processor_now();
+  Problem problem(scene, plugins::make_components(registry, scene));
+  timed.plan = problem.plan(control);
+  timed.seconds = processor_now() - begin;
+  for (const ModeRecord& mode : timed.plan.modes) {
+    timed.evaluating += mode.seconds_evaluating;
+    timed.solves += mode.solves;
+    timed.iterations += mode.iterations;
+    timed.evaluations += mode.evaluations;
+  }
+  return timed;
+}
+
+std::string ModelSweep::name() const {
+  return plugin + (option.empty() ? "" : ", " + option) + (split ? ", split" : ", not split");
+}
+
+std::vector<ModelSweep> model_sweeps(plugins::Registry& registry, const std::vector<int>& values,
+                                     std::vector<LeftOut>& left_out) {
+  std::vector<ModelSweep> sweeps;
+  for (const std::string& plugin : registry.names(ComponentKind::coordinates)) {
+    const CoordinateComponent* component = nullptr;
+    try {
+      component = &registry.coordinates(plugin);
+    } catch (const plugins::PluginError& error) {
+      left_out.push_back({"coordinates '" + plugin + "'", error.what()});
+      continue;
+    }
+    std::vector<ModelSweep> own;
+    for (const OptionSpec& option : component->options) {
+      if (option.type != OptionType::integer || option.minimum < 1.0) continue;
+      ModelSweep sweep{plugin, option.name, {}, true};
+      for (const int value : values) {
+        if (value >= option.minimum && value <= option.maximum) sweep.values.push_back(value);
+      }
+      own.push_back(sweep);
+    }
+    if (own.empty()) own.push_back({plugin, "", {0}, true});
+    for (const bool split : {true, false}) {
+      for (ModelSweep sweep : own) {
+        sweep.split = split;
+        sweeps.push_back(std::move(sweep));
+      }
+    }
+  }
+  return sweeps;
+}
+
+Scene with_model(Scene scene, const ModelSweep& sweep, int value) {
+  scene.coordinates.plugin = sweep.plugin;
+  scene.coordinates.split_at_contact = sweep.split;
+  scene.coordinates.options.clear();
+  if (!sweep.option.empty()) scene.coordinates.options[sweep.option] = RawValue{std::int64_t{value}};
+  return scene;
+}
+
+int coordinate_count(plugins::Registry& registry, const Scene& scene) {
+  const Problem problem(scene, plugins::make_components(registry, scene));
+  for (const Description::Count& variable : problem.describe().variables) {
+    if (variable.name == "coordinates") return variable.count;
+  }
+  return 0;
 }
 
 }  // namespace tendril::bench

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "tendril/plan.hpp"
+#include "tendril/planner.hpp"
+#include "tendril/plugins/registry.hpp"
 #include "tendril/scene.hpp"
 
 namespace tendril::bench {
@@ -31,6 +33,35 @@ Plan random_start(Uniform& random, double length);
 /// to the right. One character per obstacle. `references` in m.
 std::string sides(const Plan& plan, const std::vector<Vec2>& references);
 
-double median(std::vector<double> values);
+double now();  ///< s, of a clock that never goes back
+/// s that this process had a processor. Plans use one thread, so on a quiet machine it runs as fast as now(); what
+/// other programs do hardly shows in it.
+double processor_now();
+
+/// A plan and what it took.
+struct TimedPlan {
+  Plan plan;
+  double seconds = 0.0;     ///< processor time: making the components of opened plugins, assembling, planning
+  double evaluating = 0.0;  ///< wall time, inside programs while a solver ran
+  int solves = 0, iterations = 0;
+  std::int64_t evaluations = 0;  ///< of values inside the solves
+};
+TimedPlan timed_plan(plugins::Registry& registry, const Scene& scene, const PlanControl& control = {});
+
+/// An integer option of a coordinate plugin that counts something (its least value is 1 or more), and values to try.
+struct ModelSweep {
+  std::string plugin, option;  ///< option empty: the plugin has none
+  std::vector<int> values;     ///< {0} if it has none
+  bool split = true;
+  std::string name() const;
+};
+/// Every coordinate plugin that is found, split at contacts and not. Plugins that cannot be opened are left out.
+std::vector<ModelSweep> model_sweeps(plugins::Registry& registry, const std::vector<int>& values,
+                                     std::vector<LeftOut>& left_out);
+/// The scene planned with one value of a sweep.
+Scene with_model(Scene scene, const ModelSweep& sweep, int value);
+
+/// Coordinates in the largest program of a scene, without solving it.
+int coordinate_count(plugins::Registry& registry, const Scene& scene);
 
 }  // namespace tendril::bench

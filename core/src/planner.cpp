@@ -755,6 +755,7 @@ int Planner::follow() {
 }
 
 void Planner::settle() {
+  if (d_.palm) return;  // a palm moves with the finger's loads; what a finger does with its palm held says nothing here
   const std::size_t modes = modes_.size();
   for (int attempt = 0; attempt < most_settlings && winner_ < 0 && !must_stop(); ++attempt) {
     const Candidate* unstable = nullptr;

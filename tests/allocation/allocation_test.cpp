@@ -39,6 +39,25 @@ TEST(CountingMalloc, SeesEigenAndNew) {
   ::operator delete(plain);
 }
 
+TEST(HeapPeak, IsTheMostThatLivedAtOnce) {
+  void* old = ::operator new(50000);
+  watch_heap();
+  void* first = ::operator new(30000);
+  ::operator delete(first);
+  ::operator delete(old);
+  {
+    const Eigen::VectorXd eigen = Eigen::VectorXd::Ones(1000);
+    void* second = ::operator new(30000);
+    ::operator delete(second);
+    EXPECT_EQ(eigen.sum(), 1000.0);
+  }
+  void* third = ::operator new(90000);
+  const long peak = heap_peak();
+  ::operator delete(third);
+  // In the end 90000 more and 50000 less live than in the beginning. Blocks are rounded up to 16 bytes.
+  EXPECT_NEAR(static_cast<double>(peak), 40000.0, 100.0);
+}
+
 TEST(NonlinearProgram, DoesNotAllocateAfterConstruction) {
   Plain program;
   Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(10, 0.5, 1.5);

@@ -1,0 +1,75 @@
+#include "contestants.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "scenes.hpp"
+#include "workload.hpp"
+
+namespace tendril::bench {
+namespace {
+
+plugins::Registry registry() { return plugins::Registry(plugins::Catalog(plugins::search_places({}))); }
+
+std::vector<Scene> trial(const plugins::Registry& from) {
+  const std::vector<BenchScene> all = bench_scenes(from, 1);
+  return {all.front().scene};
+}
+
+// The planner restores and polishes whatever a solver refuses; that plan is not the solver's.
+TEST(Contestants, WhoRefusesTheProgramIsLeftOutWithItsOwnReason) {
+  plugins::Registry all = registry();
+  const std::vector<std::string> found = all.names(ComponentKind::solver);
+  if (std::find(found.begin(), found.end(), "nlopt") == found.end()) GTEST_SKIP() << "nlopt is not built";
+  const std::vector<Contestant> two{
+      {"plain", "nlopt", {}, Treatment::penalty},
+      {"mma", "nlopt", {{"algorithm", RawValue{std::string("LD_MMA")}}}, Treatment::penalty}};
+  std::vector<LeftOut> left_out;
+  const std::vector<Contestant> able = able_contestants(all, two, trial(all), 2.0, left_out);
+  ASSERT_EQ(able.size(), 1U);
+  EXPECT_EQ(able.front().name, "plain");
+  ASSERT_EQ(left_out.size(), 1U);
+  EXPECT_EQ(left_out.front().what, "mma");
+  EXPECT_NE(left_out.front().why.find("cannot take equality constraints"), std::string::npos) << left_out.front().why;
+}
+
+TEST(Contestants, AnOptionThatIsNotKnownIsAReason) {
+  plugins::Registry all = registry();
+  const std::string solver = all.names(ComponentKind::solver).front();
+  const std::vector<Contestant> two{{"plain", solver, {}, Treatment::penalty},
+                                    {"unknown", solver, {{"no_such", RawValue{std::string("x")}}}, Treatment::penalty}};
+  std::vector<LeftOut> left_out;
+  const std::vector<Contestant> able = able_contestants(all, two, trial(all), 2.0, left_out);
+  ASSERT_EQ(able.size(), 1U);
+  EXPECT_NE(left_out.front().why.find("no_such"), std::string::npos) << left_out.front().why;
+}
+
+TEST(Contestants, EverySolverTakesPartWithEveryTreatment) {
+  plugins::Registry all = registry();
+  std::vector<LeftOut> left_out;
+  const std::vector<Contestant> found = find_contestants(all, left_out);
+  for (const std::string& solver : all.names(ComponentKind::solver)) {
+    EXPECT_EQ(std::count_if(found.begin(), found.end(),
+                            [&](const Contestant& c) { return c.solver == solver && c.options.empty(); }),
+              4)
+        << solver;
+  }
+  EXPECT_TRUE(left_out.empty());
+}
+
+TEST(KnownScenes, KeepTheirDigitsWithTheFineBasis) {
+  plugins::Registry all = registry();
+  for (const KnownScene& known : known_scenes(all)) {
+    const TimedPlan timed = timed_plan(all, known.scene);
+    ASSERT_EQ(timed.plan.status, PlanStatus::solved) << known.name << ": " << timed.plan.message;
+    const double length = known.scene.rod.length();
+    // The default basis is 1e-9 L from the exact solution on these, the table's last digit included.
+    EXPECT_NEAR(timed.plan.tip_x, known.tip.x, 2e-9 * length) << known.name;
+    EXPECT_NEAR(timed.plan.tip_y, known.tip.y, 2e-9 * length) << known.name;
+    EXPECT_NEAR(timed.plan.moments.front(), known.moment, 1e-12) << known.name;
+  }
+}
+
+}  // namespace
+}  // namespace tendril::bench
