@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -15,6 +16,9 @@ namespace tendril::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// Times within this factor are not told apart, as in the ranking itself.
+constexpr double same_class = 1.5;
 
 /// A table of a report, its columns by name.
 class Rows {
@@ -69,13 +73,52 @@ Match match(const Rows& now, const Rows& earlier, const std::vector<std::string>
   return m;
 }
 
-std::string ranking(const Json& report) {
+struct Place {
+  std::string contestant;
+  double time = 0.0;  ///< ms
+};
+
+std::vector<Place> ranking(const Json& report) {
   const Rows rows(report, "solvers", "solvers_ranking");
-  std::string text;
+  std::vector<Place> places;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    text += (i > 0 ? ", " : "") + rows.at(i, "contestant").get<std::string>();
+    const Json& time = rows.at(i, "time (ms)");
+    places.push_back({rows.at(i, "contestant"), time.is_number() ? time.get<double>() : std::nan("")});
   }
+  return places;
+}
+
+std::string words(const std::vector<Place>& places) {
+  std::string text;
+  for (const Place& place : places) text += (text.empty() ? "" : ", ") + place.contestant;
   return text;
+}
+
+/// Whether two rankings agree, as far as times within a factor of `same_class` say anything.
+std::string verdict(const std::vector<Place>& now, const std::vector<Place>& earlier) {
+  std::map<std::string, std::size_t> rank;
+  for (std::size_t i = 0; i < earlier.size(); ++i) rank[earlier[i].contestant] = i;
+  const auto apart = [](double a, double b) { return std::max(a, b) > same_class * std::min(a, b); };
+  int swapped = 0;
+  int contradicting = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    for (std::size_t k = i + 1; k < now.size(); ++k) {
+      const auto a = rank.find(now[i].contestant);
+      const auto b = rank.find(now[k].contestant);
+      if (a == rank.end() || b == rank.end() || a->second < b->second) continue;
+      ++swapped;
+      const bool clear = apart(now[i].time, now[k].time) && apart(earlier[a->second].time, earlier[b->second].time);
+      contradicting += clear ? 1 : 0;
+    }
+  }
+  if (swapped == 0) return "The ranking of the solvers is the same.";
+  if (contradicting == 0) {
+    return fmt::format(
+        "The ranking of the solvers is the same but for {} pairs whose times lie within a factor of {:g}, which is no "
+        "difference.",
+        swapped, same_class);
+  }
+  return "The ranking of the solvers differs. Now: " + words(now) + ". Earlier: " + words(earlier) + ".";
 }
 
 Section compared(const Json& now, const Json& earlier) {
@@ -97,10 +140,7 @@ Section compared(const Json& now, const Json& earlier) {
   if (now.at("extent") != earlier.at("extent")) {
     section.prose.emplace_back("The two were measured to different extents: only what both hold is compared.");
   }
-  section.prose.emplace_back(ranking(now) == ranking(earlier)
-                                 ? "The ranking of the solvers is the same."
-                                 : "The ranking of the solvers differs. Now: " + ranking(now) +
-                                       ". Earlier: " + ranking(earlier) + ".");
+  section.prose.push_back(verdict(ranking(now), ranking(earlier)));
   Table table{"against",
               "Rows of the same name in both reports. Time: geometric mean of now over earlier",
               {"what", "in both", "same status, iterations and evaluations", "in one only", "time, now / earlier"},

@@ -126,6 +126,7 @@ Section lean_section(const plugins::Registry& registry, const Extent& extent) {
   const std::vector<Variant> list = variants(own, section.left_out);
   std::vector<std::vector<double>> seconds(list.size()), evaluation(list.size());
   std::vector<TimedPlan> plans;
+  plans.reserve(list.size());
   for (const Variant& variant : list) plans.push_back(timed_plan(own, variant.scene));
   for (int repetition = 0; repetition < extent.repetitions_of_timed() && !extent.stopped(); ++repetition) {
     for (std::size_t i = 0; i < list.size(); ++i) {

@@ -163,6 +163,23 @@ TEST_F(QuickReport, WarnsOfAnotherMachine) {
   EXPECT_NE(text.find("processor: now another"), std::string::npos);
 }
 
+// First and last of the ranking are far apart; two neighbours within a factor of 1.5 are not.
+TEST_F(QuickReport, TellsSpreadFromAnotherRanking) {
+  const auto with_swapped = [&](std::size_t a, std::size_t b) {
+    Json other = report("first");
+    for (Json& one : other["sections"]) {
+      if (one["name"] != "solvers") continue;
+      Json& places = one["tables"]["solvers_ranking"]["rows"];
+      if (b >= places.size()) b = places.size() - 1;
+      std::swap(places[a], places[b]);
+      if (a + 1 == b) places[a][7] = places[b][7] = 1.0;
+    }
+    return markdown(against_section(other.dump(), root_ / "first"));
+  };
+  EXPECT_NE(with_swapped(0, 1).find("which is no difference"), std::string::npos);
+  EXPECT_NE(with_swapped(0, 1000).find("The ranking of the solvers differs. Now: "), std::string::npos);
+}
+
 TEST_F(QuickReport, IsNotComparedWithSomethingElse) {
   fs::create_directories(root_ / "else");
   std::ofstream(root_ / "else" / "report.json") << "{\"schema\": 1}";
