@@ -762,6 +762,13 @@ Plan Planner::run() {
   for (std::size_t i = 0; i < modes; ++i) {
     if (order.empty() || order.front() != i) order.push_back(i);
   }
+  const auto excluded = [&](std::size_t i) {
+    const bool out =
+        std::find(control_.without.begin(), control_.without.end(), modes_[i].name) != control_.without.end();
+    if (out) states_[i].record.outcome = "not tried: left out on request";
+    return out;
+  };
+  order.erase(std::remove_if(order.begin(), order.end(), excluded), order.end());
   const int starts = most_starts + (control_.start != nullptr ? 1 : 0) + (d_.palm ? 1 : 0);
   if (control_.follow && control_.start != nullptr) winner_ = follow();
   if (winner_ >= 0) return report(states_, winner_);
