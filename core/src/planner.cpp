@@ -887,7 +887,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
     if (all_infeasible && (d_.enumerated || by_bound)) {
       plan.status = PlanStatus::infeasible;
       plan.message = by_bound
-                         ? "infeasible by a bound: " + modes_.front().skip
+                         ? "infeasible by a bound: " + (d_.palm ? modes_.back() : modes_.front()).skip
                          : "infeasible: from " + std::to_string(most_starts) +
                                " starts per mode every search ended where no change of the plan reduces the violation "
                                "of its constraints" +
