@@ -163,12 +163,13 @@ Plan Session::plan(const std::optional<std::filesystem::path>& start) {
   return plan;
 }
 
-Plan Session::plan_from(const Plan* start, bool follow) {
+Plan Session::plan_from(const Plan* start, bool follow, const std::vector<std::string>& without) {
   Problem& ready = problem();
   PlanControl control;
   control.stop = &InterruptGuard::flag();
   control.start = start;
   control.follow = follow;
+  control.without = without;
   constexpr double grace = 2.0;
   const Watchdog watchdog(
       std::chrono::duration<double>(scene_.solver.time_limit + grace),
@@ -224,13 +225,39 @@ void Session::verify(Plan& plan, const std::optional<std::filesystem::path>& sta
   }
   std::optional<Plan> earlier;
   if (start) earlier = read_start(*start, scene_);
-  const bool grasp = plan.grasp.has_value();
-  const Scene executed = grasp ? finger_in_world(scene_) : scene_;
-  const std::vector<std::unique_ptr<Obstacle>> obstacles =
-      grasp ? obstacles_of_finger(scene_, plan.grasp->palm_distance) : make_obstacles();
   const InterruptGuard interrupt;
+  if (plan.grasp) return verify_grasp(plan, earlier);
+  const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
   const ExecuteControl control = execute_control(earlier);
-  located("", [&] { tendril::verify(executed, obstacles, plan, control); });
+  located("", [&] { tendril::verify(scene_, obstacles, plan, control); });
+}
+
+void Session::verify_grasp(Plan& plan, const std::optional<Plan>& earlier) {
+  const Scene finger = finger_in_world(scene_);
+  const auto settle = [&](Plan& judged) {
+    const std::optional<Plan> own = earlier ? earlier : judged;
+    const std::vector<std::unique_ptr<Obstacle>> obstacles = obstacles_of_finger(scene_, judged.grasp->palm_distance);
+    const ExecuteControl control = execute_control(own);
+    located("", [&] { tendril::verify(finger, obstacles, judged, control); });
+  };
+  const bool planned = plan.status == PlanStatus::solved;
+  settle(plan);
+  std::vector<std::string> refuted;
+  for (Plan last = plan; planned && last.status != PlanStatus::solved;) {
+    const auto won = std::find_if(last.modes.begin(), last.modes.end(), [&](const ModeRecord& mode) {
+      return mode.certified && mode.objective == last.objective;
+    });
+    if (won == last.modes.end()) return;
+    refuted.push_back(won->mode);
+    Plan next = plan_from(nullptr, false, refuted);
+    if (next.status != PlanStatus::solved) return;
+    settle(next);
+    for (const std::string& mode : refuted) {
+      next.left_out.push_back({mode, "a plan was certified, but the finger does not come to rest there"});
+    }
+    if (next.status == PlanStatus::solved) plan = next;
+    last = std::move(next);
+  }
 }
 
 /// `earlier` has to outlive what is returned.

@@ -800,6 +800,13 @@ Plan Planner::run() {
   for (std::size_t i = 0; i < modes; ++i) {
     if (order.empty() || order.front() != i) order.push_back(i);
   }
+  const auto excluded = [&](std::size_t i) {
+    const bool out =
+        std::find(control_.without.begin(), control_.without.end(), modes_[i].name) != control_.without.end();
+    if (out) states_[i].record.outcome = "not tried: left out on request";
+    return out;
+  };
+  order.erase(std::remove_if(order.begin(), order.end(), excluded), order.end());
   const int starts = most_starts + (control_.start != nullptr ? 1 : 0) + (d_.palm ? 1 : 0);
   if (control_.follow && control_.start != nullptr) winner_ = follow();
   if (winner_ >= 0) return report(states_, winner_);
@@ -919,7 +926,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
     if (all_infeasible && (d_.enumerated || by_bound)) {
       plan.status = PlanStatus::infeasible;
       plan.message = by_bound
-                         ? "infeasible by a bound: " + modes_.front().skip
+                         ? "infeasible by a bound: " + (d_.palm ? modes_.back() : modes_.front()).skip
                          : "infeasible: from " + std::to_string(most_starts) +
                                " starts per mode every search ended where no change of the plan reduces the violation "
                                "of its constraints" +

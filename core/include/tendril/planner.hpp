@@ -64,6 +64,7 @@ struct PlanControl {
   /// Try Newton on the earlier plan's active set first. If that is certified and no contact is about to come or go, no
   /// solver is called.
   bool follow = false;
+  std::vector<std::string> without{};  ///< ways of being in contact (ModeRecord::mode) that are not tried
 };
 
 /// A scene made dimensionless and assembled: only the blocks that it needs. Throws SceneError where a component meets a

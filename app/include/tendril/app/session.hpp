@@ -49,7 +49,8 @@ class Session {
   /// `palm_distance`: m, where a grasp holds its object; null: where the scene fixes it.
   Execution execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start,
                     std::optional<double> palm_distance = std::nullopt);
-  /// Executes the plan and judges it by what comes of it (core's verify()).
+  /// Executes the plan and judges it by what comes of it (core's verify()). A grasp is settled from its own shape,
+  /// since the way to it is not planned, and where that fails the next best way of being in contact takes its place.
   void verify(Plan& plan, const std::optional<std::filesystem::path>& start);
   const Units& units() const { return *units_; }
   /// The same for a trajectory, step by step; the limits hold for each plan.
@@ -58,8 +59,8 @@ class Session {
   StudySpec study() const { return read_study(document_, *units_); }
   /// Another scene that differs from the one in the file in plain values only: checked, and assembled when asked for.
   void use(const Scene& scene);
-  /// Plans once, from `start` if not null.
-  Plan plan_from(const Plan* start, bool follow = false);
+  /// Plans once, from `start` if not null. `without`: ways of being in contact that are not tried.
+  Plan plan_from(const Plan* start, bool follow = false, const std::vector<std::string>& without = {});
   /// The scene's obstacles, made once more: the planner owns its own.
   std::vector<std::unique_ptr<Obstacle>> make_obstacles();
 
@@ -68,6 +69,7 @@ class Session {
   RunInfo run_info() const;
 
  private:
+  void verify_grasp(Plan& plan, const std::optional<Plan>& earlier);
   ExecuteControl execute_control(const std::optional<Plan>& earlier) const;
   /// Of tables whose plugin the command replaces.
   void drop_foreign_options(bool other_coordinates, bool other_solver);
