@@ -109,9 +109,9 @@ void draw_grasp_study(const Scene& scene, const StudyResult& result, StagedFiles
   }
   std::string panels;
   const std::string common =
-      "set border 3 linewidth 1 linecolor rgb '#404040'\nset tics out nomirror\n"
+      "set border 3 linewidth 1 linecolor rgb '#404040'\nset tics out nomirror font ',12'\n"
       "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\nset key outside bottom center horizontal "
-      "Left reverse samplen 2 maxcols 2\n";
+      "Left reverse samplen 2 maxcols 2 height 1.5\n";
   int count = 0;
   const auto next = [&](const std::string& settings, const std::string& plot) {
     panels += settings + plot;
