@@ -93,7 +93,8 @@ void add_gripper(FigureScene& figure, const Scene& scene, const Plan& plan) {
     object.outline.push_back(plan.grasp->object_center +
                              plan.grasp->object_radius * Vec2{std::cos(turn), std::sin(turn)});
   }
-  figure.obstacles.assign(1, std::move(object));
+  figure.obstacles.clear();
+  figure.obstacles.push_back(std::move(object));
 }
 
 }  // namespace tendril::app
