@@ -73,7 +73,7 @@ std::string filled(std::string_view text, ComponentKind kind, const std::string&
 
 /// As a shell takes it for one word.
 std::string word(const fs::path& path) {
-  const std::string text = path.string();
+  std::string text = path.string();
   const auto plain = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
            std::string_view("._-/+").find(c) != std::string_view::npos;
