@@ -1,5 +1,6 @@
 #include <Eigen/LU>
 #include <cmath>
+#include <numeric>
 
 #include "grasp.hpp"
 
@@ -30,12 +31,17 @@ Response response_of(PoseProgramSpec spec, Vec2 axis, double shift, ConstVectorR
   y[at.palm] = shift;
   const Eigen::MatrixXd jacobian = program.jacobian(y);
 
+  const auto append = [](std::vector<int>& list, int first, int count) {
+    const std::size_t before = list.size();
+    list.resize(before + static_cast<std::size_t>(count));
+    std::iota(list.begin() + static_cast<std::ptrdiff_t>(before), list.end(), first);
+  };
   std::vector<int> unknowns;
+  append(unknowns, 0, at.coordinates);
+  append(unknowns, at.first_arc_length, at.arc_lengths + at.forces);
   std::vector<int> rows;
-  for (int i = 0; i < at.coordinates; ++i) unknowns.push_back(i);
-  for (int i = 0; i < at.arc_lengths + at.forces; ++i) unknowns.push_back(at.first_arc_length + i);
-  for (int i = 0; i < at.coordinates + at.forces; ++i) rows.push_back(i);
-  for (int k = 0; k < at.arc_lengths; ++k) rows.push_back(at.first_closest + k);
+  append(rows, 0, at.coordinates + at.forces);
+  append(rows, at.first_closest, at.arc_lengths);
   const Eigen::FullPivLU<Eigen::MatrixXd> system(Eigen::MatrixXd(jacobian(rows, unknowns)));
   const Eigen::RowVectorXd balance = jacobian.row(at.first_balance);
   const auto derivative = [&](int variable) {
