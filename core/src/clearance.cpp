@@ -126,9 +126,12 @@ double certified_depth(const Curve& curve, const Obstacle& obstacle) {
   const double radius = obstacle.rounding();
   const bool flat = !std::isfinite(obstacle.smallest_radius());
   double lowest_seen = 0.0;  // only depth counts
+  // Comparisons with what is no number would pass for clearance.
+  bool no_number = !(radius >= 0.0);
   const auto core = [&](int piece, double sigma) {
     const Vec2 p = curve.position(piece, sigma);
     const double value = flat ? obstacle.at(p).distance : obstacle.core_distance(p);
+    if (!(value > -infinity)) no_number = true;
     // Inside of the core only the signed distance tells how deep.
     lowest_seen = std::min(lowest_seen, flat ? value : value > 0.0 ? value - radius : obstacle.at(p).distance);
     return value;
@@ -139,7 +142,7 @@ double certified_depth(const Curve& curve, const Obstacle& obstacle) {
     const double from = core(j, 0.0);
     open.push_back({j, 0.0, 1.0, from, core(j, 1.0), 0});
   }
-  while (!open.empty()) {
+  while (!open.empty() && !no_number) {
     const Interval at = open.back();
     open.pop_back();
     const double h = (at.to - at.from) * curve.length(at.piece);
@@ -165,7 +168,7 @@ double certified_depth(const Curve& curve, const Obstacle& obstacle) {
     open.push_back({at.piece, at.from, middle, at.core_from, value, at.depth + 1});
     open.push_back({at.piece, middle, at.to, value, at.core_to, at.depth + 1});
   }
-  return depth;
+  return no_number ? infinity : depth;
 }
 
 std::vector<ClosestApproach> closest_approaches(const Curve& curve, const Obstacle& obstacle, double level) {

@@ -134,7 +134,7 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
   }
   if (grasp && !reads_moments) {
     throw SceneError("objective",
-                     "a grasp needs an objective that weighs the moments, such as 'actuation_effort': with the contact "
+                     "a grasp needs an objective that weighs the moments: with the contact "
                      "force at its limit and no force along the axis there is still a whole family of grasps");
   }
   for (PoseProgramTerm& t : d.terms) {

@@ -208,6 +208,24 @@ TEST(CoreClearanceReference, DepthUnderAHalfPlane) {
   }
 }
 
+/// A circle that answers with no number in one of its ways.
+class NoNumber : public Circle {
+ public:
+  NoNumber(bool core, bool rounding) : Circle({0.5, 2.0}, 0.1), core_(core), rounding_(rounding) {}
+  double core_distance(Vec2 point) const override { return core_ ? std::nan("") : Circle::core_distance(point); }
+  double rounding() const override { return rounding_ ? std::nan("") : Circle::rounding(); }
+
+ private:
+  bool core_, rounding_;
+};
+
+TEST(CoreClearanceReference, NoNumberIsNoClearance) {
+  const Arc arc(1.0);
+  EXPECT_EQ(certified_depth(arc.curve, NoNumber(false, false)), 0.0);
+  EXPECT_EQ(certified_depth(arc.curve, NoNumber(true, false)), infinity);
+  EXPECT_EQ(certified_depth(arc.curve, NoNumber(false, true)), infinity);
+}
+
 // Against dense sampling on shapes that no formula knows: the certified depth is an upper bound and not much more.
 TEST(CoreClearanceReference, DepthOfRandomShapesBoundsWhatSamplingFinds) {
   std::mt19937 random(4);
