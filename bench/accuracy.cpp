@@ -160,8 +160,10 @@ Accuracy measure_accuracy(plugins::Registry& registry, const AccuracySetup& setu
       }
     }
   }
+  Pace pace;
   for (int repetition = 0; repetition < setup.repetitions && !stopped(); ++repetition) {
     for (std::size_t i = 0; i < runs.size() && !stopped(); ++i) {
+      pace.beat();
       const TimedPlan again = timed_plan(registry, runs[i].scene);
       runs[i].seconds.push_back(again.seconds);
       runs[i].evaluating.push_back(again.evaluating);
@@ -170,6 +172,7 @@ Accuracy measure_accuracy(plugins::Registry& registry, const AccuracySetup& setu
           point.repeatable && again.iterations == point.iterations && again.evaluations == point.evaluations;
     }
   }
+  accuracy.pace = pace.seconds();
   for (std::size_t i = 0; i < runs.size(); ++i) {
     accuracy.points[i].seconds = quartiles(runs[i].seconds);
     accuracy.points[i].evaluating = quartiles(runs[i].evaluating);

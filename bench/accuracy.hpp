@@ -54,6 +54,7 @@ struct Accuracy {
   std::vector<AccuracyReference> references;
   std::vector<AccuracyPoint> points;
   std::vector<ConvergenceOrder> orders;
+  std::vector<double> pace;  ///< s, one beat beside every plan
   std::vector<LeftOut> left_out;
 };
 

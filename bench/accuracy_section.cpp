@@ -269,8 +269,13 @@ Section accuracy_section(const AccuracySetup& setup, const Accuracy& accuracy) {
       "repetition{}.",
       setup.repetitions, unrepeatable == 0 ? "" : fmt::format(", except on {} models", unrepeatable)));
   add_figures(setup, accuracy, section);
-  section.tables = {reference_table(setup, accuracy), order_table(setup, accuracy), millisecond_table(setup, accuracy),
-                    goal_table(setup, accuracy),      time_table(setup, accuracy),  point_table(setup, accuracy)};
+  section.tables = {reference_table(setup, accuracy),
+                    order_table(setup, accuracy),
+                    millisecond_table(setup, accuracy),
+                    goal_table(setup, accuracy),
+                    time_table(setup, accuracy),
+                    point_table(setup, accuracy),
+                    pace_table("accuracy_pace", accuracy.pace)};
   section.left_out = accuracy.left_out;
   return section;
 }

@@ -45,17 +45,52 @@ class Rows {
 };
 
 struct Match {
+  std::string what;
   int common = 0, equal = 0, alone = 0;
-  double time_ratio = std::nan("");  ///< geometric mean of now / earlier
+  double pace = 1.0;                 ///< time of the same arithmetic, now / earlier; 1 if a report does not tell
+  double time_ratio = std::nan("");  ///< geometric mean of now / earlier, at the same pace
+  double typical = std::nan("");     ///< median over the rows of |ln(now / earlier)|
+  /// What the reports state: quartiles over median, of nine in ten rows, and that of the pace in both.
+  double spread = std::nan("");
+  int apart = 0;  ///< rows whose times differ by more than `same_class`
+  bool within() const { return std::abs(std::log(time_ratio)) <= spread && typical <= spread; }
 };
 
-/// Rows with the same `keys` in both: whether `counts` are equal, and the ratio of `time`.
-Match match(const Rows& now, const Rows& earlier, const std::vector<std::string>& keys,
-            const std::vector<std::string>& counts, const std::string& time) {
+/// A row's time, and how far its repetitions spread: distance of the quartiles over the median.
+struct Timing {
+  double seconds = std::nan(""), spread = std::nan("");
+};
+using TimingOf = Timing (*)(const Rows&, std::size_t row);
+
+double number(const Json& cell) { return cell.is_number() ? cell.get<double>() : std::nan(""); }
+
+Timing model_timing(const Rows& rows, std::size_t row) {
+  const double median = number(rows.at(row, "seconds_median"));
+  return {median, (number(rows.at(row, "seconds_high")) - number(rows.at(row, "seconds_low"))) / median};
+}
+
+/// What was timed once has no spread of its own.
+Timing run_timing(const Rows& rows, std::size_t row) {
+  const bool once = number(rows.at(row, "repetitions")) <= 1.0;
+  return {number(rows.at(row, "seconds")), once ? std::nan("") : number(rows.at(row, "spread"))};
+}
+
+/// The machine's pace while a section was measured; NaN in a report that does not tell.
+Timing pace_of(const Json& report, const std::string& section) {
+  const Rows rows(report, section, section + "_pace");
+  return rows.size() == 1 ? model_timing(rows, 0) : Timing{};
+}
+
+/// Rows with the same `keys` in both: whether `counts` are equal, and how their times compare.
+Match match(const std::string& what, const Rows& now, const Rows& earlier, const std::vector<std::string>& keys,
+            const std::vector<std::string>& counts, TimingOf timing, const Timing& pace, const Timing& earlier_pace) {
   std::map<std::string, std::size_t> other;
   for (std::size_t i = 0; i < earlier.size(); ++i) other[earlier.key(i, keys)] = i;
   Match m;
-  std::vector<double> ratios;
+  m.what = what;
+  const double ratio_of_paces = pace.seconds / earlier_pace.seconds;
+  if (std::isfinite(ratio_of_paces)) m.pace = ratio_of_paces;
+  std::vector<double> ratios, distances, spreads;
   for (std::size_t i = 0; i < now.size(); ++i) {
     const auto found = other.find(now.key(i, keys));
     if (found == other.end()) {
@@ -64,12 +99,23 @@ Match match(const Rows& now, const Rows& earlier, const std::vector<std::string>
     }
     ++m.common;
     m.equal += now.key(i, counts) == earlier.key(found->second, counts) ? 1 : 0;
-    const Json& a = now.at(i, time);
-    const Json& b = earlier.at(found->second, time);
-    if (a.is_number() && b.is_number() && b.get<double>() > 0.0) ratios.push_back(a.get<double>() / b.get<double>());
+    const Timing a = timing(now, i);
+    const Timing b = timing(earlier, found->second);
+    if (!(a.seconds > 0.0) || !(b.seconds > 0.0)) continue;
+    ratios.push_back(a.seconds / b.seconds / m.pace);
+    distances.push_back(std::abs(std::log(ratios.back())));
+    m.apart += distances.back() > std::log(same_class) ? 1 : 0;
+    for (const double spread : {a.spread, b.spread}) {
+      if (std::isfinite(spread)) spreads.push_back(spread);
+    }
   }
   m.alone += static_cast<int>(earlier.size()) - m.common;
   m.time_ratio = shifted_geometric_mean(ratios, 0.0);
+  m.typical = median(distances);
+  m.spread = quantile(spreads, 0.9);
+  for (const double spread : {pace.spread, earlier_pace.spread}) {
+    if (std::isfinite(spread)) m.spread += spread;
+  }
   return m;
 }
 
@@ -141,19 +187,31 @@ Section compared(const Json& now, const Json& earlier) {
     section.prose.emplace_back("The two were measured to different extents: only what both hold is compared.");
   }
   section.prose.push_back(verdict(ranking(now), ranking(earlier)));
-  Table table{"against",
-              "Rows of the same name in both reports. Time: geometric mean of now over earlier",
-              {"what", "in both", "same status, iterations and evaluations", "in one only", "time, now / earlier"},
-              {}};
-  const auto row = [&](const std::string& what, const Match& m) {
-    table.rows.push_back({what, std::int64_t{m.common}, std::int64_t{m.equal}, std::int64_t{m.alone}, m.time_ratio});
-  };
-  row("models", match({now, "accuracy", "accuracy"}, {earlier, "accuracy", "accuracy"},
-                      {"scene", "plugin", "option", "value", "split"}, {"solves", "iterations", "evaluations"},
-                      "seconds_median"));
-  row("runs of solvers", match({now, "solvers", "solvers"}, {earlier, "solvers", "solvers"},
-                               {"scene", "contestant", "limit_Nm", "target_x_m", "target_y_m", "start"},
-                               {"status", "solves", "iterations", "evaluations"}, "seconds"));
+  const std::vector<Match> matches{
+      match("models", {now, "accuracy", "accuracy"}, {earlier, "accuracy", "accuracy"},
+            {"scene", "plugin", "option", "value", "split"}, {"solves", "iterations", "evaluations"}, model_timing,
+            pace_of(now, "accuracy"), pace_of(earlier, "accuracy")),
+      match("runs of solvers", {now, "solvers", "solvers"}, {earlier, "solvers", "solvers"},
+            {"scene", "contestant", "limit_Nm", "target_x_m", "target_y_m", "start"},
+            {"status", "solves", "iterations", "evaluations"}, run_timing, pace_of(now, "solvers"),
+            pace_of(earlier, "solvers"))};
+  Table table{
+      "against",
+      "Rows of the same name in both reports. Time: geometric mean of now over earlier. Typical: half of the "
+      "rows' times differ by less. Spread: nine in ten rows have their quartiles this close in one report",
+      {"what", "in both", "same status, iterations and evaluations", "in one only", "time, now / earlier",
+       "typical difference (%)", "stated spread (%)", fmt::format("differ by more than a factor of {:g}", same_class)},
+      {}};
+  for (const Match& m : matches) {
+    table.rows.push_back({m.what, std::int64_t{m.common}, std::int64_t{m.equal}, std::int64_t{m.alone}, m.pace,
+                          m.time_ratio, 100.0 * std::expm1(m.typical), 100.0 * m.spread, std::int64_t{m.apart}});
+    section.prose.push_back(
+        fmt::format("Times of {} {} the stated spread: at the same pace their mean changed by a factor of {:.3f} and "
+                    "half of them by less than {:.2g} %, with a spread of {:.2g} %. The machine's pace changed by a "
+                    "factor of {:.3f}.",
+                    m.what, m.within() ? "agree within" : "do NOT agree within", m.time_ratio,
+                    100.0 * std::expm1(m.typical), 100.0 * m.spread, m.pace));
+  }
   section.tables = {table};
   return section;
 }

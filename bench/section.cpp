@@ -7,6 +7,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "statistics.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::bench {
@@ -46,6 +47,14 @@ std::string text_of(const Cell& cell) {
   if (const auto* integer = std::get_if<std::int64_t>(&cell)) return std::to_string(*integer);
   const double real = std::get<double>(cell);
   return std::isfinite(real) ? fmt::format("{:.3g}", real) : "-";
+}
+
+Table pace_table(const std::string& name, const std::vector<double>& seconds) {
+  const Quartiles q = quartiles(seconds);
+  return {name,
+          "The machine's own pace meanwhile: processor time of one fixed piece of arithmetic, taken beside every plan",
+          {"beats", "seconds_low", "seconds_median", "seconds_high"},
+          {{static_cast<std::int64_t>(seconds.size()), q.low, q.median, q.high}}};
 }
 
 std::string markdown(const Table& table) {

@@ -38,6 +38,9 @@ struct Section {
   std::vector<LeftOut> left_out;  ///< what could have been compared and was not
 };
 
+/// Quartiles of the machine's pace (see Pace) while something was measured, in a table of this name.
+Table pace_table(const std::string& name, const std::vector<double>& seconds);
+
 /// Three significant digits, integers as they are.
 std::string text_of(const Cell& cell);
 

@@ -137,12 +137,14 @@ SolverComparison compare_solvers(plugins::Registry& registry, const SolverCompar
   const std::size_t contestants = setup.contestants.size();
   const auto stopped = [&] { return setup.stop != nullptr && setup.stop->load(); };
   std::vector<std::vector<double>> seconds;
+  Pace pace;
   std::size_t done = 0;
   for (int repetition = 0; repetition < setup.repetitions && !stopped(); ++repetition) {
     for (std::size_t p = 0; p < comparison.programs.size() && !stopped(); ++p) {
       const SolverProgram& program = comparison.programs[p];
       for (std::size_t c = 0; c < contestants && !stopped(); ++c) {
         if (repetition > 0 && seconds[p * contestants + c].front() > long_plan) continue;
+        pace.beat();
         PlanControl control;
         control.stop = setup.stop;
         if (setup.starts > 0) control.start = &shapes[p];
@@ -172,6 +174,7 @@ SolverComparison compare_solvers(plugins::Registry& registry, const SolverCompar
     run.repetitions = static_cast<int>(seconds[i].size());
     run.spread = (q.high - q.low) / q.median;
   }
+  comparison.pace = pace.seconds();
   judge(comparison);
   return comparison;
 }

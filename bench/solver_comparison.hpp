@@ -58,6 +58,7 @@ struct SolverRun {
 struct SolverComparison {
   std::vector<SolverProgram> programs;
   std::vector<SolverRun> runs;  ///< all contestants of a program one after the other
+  std::vector<double> pace;     ///< s, one beat beside every plan
 };
 
 SolverComparison compare_solvers(plugins::Registry& registry, const SolverComparisonSetup& setup);

@@ -297,7 +297,8 @@ Section solver_section(const SolverComparisonSetup& setup, const SolverCompariso
     add("solvers_evaluations", "evaluations", costs(setup, comparison, evaluations_of), field);
   }
   section.tables = {ranking_table(setup, comparison), profile_table(setup, comparison),
-                    outcome_table(setup, comparison), cost_table(setup, comparison), run_table(setup, comparison)};
+                    outcome_table(setup, comparison), cost_table(setup, comparison),
+                    run_table(setup, comparison),     pace_table("solvers_pace", comparison.pace)};
   return section;
 }
 

@@ -38,6 +38,19 @@ double now();  ///< s, of a clock that never goes back
 /// other programs do hardly shows in it.
 double processor_now();
 
+/// How fast the machine is while something is measured: processor times of one fixed piece of arithmetic (sines and
+/// cosines, a factorization of 24 by 24), about a third of a millisecond. Its changes between two reports are the
+/// machine's doing: another clock, a neighbour in the cache.
+class Pace {
+ public:
+  void beat();
+  const std::vector<double>& seconds() const { return seconds_; }
+
+ private:
+  std::vector<double> seconds_;
+  double kept_ = 0.0;  ///< the results are used, so that none is optimized away
+};
+
 /// A plan and what it took.
 struct TimedPlan {
   Plan plan;

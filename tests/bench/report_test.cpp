@@ -180,6 +180,24 @@ TEST_F(QuickReport, TellsSpreadFromAnotherRanking) {
   EXPECT_NE(with_swapped(0, 1000).find("The ranking of the solvers differs. Now: "), std::string::npos);
 }
 
+TEST_F(QuickReport, TellsTimesBeyondTheStatedSpread) {
+  const auto verdict = [&](double factor) {
+    Json other = report("first");
+    for (Json& one : other["sections"]) {
+      if (one["name"] != "accuracy") continue;
+      Json& table = one["tables"]["accuracy"];
+      const Json& columns = table["columns"];
+      for (std::size_t c = 0; c < columns.size(); ++c) {
+        if (columns[c].get<std::string>().rfind("seconds_", 0) != 0) continue;
+        for (Json& row : table["rows"]) row[c] = factor * row[c].get<double>();
+      }
+    }
+    return markdown(against_section(other.dump(), root_ / "first"));
+  };
+  EXPECT_NE(verdict(1.0).find("Times of models agree within the stated spread"), std::string::npos);
+  EXPECT_NE(verdict(50.0).find("Times of models do NOT agree within the stated spread"), std::string::npos);
+}
+
 TEST_F(QuickReport, IsNotComparedWithSomethingElse) {
   fs::create_directories(root_ / "else");
   std::ofstream(root_ / "else" / "report.json") << "{\"schema\": 1}";
