@@ -35,6 +35,10 @@ double quantile(std::vector<double> values, double p) {
   return values[below] + part * (values[below + 1] - values[below]);
 }
 
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 
 Quartiles quartiles(const std::vector<double>& values) {

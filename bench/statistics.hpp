@@ -8,6 +8,7 @@ namespace tendril::bench {
 /// larger than all others.
 double quantile(std::vector<double> values, double p);
 double median(std::vector<double> values);
+double mean(const std::vector<double>& values);  ///< NaN of no values
 
 struct Quartiles {
   double low = 0.0, median = 0.0, high = 0.0;
