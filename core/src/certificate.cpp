@@ -26,6 +26,16 @@ struct Certifier::Data {
   explicit Data(const PoseProgramSpec& s) : spec(doubled(s)), program(std::make_unique<PoseProgram>(spec)) {
     tables = program->chain().curve_tables();
     curve = std::make_unique<Curve>(tables);
+    const Chain& chain = program->chain();
+    const int n = chain.functions();
+    const Eigen::LLT<Eigen::MatrixXd> llt(chain.table().stiffness);
+    inverse = llt.matrixU().solve(Eigen::MatrixXd::Identity(n, n));
+    first.resize(chain.nodes(), n);
+    Eigen::MatrixXd value(chain.nodes(), n);
+    Eigen::MatrixXd second(chain.nodes(), n);
+    const Eigen::VectorXd& sigma = chain.table().sigma;
+    chain.model().evaluate({sigma.data(), static_cast<std::size_t>(sigma.size())}, value, first, second);
+    polynomials.resize(static_cast<std::size_t>(tables->per_interval()) + 1);
   }
 
   static PoseProgramSpec doubled(PoseProgramSpec s) {
@@ -37,7 +47,8 @@ struct Certifier::Data {
     program->jacobian(x);
     curve->follow(program->backbone());
     if (spec.carried == 0) return;
-    from_palm = std::make_unique<Curve>(*curve);
+    if (!from_palm) from_palm = std::make_unique<Curve>(tables);
+    *from_palm = *curve;
     from_palm->translate(-program->base_shift());
   }
 
@@ -47,15 +58,34 @@ struct Certifier::Data {
   }
 
   double moment_balance(ConstVectorRef x);
-  Eigen::MatrixXd second_variation(ConstVectorRef x);
+  void second_variation(ConstVectorRef x, Eigen::MatrixXd& h);
   double convexity(int contact);
   double margin(ConstVectorRef x);
-  void judge_stationarity(PoseProgram& judged, ConstVectorRef x, Certificate& c);
+  void set_branch(int contact, Branch branch) {
+    if (program->branch(contact) != branch) program->set_branch(contact, branch);
+  }
+  void judge_stationarity(PoseProgram& judged, ConstVectorRef x, Certificate& c, const Eigen::VectorXd* multipliers,
+                          const Eigen::VectorXd* bound_multipliers);
 
   PoseProgramSpec spec;
   std::unique_ptr<PoseProgram> program;
   std::shared_ptr<const CurveTables> tables;
   std::unique_ptr<Curve> curve, from_palm;
+
+  // Tables of the chain: U^-1 of the basis' stiffness U^T U, and the basis' slopes at the nodes.
+  Eigen::MatrixXd inverse, first;
+  // Memory that is used again.
+  Eigen::VectorXd coarse, rows;                      ///< of the judged program, and on the doubled rule
+  Eigen::VectorXd shear, coefficients, up_to;        ///< moment balance
+  std::vector<double> polynomials;                   ///< moment balance
+  Eigen::MatrixXd hessian, block, normals, free;     ///< stability
+  Eigen::VectorXd point_x, point_y, angle, turning;  ///< derivatives of a contact's place
+  Eigen::VectorXd reflection;                        ///< of Householder
+  Eigen::HouseholderQR<Eigen::MatrixXd> qr;
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen;
+  std::vector<int> touching, biactive;
+  std::vector<ClosestApproach> near;
+  KktJudgement known;
 };
 
 Certifier::Certifier(const PoseProgramSpec& spec) : data_(std::make_unique<Data>(spec)) {}
@@ -77,21 +107,16 @@ double Certifier::Data::moment_balance(ConstVectorRef x) {
   const int intervals = tables->intervals();
   const int functions = chain.functions();
   const bool gravity = rod.has_gravity();
-  Eigen::MatrixXd value(chain.nodes(), functions);
-  Eigen::MatrixXd first(chain.nodes(), functions);
-  Eigen::MatrixXd second(chain.nodes(), functions);
   const Eigen::VectorXd& sigma = chain.table().sigma;
-  chain.model().evaluate({sigma.data(), static_cast<std::size_t>(sigma.size())}, value, first, second);
 
   const std::vector<PoseProgram::ContactState>& contacts = program->contacts();
   Vec2 force = rod.tip_force;
   double mass = rod.payload;
   double beyond = 0.0;  // moment of all forces beyond the current point, about it
   double worst = 0.0;
-  Eigen::VectorXd shear(n);
-  Eigen::VectorXd coefficients(n);
-  Eigen::VectorXd up_to(n);
-  std::vector<double> polynomials(static_cast<std::size_t>(n) + 1);
+  shear.resize(n);
+  coefficients.resize(n);
+  up_to.resize(n);
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     if (spec.contacts[k].at_tip) force += contacts[k].force * contacts[k].surface.normal;
   }
@@ -194,97 +219,98 @@ double Certifier::Data::convexity(int contact) {
   return value;
 }
 
-Eigen::MatrixXd Certifier::Data::second_variation(ConstVectorRef x) {
+void Certifier::Data::second_variation(ConstVectorRef x, Eigen::MatrixXd& h) {
   const int n = program->layout().coordinates;
   // dh_e/dq is minus the second derivative of Pi plus the turning of the contact forces, all at frozen knots.
-  Eigen::MatrixXd h = -program->jacobian(x).topLeftCorner(n, n);
-  Eigen::VectorXd jx(n);
-  Eigen::VectorXd jy(n);
-  Eigen::VectorXd ja(n);
+  h = -program->jacobian(x).topLeftCorner(n, n);
+  point_x.resize(n);
+  point_y.resize(n);
+  angle.resize(n);
   for (int k = 0; k < program->layout().forces; ++k) {
     const PoseProgram::ContactState& c = program->contacts()[static_cast<std::size_t>(k)];
     if (spec.contacts[static_cast<std::size_t>(k)].at_tip || !(std::abs(c.force) > tolerance::force)) continue;
-    program->contact_rows(k, jx, jy, ja);
+    program->contact_rows(k, point_x, point_y, angle);
     const Vec2 tau = turned(c.surface.normal);
     const double along = c.surface.curvature * dot(tau, c.tangent);
-    const Eigen::VectorXd d_sq = dot(turned(c.tangent), c.surface.normal) * ja + along * (tau.x * jx + tau.y * jy);
-    h.noalias() += c.force / convexity(k) * d_sq * d_sq.transpose();
+    turning = dot(turned(c.tangent), c.surface.normal) * angle + along * (tau.x * point_x + tau.y * point_y);
+    h.noalias() += c.force / convexity(k) * turning * turning.transpose();
   }
-  return h;
 }
 
 double Certifier::Data::margin(ConstVectorRef x) {
   const Chain& chain = program->chain();
   const int n = program->layout().coordinates;
-  Eigen::MatrixXd h = second_variation(x);
-  std::vector<int> touching;
+  Eigen::MatrixXd& h = hessian;
+  second_variation(x, h);
+  touching.clear();
   for (int k = 0; k < program->layout().forces; ++k) {
     if (program->contacts()[static_cast<std::size_t>(k)].force > tolerance::force) touching.push_back(k);
   }
   // In coordinates y = U q with K = U^T U the bending energy is the unit matrix.
   const int functions = chain.functions();
-  const Eigen::LLT<Eigen::MatrixXd> llt(chain.table().stiffness);
-  const Eigen::MatrixXd inverse = llt.matrixU().solve(Eigen::MatrixXd::Identity(functions, functions));
+  const auto root = [&](int j) { return std::sqrt(program->backbone().length(j) / chain.piece(j).stiffness); };
   for (int j = 0; j < chain.piece_count(); ++j) {
-    const double root = std::sqrt(program->backbone().length(j) / chain.piece(j).stiffness);
-    const auto block = h.middleCols(j * functions, functions);
-    h.middleCols(j * functions, functions) = (root * (block * inverse)).eval();
+    block.noalias() = h.middleCols(j * functions, functions) * inverse;
+    h.middleCols(j * functions, functions) = root(j) * block;
   }
   for (int j = 0; j < chain.piece_count(); ++j) {
-    const double root = std::sqrt(program->backbone().length(j) / chain.piece(j).stiffness);
-    const auto block = h.middleRows(j * functions, functions);
-    h.middleRows(j * functions, functions) = (root * (inverse.transpose() * block)).eval();
+    block.noalias() = inverse.transpose() * h.middleRows(j * functions, functions);
+    h.middleRows(j * functions, functions) = root(j) * block;
   }
   if (!h.allFinite()) return -infinity;
   const auto count = static_cast<Eigen::Index>(touching.size());
-  if (count == 0) {
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(h, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  }
-  Eigen::MatrixXd rows(n, count);
-  Eigen::VectorXd jx(n);
-  Eigen::VectorXd jy(n);
-  Eigen::VectorXd ja(n);
+  if (count == 0) return eigen.compute(h, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  const Eigen::Index left = n - count;
+  if (left <= 0) return infinity;
+  normals.resize(n, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const int k = touching[static_cast<std::size_t>(i)];
     const PoseProgram::ContactState& c = program->contacts()[static_cast<std::size_t>(k)];
-    program->contact_rows(k, jx, jy, ja);
-    Eigen::VectorXd row = c.surface.normal.x * jx + c.surface.normal.y * jy;
+    program->contact_rows(k, point_x, point_y, angle);
+    turning = c.surface.normal.x * point_x + c.surface.normal.y * point_y;
     for (int j = 0; j < chain.piece_count(); ++j) {
-      const double root = std::sqrt(program->backbone().length(j) / chain.piece(j).stiffness);
-      row.segment(j * functions, functions) =
-          (root * (inverse.transpose() * row.segment(j * functions, functions))).eval();
+      normals.col(i).segment(j * functions, functions).noalias() =
+          root(j) * (inverse.transpose() * turning.segment(j * functions, functions));
     }
-    rows.col(i) = row;
   }
-  // The orthogonal complement of the rows spans what the contacts leave free.
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows);
-  h.applyOnTheLeft(qr.householderQ().adjoint());
-  h.applyOnTheRight(qr.householderQ());
-  const Eigen::Index left = n - count;
-  if (left <= 0) return infinity;
-  const Eigen::MatrixXd free = h.bottomRightCorner(left, left);
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(free, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  // The orthogonal complement of the rows spans what the contacts leave free: Q^T H Q, one reflection after the other.
+  qr.compute(normals);
+  reflection.resize(n);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto essential = qr.matrixQR().col(k).tail(n - k - 1);
+    h.bottomRows(n - k).applyHouseholderOnTheLeft(essential, qr.hCoeffs()[k], reflection.data());
+    h.rightCols(n - k).applyHouseholderOnTheRight(essential, qr.hCoeffs()[k], reflection.data());
+  }
+  free = h.bottomRightCorner(left, left);
+  return eigen.compute(free, Eigen::EigenvaluesOnly).eigenvalues()[0];
 }
 
-void Certifier::Data::judge_stationarity(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
+void Certifier::Data::judge_stationarity(PoseProgram& judged, ConstVectorRef x, Certificate& c,
+                                         const Eigen::VectorXd* multipliers, const Eigen::VectorXd* bound_multipliers) {
   const PoseProgram::Layout& at = program->layout();
   // The tightened program: the branch of each contact is what the point says it is.
-  std::vector<int> biactive;
+  biactive.clear();
   for (int k = 0; k < at.forces; ++k) {
     const PoseProgram::ContactState& state = program->contacts()[static_cast<std::size_t>(k)];
     const bool touches =
         judged.branch(k) == Branch::touching || std::abs(state.surface.distance) <= tolerance::complementarity;
     const bool pushes = state.force > tolerance::complementarity;
     if (touches && !pushes) biactive.push_back(k);
-    program->set_branch(k, touches ? Branch::touching : Branch::separated);
+    set_branch(k, touches ? Branch::touching : Branch::separated);
   }
   constexpr double active = 1e-8;
-  const KktJudgement free = judge_kkt(*program, x, active);
-  c.stationarity = free.stationarity;
-  c.stationarity_kind = free.stationarity <= tolerance::stationarity ? "S" : "none";
+  if (multipliers != nullptr && bound_multipliers != nullptr && biactive.empty()) {
+    judge_kkt(*program, x, active, *multipliers, *bound_multipliers, known);
+    c.stationarity = known.stationarity;
+    c.stationarity_kind = "S";
+    if (known.stationarity <= tolerance::stationarity) return;
+  }
+  const KktJudgement best = judge_kkt(*program, x, active);
+  c.stationarity = best.stationarity;
+  c.stationarity_kind = best.stationarity <= tolerance::stationarity ? "S" : "none";
   if (biactive.empty() || c.stationarity_kind == "none") return;
   // Gap and force both zero: the gap's multiplier must be that of g >= 0 for strong stationarity.
-  for (const int k : biactive) program->set_branch(k, Branch::open);
+  for (const int k : biactive) set_branch(k, Branch::open);
   const KktJudgement strong = judge_kkt(*program, x, active);
   if (strong.stationarity <= tolerance::stationarity) {
     c.stationarity = strong.stationarity;
@@ -292,8 +318,8 @@ void Certifier::Data::judge_stationarity(PoseProgram& judged, ConstVectorRef x, 
   }
   c.stationarity_kind = "M";
   for (const int k : biactive) {
-    const double gap = -free.multipliers[at.first_gap + k];
-    const double force = -free.bound_multipliers[at.first_force + k];
+    const double gap = -best.multipliers[at.first_gap + k];
+    const double force = -best.bound_multipliers[at.first_force + k];
     const double small = tolerance::stationarity;
     if (std::abs(gap) <= small || std::abs(force) <= small || (gap > 0.0 && force > 0.0)) continue;
     c.stationarity_kind = gap * force > 0.0 ? "C" : "none";
@@ -302,18 +328,31 @@ void Certifier::Data::judge_stationarity(PoseProgram& judged, ConstVectorRef x, 
 }
 
 Certificate Certifier::certify(PoseProgram& judged, ConstVectorRef x) {
-  Data& d = *data_;
   Certificate c;
+  certify(judged, x, c, nullptr, nullptr);
+  return c;
+}
+
+void Certifier::set_target(const Target& target) {
+  data_->spec.target = target;
+  data_->program->set_target(target);
+}
+
+void Certifier::certify(PoseProgram& judged, ConstVectorRef x, Certificate& c, const Eigen::VectorXd* multipliers,
+                        const Eigen::VectorXd* bound_multipliers) {
+  Data& d = *data_;
   c.failures.clear();
+  c.contact_convexity = infinity;
   const PoseProgram::Layout& at = d.program->layout();
   if (!x.allFinite()) {
-    c.failures.emplace_back("the plan is not finite");
-    return c;
+    c = Certificate{};
+    c.failures.assign(1, "the plan is not finite");
+    return;
   }
-  const Eigen::VectorXd coarse = judged.constraints(x);
+  d.coarse = judged.constraints(x);
   d.move(x);
-  const Eigen::VectorXd rows = d.program->constraints(x);
-  c.quadrature = (rows - coarse).cwiseAbs().maxCoeff();
+  const Eigen::VectorXd& rows = d.rows = d.program->constraints(x);
+  c.quadrature = (rows - d.coarse).cwiseAbs().maxCoeff();
   c.equilibrium = rows.head(at.coordinates).cwiseAbs().maxCoeff();
 
   c.bounds = 0.0;
@@ -346,7 +385,7 @@ Certificate Certifier::certify(PoseProgram& judged, ConstVectorRef x) {
   }
   c.moment_balance = d.moment_balance(x);
   c.stability = spreads ? -infinity : d.margin(x);
-  d.judge_stationarity(judged, x, c);
+  d.judge_stationarity(judged, x, c, multipliers, bound_multipliers);
 
   if (!(c.equilibrium <= tolerance::equilibrium))
     c.failures.push_back(defect("equilibrium residual", c.equilibrium, tolerance::equilibrium));
@@ -374,7 +413,6 @@ Certificate Certifier::certify(PoseProgram& judged, ConstVectorRef x) {
     std::snprintf(text, sizeof text, "unstable: the stability margin is %.3e", c.stability);
     c.failures.push_back(text);
   }
-  return c;
 }
 
 std::vector<Certifier::Approach> Certifier::approaches(ConstVectorRef x, double level) {
@@ -387,6 +425,16 @@ std::vector<Certifier::Approach> Certifier::approaches(ConstVectorRef x, double 
     }
   }
   return all;
+}
+
+bool Certifier::approached(ConstVectorRef x, double level) {
+  Data& d = *data_;
+  d.move(x);
+  d.near.clear();
+  for (std::size_t o = 0; o < d.spec.obstacles.size() && d.near.empty(); ++o) {
+    closest_approaches(d.curve_beside(o), *d.spec.obstacles[o], level, d.near);
+  }
+  return !d.near.empty();
 }
 
 void Certifier::invalidate() { data_->program->invalidate(); }
@@ -403,7 +451,9 @@ double Certifier::stability(ConstVectorRef x) {
 
 Eigen::MatrixXd Certifier::second_variation(ConstVectorRef x) {
   data_->move(x);
-  return data_->second_variation(x);
+  Eigen::MatrixXd h;
+  data_->second_variation(x, h);
+  return h;
 }
 
 double Certifier::contact_convexity(ConstVectorRef x, int contact) {

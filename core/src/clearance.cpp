@@ -1,6 +1,7 @@
 #include "tendril/clearance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tendril/error.hpp"
@@ -101,11 +102,15 @@ Vec2 Curve::position(int piece, double sigma) const { return at(piece, sigma).po
 
 namespace {
 
+/// Of a piece; they reach the spacing of doubles: nothing is hidden between two neighbours.
+constexpr int most_halvings = 60;
+
 struct Interval {
-  int piece;
-  double from, to;
-  double core_from, core_to;  // distance to the core at the ends; for a shape without rounding the signed distance
-  int depth;
+  int piece = 0;
+  double from = 0.0, to = 1.0;
+  double core_from = 0.0,
+         core_to = 0.0;  // distance to the core at the ends; for a shape without rounding the signed distance
+  int depth = 0;
 };
 
 /// Where the rod meets the core the square of the distance bounds nothing. The signed distance to a convex shape is
@@ -137,14 +142,21 @@ double certified_depth(const Curve& curve, const Obstacle& obstacle) {
     return value;
   };
   double depth = 0.0;
-  std::vector<Interval> open;
+  // The ends of all pieces first: depth seen anywhere spares halvings everywhere.
   for (int j = 0; j < curve.piece_count(); ++j) {
-    const double from = core(j, 0.0);
-    open.push_back({j, 0.0, 1.0, from, core(j, 1.0), 0});
+    core(j, 0.0);
+    core(j, 1.0);
   }
-  while (!open.empty() && !no_number) {
-    const Interval at = open.back();
-    open.pop_back();
+  // Of an interval and its halves at most one more than the halvings are open at a time.
+  std::array<Interval, most_halvings + 2> open;
+  std::size_t count = 0;
+  int pieces_left = curve.piece_count();
+  while ((count > 0 || pieces_left > 0) && !no_number) {
+    if (count == 0) {
+      const int j = --pieces_left;
+      open[count++] = {j, 0.0, 1.0, core(j, 0.0), core(j, 1.0), 0};
+    }
+    const Interval at = open[--count];
     const double h = (at.to - at.from) * curve.length(at.piece);
     const double kappa = curve.curvature_bound(at.piece);
     const double low = std::min(at.core_from, at.core_to);
@@ -158,74 +170,78 @@ double certified_depth(const Curve& curve, const Obstacle& obstacle) {
     } else {
       bound = support_bound(curve, obstacle, at, lowest_seen);
     }
-    // 60 halvings reach the spacing of doubles: nothing is hidden between two neighbours.
-    if (bound >= lowest_seen - tolerance::clearance_sharpness || at.depth >= 60) {
+    if (bound >= lowest_seen - tolerance::clearance_sharpness || at.depth >= most_halvings) {
       depth = std::max(depth, -bound);
       continue;
     }
     const double middle = 0.5 * (at.from + at.to);
     const double value = core(at.piece, middle);
-    open.push_back({at.piece, at.from, middle, at.core_from, value, at.depth + 1});
-    open.push_back({at.piece, middle, at.to, value, at.core_to, at.depth + 1});
+    open[count++] = {at.piece, at.from, middle, at.core_from, value, at.depth + 1};
+    open[count++] = {at.piece, middle, at.to, value, at.core_to, at.depth + 1};
   }
   return no_number ? infinity : depth;
 }
 
 std::vector<ClosestApproach> closest_approaches(const Curve& curve, const Obstacle& obstacle, double level) {
-  // Valleys of the distance are as wide as the obstacle is small; the curve itself is smooth on the scale of its
-  // pieces.
-  struct Sample {
-    int piece;
-    double sigma, s, distance;
+  std::vector<ClosestApproach> found;
+  closest_approaches(curve, obstacle, level, found);
+  return found;
+}
+
+void closest_approaches(const Curve& curve, const Obstacle& obstacle, double level,
+                        std::vector<ClosestApproach>& found) {
+  const auto sample = [&](int piece, double sigma) {
+    return ClosestApproach{piece, sigma, curve.start(piece) + sigma * curve.length(piece),
+                           obstacle.at(curve.position(piece, sigma)).distance};
   };
-  std::vector<Sample> samples;
-  for (int j = 0; j < curve.piece_count(); ++j) {
-    const double wanted = curve.length(j) / std::clamp(0.5 * obstacle.smallest_radius(), 1e-3, 0.02);
-    const int steps = std::clamp(static_cast<int>(std::ceil(wanted)), 8, 1000);
-    for (int i = j == 0 ? 0 : 1; i <= steps; ++i) {
-      const double sigma = static_cast<double>(i) / steps;
-      samples.push_back(
-          {j, sigma, curve.start(j) + sigma * curve.length(j), obstacle.at(curve.position(j, sigma)).distance});
-    }
-  }
   const auto at_arc_length = [&](double s) {
     int j = 0;
     while (j + 1 < curve.piece_count() && s > curve.start(j + 1)) ++j;
-    const double sigma = std::clamp((s - curve.start(j)) / curve.length(j), 0.0, 1.0);
-    return Sample{j, sigma, s, obstacle.at(curve.position(j, sigma)).distance};
+    return sample(j, std::clamp((s - curve.start(j)) / curve.length(j), 0.0, 1.0));
   };
-  std::vector<ClosestApproach> found;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const bool falls = i == 0 || samples[i].distance <= samples[i - 1].distance;
-    const bool rises = i + 1 == samples.size() || samples[i].distance < samples[i + 1].distance;
-    if (!falls || !rises) continue;
+  /// A sample between its neighbours along the rod, where it has them.
+  const auto consider = [&](const ClosestApproach* before, const ClosestApproach& here, const ClosestApproach* after) {
+    if (before != nullptr && here.distance > before->distance) return;
+    if (after != nullptr && here.distance >= after->distance) return;
+    double low = before != nullptr ? before->arc_length : here.arc_length;
+    double high = after != nullptr ? after->arc_length : here.arc_length;
     // A sample may stand above the level although the minimum beside it does not: neighbours bound the slope by 1.
-    const double reach = std::max(i > 0 ? samples[i].s - samples[i - 1].s : 0.0,
-                                  i + 1 < samples.size() ? samples[i + 1].s - samples[i].s : 0.0);
-    if (samples[i].distance - reach > level) continue;
-    double low = i > 0 ? samples[i - 1].s : samples[i].s;
-    double high = i + 1 < samples.size() ? samples[i + 1].s : samples[i].s;
-    Sample best = samples[i];
+    if (here.distance - std::max(here.arc_length - low, high - here.arc_length) > level) return;
+    ClosestApproach best = here;
     // Golden section: the distance has one minimum between neighbours of a lowest sample.
     const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);
-    Sample left = at_arc_length(high - ratio * (high - low));
-    Sample right = at_arc_length(low + ratio * (high - low));
+    ClosestApproach left = at_arc_length(high - ratio * (high - low));
+    ClosestApproach right = at_arc_length(low + ratio * (high - low));
     while (high - low > 1e-9) {
       if (left.distance < right.distance) {
-        high = right.s;
+        high = right.arc_length;
         right = left;
         left = at_arc_length(high - ratio * (high - low));
       } else {
-        low = left.s;
+        low = left.arc_length;
         left = right;
         right = at_arc_length(low + ratio * (high - low));
       }
-      const Sample& lower = left.distance < right.distance ? left : right;
+      const ClosestApproach& lower = left.distance < right.distance ? left : right;
       if (lower.distance < best.distance) best = lower;
     }
-    if (best.distance <= level) found.push_back({best.piece, best.sigma, best.s, best.distance});
+    if (best.distance <= level) found.push_back(best);
+  };
+  // Valleys of the distance are as wide as the obstacle is small; the curve itself is smooth on the scale of its
+  // pieces.
+  ClosestApproach before, here;
+  int seen = 0;
+  for (int j = 0; j < curve.piece_count(); ++j) {
+    const double wanted = curve.length(j) / std::clamp(0.5 * obstacle.smallest_radius(), 1e-3, 0.02);
+    const int steps = std::clamp(static_cast<int>(std::ceil(wanted)), 8, 1000);
+    for (int i = j == 0 ? 0 : 1; i <= steps; ++i, ++seen) {
+      const ClosestApproach next = sample(j, static_cast<double>(i) / steps);
+      if (seen > 0) consider(seen > 1 ? &before : nullptr, here, &next);
+      before = here;
+      here = next;
+    }
   }
-  return found;
+  if (seen > 0) consider(seen > 1 ? &before : nullptr, here, nullptr);
 }
 
 }  // namespace tendril

@@ -228,32 +228,42 @@ double infeasibility(NonlinearProgram& program, ConstVectorRef x) {
 
 KktJudgement judge_kkt(NonlinearProgram& program, ConstVectorRef x, double active_tolerance,
                        const Eigen::VectorXd* multipliers, const Eigen::VectorXd* bound_multipliers) {
+  KktJudgement out;
+  if (multipliers != nullptr && bound_multipliers != nullptr) {
+    judge_kkt(program, x, active_tolerance, *multipliers, *bound_multipliers, out);
+    return out;
+  }
+  out.multipliers.setZero(program.row_count());
+  out.bound_multipliers.setZero(program.variable_count());
+  // Derivatives first: they bring the values along, while the other order could compute the values twice.
+  (void)program.gradient(x);
+  out.infeasibility = infeasibility_at(program, x, program.constraints(x));
+  out.cost = program.cost(x);
+  recover(program, x, active_tolerance, out);
+  return out;
+}
+
+void judge_kkt(NonlinearProgram& program, ConstVectorRef x, double active_tolerance, const Eigen::VectorXd& multipliers,
+               const Eigen::VectorXd& bound_multipliers, KktJudgement& out) {
   const int n = program.variable_count();
   const int m = program.row_count();
-  KktJudgement out;
-  out.multipliers.setZero(m);
-  out.bound_multipliers.setZero(n);
-  // Derivatives first: they bring the values along, while the other order could compute the values twice.
-  const VectorView gradient = program.gradient(x);
+  out.slope = program.gradient(x);
   const VectorView c = program.constraints(x);
   out.cost = program.cost(x);
   out.infeasibility = infeasibility_at(program, x, c);
-  if (multipliers == nullptr || bound_multipliers == nullptr) {
-    recover(program, x, active_tolerance, out);
-    return out;
-  }
+  out.multipliers.resize(m);
+  out.bound_multipliers.resize(n);
   for (int i = 0; i < m; ++i) {
     out.multipliers[i] =
-        admissible((*multipliers)[i], activity(c[i], program.row_lower()[i], program.row_upper()[i], active_tolerance));
+        admissible(multipliers[i], activity(c[i], program.row_lower()[i], program.row_upper()[i], active_tolerance));
   }
   for (int i = 0; i < n; ++i) {
     out.bound_multipliers[i] =
-        admissible((*bound_multipliers)[i], activity(x[i], program.lower()[i], program.upper()[i], active_tolerance));
+        admissible(bound_multipliers[i], activity(x[i], program.lower()[i], program.upper()[i], active_tolerance));
   }
-  const Eigen::VectorXd lagrangian =
-      gradient + program.jacobian(x).transpose() * out.multipliers + out.bound_multipliers;
-  out.stationarity = n == 0 ? 0.0 : lagrangian.lpNorm<Eigen::Infinity>();
-  return out;
+  out.slope.noalias() += program.jacobian(x).transpose() * out.multipliers;
+  out.slope += out.bound_multipliers;
+  out.stationarity = n == 0 ? 0.0 : out.slope.lpNorm<Eigen::Infinity>();
 }
 
 }  // namespace tendril

@@ -9,41 +9,60 @@
 
 namespace tendril {
 
-std::vector<BackbonePoint> sampled_backbone(const PoseProgram& program, double length) {
+BackboneSampler::BackboneSampler(const Chain& chain)
+    : curve_(chain.curve_tables()), pieces_(static_cast<std::size_t>(chain.piece_count())) {}
+
+void BackboneSampler::sample(const PoseProgram& program, double length, std::vector<BackbonePoint>& out) {
   const Chain& chain = program.chain();
   const Backbone& shape = program.backbone();
-  Curve curve(chain.curve_tables());
-  curve.follow(shape);
+  curve_.follow(shape);
   const int n = chain.functions();
-  constexpr int total = 100;
-  std::vector<BackbonePoint> out;
+  constexpr double total = 100.0;
+  constexpr double slack = 1.25;
+  out.clear();
   for (int j = 0; j < chain.piece_count(); ++j) {
-    const int steps = std::max(4, static_cast<int>(std::ceil(total * shape.length(j))));
-    std::vector<double> sigma;
-    for (int i = j == 0 ? 0 : 1; i <= steps; ++i) sigma.push_back(static_cast<double>(i) / steps);
-    const auto rows = static_cast<Eigen::Index>(sigma.size());
-    Eigen::MatrixXd value(rows, n);
-    Eigen::MatrixXd first(rows, n);
-    Eigen::MatrixXd second(rows, n);
-    chain.model().evaluate(sigma, value, first, second);
+    Piece& piece = pieces_[static_cast<std::size_t>(j)];
+    const int wanted = std::max(4, static_cast<int>(std::ceil(total * shape.length(j))));
+    if (wanted > slack * piece.steps || piece.steps > slack * wanted) {
+      piece.steps = wanted;
+      std::vector<double> sigma;
+      for (int i = 0; i <= piece.steps; ++i) sigma.push_back(static_cast<double>(i) / piece.steps);
+      piece.value.resize(piece.steps + 1, n);
+      piece.first.resize(piece.steps + 1, n);
+      Eigen::MatrixXd second(piece.steps + 1, n);
+      chain.model().evaluate(sigma, piece.value, piece.first, second);
+    }
     const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), n);
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      const double at = sigma[static_cast<std::size_t>(i)];
-      const Vec2 p = curve.position(j, at);
+    for (int i = j == 0 ? 0 : 1; i <= piece.steps; ++i) {
+      const double at = static_cast<double>(i) / piece.steps;
+      const Vec2 p = curve_.position(j, at);
       out.push_back({(shape.start(j) + at * shape.length(j)) * length, p.x * length, p.y * length,
-                     shape.knot_angle(j) + value.row(i).dot(q), first.row(i).dot(q) / shape.length(j) / length});
+                     shape.knot_angle(j) + piece.value.row(i).dot(q),
+                     piece.first.row(i).dot(q) / shape.length(j) / length});
     }
   }
+}
+
+std::vector<BackbonePoint> sampled_backbone(const PoseProgram& program, double length) {
+  std::vector<BackbonePoint> out;
+  BackboneSampler(program.chain()).sample(program, length, out);
   return out;
 }
 
 std::vector<PlannedContact> planned_contacts(const PoseProgram& program, const std::vector<std::string>& obstacle_names,
                                              const Scale& scale) {
   std::vector<PlannedContact> contacts;
-  for (int k = 0; k < program.layout().forces; ++k) {
-    const PoseProgram::ContactState& c = program.contacts()[static_cast<std::size_t>(k)];
-    const ContactSetup& setup = program.spec().contacts[static_cast<std::size_t>(k)];
-    PlannedContact p;
+  planned_contacts(program, obstacle_names, scale, contacts);
+  return contacts;
+}
+
+void planned_contacts(const PoseProgram& program, const std::vector<std::string>& obstacle_names, const Scale& scale,
+                      std::vector<PlannedContact>& contacts) {
+  contacts.resize(static_cast<std::size_t>(program.layout().forces));
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const PoseProgram::ContactState& c = program.contacts()[k];
+    const ContactSetup& setup = program.spec().contacts[k];
+    PlannedContact& p = contacts[k];
     p.obstacle = setup.obstacle;
     p.obstacle_name = obstacle_names[static_cast<std::size_t>(setup.obstacle)];
     p.at_tip = setup.at_tip;
@@ -52,9 +71,8 @@ std::vector<PlannedContact> planned_contacts(const PoseProgram& program, const s
     p.normal = c.surface.normal;
     p.force = c.force * scale.force();
     p.gap = c.surface.distance * scale.length;
-    contacts.push_back(p);
+    p.extended = false;
   }
-  return contacts;
 }
 
 std::vector<BackbonePoint> outline(const StartShape& shape, const Rod& rod, double length) {

@@ -5,7 +5,10 @@
 #include <optional>
 #include <tuple>
 
+#include "check_points.hpp"
 #include "contact_search.hpp"
+#include "earlier_plan.hpp"
+#include "follower.hpp"
 #include "grasp.hpp"
 #include "plan_report.hpp"
 #include "problem_data.hpp"
@@ -26,10 +29,6 @@ constexpr double penalty_cap = 1e4;         ///< largest beta
 constexpr double relaxation_first = 1e-1;   ///< eps of Scholtes and Fischer-Burmeister ...
 constexpr double relaxation_last = 1e-8;    ///< ... ends here ...
 constexpr double relaxation_shrink = 1e-2;  ///< ... in these steps
-constexpr double violation_level = -5e-10;  ///< half of the depth that is allowed: a valley below it gets a check point
-constexpr double grazing_level = 1e-6;      ///< a plan this near to an obstacle (in L) leans on a clearance row
-constexpr double contact_neighbourhood =
-    0.02;  ///< no check point this near (in L) to a touching contact's own obstacle
 constexpr int most_exchanges = 25;
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
 constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
@@ -39,7 +38,6 @@ constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's 
 constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
 constexpr double beats = 1e-12;           ///< an objective must be lower by this to win
 constexpr double at_limit = 1e-9;         ///< a variable this near to its limit stands at it, in reports
-constexpr double at_knot = 1e-7;          ///< (in L) a contact this near to the end of its stretch leans against it
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -93,7 +91,6 @@ class Planner {
     return c;
   }
 
-  StartShape shape_of(const Plan& plan, const Mode& mode) const;
   StartShape start_shape(int index, const Mode& mode) const;
   /// Where every search ended at an equilibrium that is not stable: what the rod would do under the moments found.
   void settle();
@@ -120,16 +117,11 @@ class Planner {
   /// Newton from the earlier plan's own point, touching what it touched: no solver is called. The mode that is
   /// certified so, or -1: there is none, or a contact may be about to come or go, which other modes know more about.
   int follow();
-  bool contacts_unchanged(const Candidate& candidate) const;
-  bool exchange(const PoseProgram& program, ConstVectorRef x, Certifier& certifier, std::vector<CheckPoint>& checks,
-                double level) const;
   /// Whether a plan from this start could still win; then it is looked for.
   void consider(ModeState& state, const StartShape& shape);
   /// Adds contacts to the best modes of each size.
   void grow();
   std::size_t state_of(const std::vector<ContactSetup>& contacts);
-  /// The contacts that hold the earlier plan, if this scene can have them.
-  std::optional<std::vector<ContactSetup>> contacts_of_start() const;
   std::vector<std::size_t> parents(int contacts) const;
   static bool all_press(const ModeState& state) {
     const PoseProgram::Layout& at = state.best.program->layout();
@@ -185,35 +177,10 @@ void set_branches(PoseProgram& program, const std::vector<Branch>& branches) {
   for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, branches[static_cast<std::size_t>(k)]);
 }
 
-/// Shape, moments and contacts of an earlier result, as far as `mode` has them.
-StartShape Planner::shape_of(const Plan& plan, const Mode& mode) const {
-  const double length = d_.scale.length;
-  StartShape shape;
-  shape.curvature = curvature_of(plan, length);
-  if (plan.moments.size() == d_.rod.actuators.size()) {
-    for (const double u : plan.moments) shape.moments.push_back(u / d_.scale.moment());
-  }
-  for (const ContactSetup& c : mode.contacts) {
-    double s = std::numeric_limits<double>::quiet_NaN();
-    double f = 0.0;
-    for (const PlannedContact& planned : plan.contacts) {
-      if (planned.obstacle_name != d_.obstacle_names[static_cast<std::size_t>(c.obstacle)] ||
-          planned.at_tip != c.at_tip)
-        continue;
-      s = planned.arc_length / length;
-      f = planned.force / d_.scale.force();
-    }
-    shape.arc_lengths.push_back(s);
-    shape.forces.push_back(f);
-  }
-  if (plan.grasp) shape.palm_distance = plan.grasp->palm_distance / length;
-  return shape;
-}
-
 StartShape Planner::start_shape(int index, const Mode& mode) const {
   // An earlier plan comes first, then the scene's own start, then shapes that bend to either side.
   if (control_.start != nullptr && !control_.start->backbone.empty()) {
-    if (index == 0) return shape_of(*control_.start, mode);
+    if (index == 0) return shape_of(d_, *control_.start, mode);
     --index;
   }
   if (d_.palm && mode.contacts.size() == 1) {
@@ -384,52 +351,6 @@ bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   return restore(state, program, x) && sharpen(state, program, x, true);
 }
 
-bool Planner::exchange(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
-                       std::vector<CheckPoint>& checks, double level) const {
-  const Chain& chain = program.chain();
-  const PoseProgram::Layout& at = program.layout();
-  const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));
-  bool changed = false;
-  std::vector<bool> moved(checks.size(), false);
-  for (const Certifier::Approach& valley : certifier.approaches(x, level)) {
-    const double s = valley.at.arc_length;
-    bool own_contact = false;
-    for (int k = 0; k < at.forces; ++k) {
-      const ContactSetup& c = program.spec().contacts[static_cast<std::size_t>(k)];
-      if (c.obstacle != valley.obstacle || program.branch(k) != Branch::touching) continue;
-      const double contact = c.at_tip ? 1.0 : x[at.first_arc_length + k];
-      own_contact = own_contact || std::abs(contact - s) < contact_neighbourhood;
-    }
-    if (own_contact) continue;
-    CheckPoint wanted{valley.at.piece, valley.at.sigma, valley.obstacle};
-    if (wanted.sigma < 1e-6) {
-      // The start of a piece is the end of the one before; the base itself cannot move.
-      if (wanted.piece == 0) continue;
-      wanted = {wanted.piece - 1, 1.0, wanted.obstacle};
-    }
-    // The nearest check point of the same valley moves: between it and the valley's floor the distance does not rise
-    // above what it is at the check point. A neighbourhood of a tenth of the rod stands for that.
-    int nearest = -1;
-    double best = 0.1;
-    for (std::size_t i = 0; i < checks.size(); ++i) {
-      if (checks[i].obstacle != valley.obstacle || (i < moved.size() && moved[i])) continue;
-      const double own = chain.start(checks[i].piece, knots) + checks[i].sigma * chain.length(checks[i].piece, knots);
-      if (std::abs(own - s) >= best) continue;
-      best = std::abs(own - s);
-      nearest = static_cast<int>(i);
-    }
-    if (nearest >= 0) {
-      checks[static_cast<std::size_t>(nearest)] = wanted;
-      moved[static_cast<std::size_t>(nearest)] = true;
-    } else {
-      checks.push_back(wanted);
-      moved.push_back(true);
-    }
-    changed = true;
-  }
-  return changed;
-}
-
 bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& every_check,
                        Eigen::VectorXd x, const std::vector<Branch>& branches) {
   const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
@@ -448,7 +369,7 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
   bool sharp = sharpen(state, *c.program, x, true);
   if (!sharp && following_) return false;
   for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
-    if (!x.allFinite() || !exchange(*c.program, x, *c.certifier, checks, violation_level)) break;
+    if (!x.allFinite() || !exchange_checks(*c.program, x, *c.certifier, checks, violation_level)) break;
     every_check.insert(every_check.end(), checks.begin(), checks.end());
     build();
     sharp = sharpen(state, *c.program, x, true) || recover(state, *c.program, x);
@@ -625,26 +546,6 @@ std::size_t Planner::state_of(const std::vector<ContactSetup>& contacts) {
   return modes_.size() - 1;
 }
 
-std::optional<std::vector<ContactSetup>> Planner::contacts_of_start() const {
-  std::vector<std::pair<double, ContactSetup>> holding;
-  for (const PlannedContact& c : control_.start->contacts) {
-    if (!(c.force > 0.0)) continue;
-    const auto name = std::find(d_.obstacle_names.begin(), d_.obstacle_names.end(), c.obstacle_name);
-    if (name == d_.obstacle_names.end()) return std::nullopt;
-    const double s = c.at_tip ? 1.0 : c.arc_length / d_.scale.length;
-    const int obstacle = static_cast<int>(name - d_.obstacle_names.begin());
-    holding.push_back({s, {obstacle, c.at_tip, c.at_tip ? 0 : stretch_at(d_.rod, s)}});
-  }
-  if (static_cast<int>(holding.size()) > d_.scene.contact.count) return std::nullopt;
-  std::stable_sort(holding.begin(), holding.end(), [](const auto& a, const auto& b) {
-    return std::pair(a.second.at_tip, a.first) < std::pair(b.second.at_tip, b.first);
-  });
-  std::vector<ContactSetup> contacts;
-  contacts.reserve(holding.size());
-  for (const auto& [s, contact] : holding) contacts.push_back(contact);
-  return contacts;
-}
-
 std::vector<std::size_t> Planner::parents(int contacts) const {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < states_.size(); ++i) {
@@ -685,69 +586,17 @@ void Planner::grow() {
   }
 }
 
-bool Planner::contacts_unchanged(const Candidate& candidate) const {
-  if (!d_.contact_planned()) return true;
-  PoseProgram& program = *candidate.program;
-  const PoseProgram::Layout& at = program.layout();
-  for (int k = 0; k < at.forces; ++k) {
-    if (candidate.x[program.force_variable(k)] <= std::max(tolerance::force, d_.min_force)) return false;
-  }
-  for (int v = at.first_arc_length; v < at.first_arc_length + at.arc_lengths; ++v) {
-    if (candidate.x[v] <= program.lower()[v] + at_knot || candidate.x[v] >= program.upper()[v] - at_knot) return false;
-  }
-  // A rod held off by a mere clearance row could press there.
-  const VectorView c = program.constraints(candidate.x);
-  return at.checks == 0 || c.segment(at.first_check, at.checks).minCoeff() > tolerance::branch_decided;
-}
-
 int Planner::follow() {
-  const Plan& earlier = *control_.start;
-  const bool same_coordinates = earlier.status == PlanStatus::solved &&
-                                earlier.coordinates_name == d_.scene.coordinates.plugin &&
-                                earlier.order == d_.components.coordinates->function_count() &&
-                                earlier.split_at_contact == d_.scene.coordinates.split_at_contact &&
-                                earlier.moments.size() == d_.rod.actuators.size();
-  if (!same_coordinates) return -1;
-  const std::optional<std::vector<ContactSetup>> contacts = contacts_of_start();
-  // A contact that did not press, or another order of them: other modes know more about it.
-  const auto same_place = [&](const ContactSetup& c, const PlannedContact& p) {
-    return p.at_tip == c.at_tip && p.obstacle_name == d_.obstacle_names[static_cast<std::size_t>(c.obstacle)];
-  };
-  if (!contacts ||
-      !std::equal(contacts->begin(), contacts->end(), earlier.contacts.begin(), earlier.contacts.end(), same_place)) {
-    return -1;
-  }
-  if (contacts->empty() ? d_.min_force > 0.0 : !d_.contact_planned()) return -1;
-  ModeState& state = states_[state_of(*contacts)];
-  const Mode mode = modes_[static_cast<std::size_t>(state.mode)];
-  if (!mode.skip.empty()) return -1;
-
-  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
-  std::vector<int> regions;
-  for (std::size_t k = 0; k < mode.contacts.size(); ++k) {
-    const ContactSetup& c = mode.contacts[k];
-    const bool in_piece = !c.at_tip && !d_.scene.coordinates.split_at_contact;
-    regions.push_back(in_piece ? chain.piece_at(earlier.contacts[k].arc_length / d_.scale.length, {}) : c.region);
-  }
-  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
-  PoseProgram program(spec);
-  const PoseProgram::Layout& at = program.layout();
-  if (at.coordinates != static_cast<int>(earlier.coordinates.size())) return -1;
-  const StartShape shape = start_shape(0, mode);
-  Eigen::VectorXd x = program.start_from(shape);
-  x.head(at.coordinates) = Eigen::Map<const Eigen::VectorXd>(earlier.coordinates.data(), at.coordinates);
-  std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
-  const std::vector<Branch> branches(mode.contacts.size(), Branch::touching);
-  set_branches(program, branches);
-  // Where the earlier plan grazes an obstacle, Newton has to know.
-  Certifier certifier(spec);
-  exchange(program, x, certifier, checks, grazing_level);
-
+  const std::optional<FollowedPoint> from = followed_point(d_, *control_.start);
+  if (!from) return -1;
+  ModeState& state = states_[state_of(from->mode.contacts)];
+  if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty()) return -1;
+  std::vector<CheckPoint> checks = from->checks;
   following_ = true;
-  complete(state, regions, checks, x, branches);
+  complete(state, from->regions, checks, from->x, std::vector<Branch>(from->mode.contacts.size(), Branch::touching));
   following_ = false;
-  if (state.best.certified() && contacts_unchanged(state.best)) {
-    state.record.outcome = "followed from the earlier plan; ";
+  if (state.best.certified() && contacts_unchanged(d_, *state.best.program, state.best.x)) {
+    state.record.outcome = followed_outcome;
     return state.mode;
   }
   state.best = {};
@@ -780,7 +629,7 @@ void Planner::settle() {
       return;  // a start through the middle of an obstacle leads nowhere
     }
     if (settled.backbone.empty()) return;
-    for (std::size_t i = 0; i < modes; ++i) consider(states_[i], shape_of(settled, modes_[i]));
+    for (std::size_t i = 0; i < modes; ++i) consider(states_[i], shape_of(d_, settled, modes_[i]));
   }
 }
 
@@ -793,7 +642,7 @@ Plan Planner::run() {
   std::vector<std::size_t> order;
   if (control_.start != nullptr) {
     // With an earlier plan the mode that won there comes first.
-    const auto won = contacts_of_start();
+    const auto won = contacts_of(d_, *control_.start);
     if (won && (won->empty() ? d_.min_force == 0.0 : d_.contact_planned())) order.push_back(state_of(*won));
   }
   const std::size_t modes = modes_.size();
@@ -871,7 +720,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
       state.record.outcome +=
           "not solved: " + (state.trouble.empty() ? std::string(to_string(state.last.status)) : state.trouble);
     } else if (state.record.outcome.empty()) {
-      state.record.outcome = followed ? "not tried: the earlier plan could be followed" : "not tried: stopped before";
+      state.record.outcome = followed ? not_tried_outcome : "not tried: stopped before";
     }
     plan.modes.push_back(state.record);
   }
@@ -986,8 +835,30 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
 
 }  // namespace
 
+bool Problem::follow_without_solver(Plan& plan) {
+  Data& d = *data_;
+  if (!d.follower || !d.follower->stands_at(plan)) d.follower = Follower::from(d, plan);
+  if (d.follower && d.follower->step(plan)) return true;
+  d.follower.reset();
+  return false;
+}
+
+void Problem::follow(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop) {
+  set_target(target);
+  if (follow_without_solver(plan)) return;
+  PlanControl control;
+  control.stop = stop;
+  control.start = &plan;
+  Plan next = this->plan(control);
+  plan = std::move(next);
+}
+
 Plan Problem::plan(const PlanControl& control) {
   const double begin = now();
+  if (control.follow && control.start != nullptr && control.start->status == PlanStatus::solved) {
+    Plan followed = *control.start;
+    if (follow_without_solver(followed)) return followed;
+  }
   Planner planner(*data_, control);
   Plan plan = planner.run();
   plan.seconds_assemble = data_->seconds_assemble;

@@ -4,7 +4,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <vector>
 
 #include "tendril/multipliers.hpp"
@@ -14,30 +13,30 @@ namespace {
 
 enum class Side : signed char { inactive = 0, lower = -1, upper = 1, equal = 2 };
 
-class Polisher {
- public:
-  Polisher(NonlinearProgram& program, ConstVectorRef x, const PolishOptions& options)
-      : program_(program),
-        options_(options),
-        x_(x),
-        y_(Eigen::VectorXd::Zero(program.row_count())),
-        rows_(static_cast<std::size_t>(program.row_count()), Side::inactive),
-        bounds_(static_cast<std::size_t>(program.variable_count()), Side::inactive) {}
+}  // namespace
 
-  PolishReport run(const Eigen::VectorXd& multipliers) {
-    x_ = x_.cwiseMax(program_.lower()).cwiseMin(program_.upper());
+class Polisher::Newton {
+ public:
+  const PolishReport& run(NonlinearProgram& program, ConstVectorRef x, const Eigen::VectorXd& multipliers,
+                          const PolishOptions& options) {
+    program_ = &program;
+    options_ = options;
+    report_.iterations = 0;
+    report_.reason = "";
+    rows_.assign(static_cast<std::size_t>(program.row_count()), Side::inactive);
+    bounds_.assign(static_cast<std::size_t>(program.variable_count()), Side::inactive);
+    seen_.clear();
+    x_ = x.cwiseMax(program.lower()).cwiseMin(program.upper());
+    y_.setZero(program.row_count());
     choose_active(multipliers);
-    if (multipliers.size() == program_.row_count()) {
-      for (int i = 0; i < program_.row_count(); ++i) y_[i] = row(i) == Side::inactive ? 0.0 : multipliers[i];
+    if (multipliers.size() == program.row_count()) {
+      for (int i = 0; i < program.row_count(); ++i) y_[i] = row(i) == Side::inactive ? 0.0 : multipliers[i];
     } else {
       fit_multipliers();
     }
-    std::set<std::vector<Side>> seen;
     while (report_.iterations < options_.max_iterations) {
       if (!newton()) return finish(false);
-      std::vector<Side> signature = rows_;
-      signature.insert(signature.end(), bounds_.begin(), bounds_.end());
-      if (!seen.insert(signature).second) {
+      if (seen_before()) {
         report_.reason = "the active set cycles";
         return finish(false);
       }
@@ -52,13 +51,13 @@ class Polisher {
   Side bound(int i) const { return bounds_[static_cast<std::size_t>(i)]; }
 
   void choose_active(const Eigen::VectorXd& multipliers) {
-    const VectorView c = program_.constraints(x_);
-    const bool known = multipliers.size() == program_.row_count();
+    const VectorView c = program_->constraints(x_);
+    const bool known = multipliers.size() == program_->row_count();
     const double tolerance = options_.active_tolerance;
-    for (int i = 0; i < program_.row_count(); ++i) {
+    for (int i = 0; i < program_->row_count(); ++i) {
       Side& side = rows_[static_cast<std::size_t>(i)];
-      const double low = program_.row_lower()[i];
-      const double high = program_.row_upper()[i];
+      const double low = program_->row_lower()[i];
+      const double high = program_->row_upper()[i];
       if (low == high) {
         side = Side::equal;
       } else if (c[i] <= low + tolerance && !(known && multipliers[i] == 0.0 && c[i] > low)) {
@@ -67,10 +66,10 @@ class Polisher {
         side = Side::upper;
       }
     }
-    for (int i = 0; i < program_.variable_count(); ++i) {
+    for (int i = 0; i < program_->variable_count(); ++i) {
       Side& side = bounds_[static_cast<std::size_t>(i)];
-      const double low = program_.lower()[i];
-      const double high = program_.upper()[i];
+      const double low = program_->lower()[i];
+      const double high = program_->upper()[i];
       if (low == high) {
         side = Side::equal;
       } else if (x_[i] <= low + tolerance) {
@@ -81,49 +80,59 @@ class Polisher {
     }
   }
 
-  std::vector<int> active_rows() const {
-    std::vector<int> active;
-    for (int i = 0; i < program_.row_count(); ++i) {
-      if (row(i) != Side::inactive) active.push_back(i);
+  void collect() {
+    active_.clear();
+    free_.clear();
+    for (int i = 0; i < program_->row_count(); ++i) {
+      if (row(i) != Side::inactive) active_.push_back(i);
     }
-    return active;
+    for (int i = 0; i < program_->variable_count(); ++i) {
+      if (bound(i) == Side::inactive) free_.push_back(i);
+    }
   }
 
-  std::vector<int> free_variables() const {
-    std::vector<int> free;
-    for (int i = 0; i < program_.variable_count(); ++i) {
-      if (bound(i) == Side::inactive) free.push_back(i);
+  /// Whether Newton has ended on this active set before; remembers it.
+  bool seen_before() {
+    const std::size_t size = rows_.size() + bounds_.size();
+    const auto matches = [&](std::size_t from) {
+      const auto begin = seen_.begin() + static_cast<std::ptrdiff_t>(from);
+      return std::equal(rows_.begin(), rows_.end(), begin) &&
+             std::equal(bounds_.begin(), bounds_.end(), begin + static_cast<std::ptrdiff_t>(rows_.size()));
+    };
+    for (std::size_t from = 0; from + size <= seen_.size() && size > 0; from += size) {
+      if (matches(from)) return true;
     }
-    return free;
+    seen_.insert(seen_.end(), rows_.begin(), rows_.end());
+    seen_.insert(seen_.end(), bounds_.begin(), bounds_.end());
+    return false;
   }
 
-  double row_target(int i) const { return row(i) == Side::upper ? program_.row_upper()[i] : program_.row_lower()[i]; }
+  double row_target(int i) const { return row(i) == Side::upper ? program_->row_upper()[i] : program_->row_lower()[i]; }
 
   void pin_bounds() {
-    for (int i = 0; i < program_.variable_count(); ++i) {
-      if (bound(i) == Side::lower || bound(i) == Side::equal) x_[i] = program_.lower()[i];
-      if (bound(i) == Side::upper) x_[i] = program_.upper()[i];
+    for (int i = 0; i < program_->variable_count(); ++i) {
+      if (bound(i) == Side::lower || bound(i) == Side::equal) x_[i] = program_->lower()[i];
+      if (bound(i) == Side::upper) x_[i] = program_->upper()[i];
     }
   }
 
   void fit_multipliers() {
     pin_bounds();
-    const std::vector<int> active = active_rows();
-    const std::vector<int> free = free_variables();
+    collect();
     y_.setZero();
-    if (active.empty() || free.empty()) return;
-    const MatrixView jacobian = program_.jacobian(x_);
-    const VectorView gradient = program_.gradient(x_);
-    Eigen::MatrixXd a(free.size(), active.size());
-    Eigen::VectorXd g(free.size());
+    if (active_.empty() || free_.empty()) return;
+    const MatrixView jacobian = program_->jacobian(x_);
+    const VectorView gradient = program_->gradient(x_);
+    Eigen::MatrixXd a(free_.size(), active_.size());
+    Eigen::VectorXd g(free_.size());
     for (Eigen::Index v = 0; v < a.rows(); ++v) {
-      g[v] = gradient[free[static_cast<std::size_t>(v)]];
+      g[v] = gradient[free_[static_cast<std::size_t>(v)]];
       for (Eigen::Index r = 0; r < a.cols(); ++r) {
-        a(v, r) = jacobian(active[static_cast<std::size_t>(r)], free[static_cast<std::size_t>(v)]);
+        a(v, r) = jacobian(active_[static_cast<std::size_t>(r)], free_[static_cast<std::size_t>(v)]);
       }
     }
     const Eigen::VectorXd fit = a.completeOrthogonalDecomposition().solve(-g);
-    for (Eigen::Index r = 0; r < fit.size(); ++r) y_[active[static_cast<std::size_t>(r)]] = fit[r];
+    for (Eigen::Index r = 0; r < fit.size(); ++r) y_[active_[static_cast<std::size_t>(r)]] = fit[r];
   }
 
   struct Residual {
@@ -133,16 +142,15 @@ class Polisher {
   };
 
   /// Residual of the first-order conditions at x with multipliers y, and the gradient of the Lagrangian.
-  Residual residual(const Eigen::VectorXd& x, const Eigen::VectorXd& y, const std::vector<int>& active,
-                    const std::vector<int>& free, Eigen::VectorXd& slope) {
-    const VectorView c = program_.constraints(x);
-    const MatrixView jacobian = program_.jacobian(x);
-    slope = program_.gradient(x);
+  Residual residual(const Eigen::VectorXd& x, const Eigen::VectorXd& y, Eigen::VectorXd& slope) {
+    const VectorView c = program_->constraints(x);
+    const MatrixView jacobian = program_->jacobian(x);
+    slope = program_->gradient(x);
     slope.noalias() += jacobian.transpose() * y;
     Residual r{0.0, 0.0};
-    for (const int i : active) r.rows = std::max(r.rows, std::abs(c[i] - row_target(i)));
-    for (const int i : free) r.slope = std::max(r.slope, std::abs(slope[i]));
-    const double size = active.empty() ? 1.0 : 1.0 + y.cwiseAbs().maxCoeff();
+    for (const int i : active_) r.rows = std::max(r.rows, std::abs(c[i] - row_target(i)));
+    for (const int i : free_) r.slope = std::max(r.slope, std::abs(slope[i]));
+    const double size = active_.empty() ? 1.0 : 1.0 + y.cwiseAbs().maxCoeff();
     r.slope /= size;
     if (!std::isfinite(r.rows) || !std::isfinite(r.slope) || !slope.allFinite()) return {infinity, infinity};
     return r;
@@ -151,18 +159,18 @@ class Polisher {
   /// Newton on the current active set. False: no convergence.
   bool newton() {
     pin_bounds();
-    const std::vector<int> active = active_rows();
-    const std::vector<int> free = free_variables();
-    const auto nf = static_cast<Eigen::Index>(free.size());
-    const auto na = static_cast<Eigen::Index>(active.size());
-    Eigen::VectorXd slope;
-    Residual now = residual(x_, y_, active, free, slope);
+    collect();
+    const auto nf = static_cast<Eigen::Index>(free_.size());
+    const auto na = static_cast<Eigen::Index>(active_.size());
+    Residual now = residual(x_, y_, slope_);
     if (!std::isfinite(now.merit())) {
       report_.reason = "a value is not finite";
       return false;
     }
-    Eigen::MatrixXd kkt(nf + na, nf + na);
-    Eigen::VectorXd rhs(nf + na);
+    kkt_.resize(nf + na, nf + na);
+    rhs_.resize(nf + na);
+    step_.resize(nf + na);
+    left_.resize(nf + na);
     double best = now.merit();
     int without_progress = 0;
     while (now.rows > options_.row_tolerance || now.slope > options_.slope_tolerance) {
@@ -171,48 +179,50 @@ class Polisher {
         return false;
       }
       // The order matters: hessian() moves the program to x.
-      const MatrixView hessian = program_.hessian(x_, 1.0, y_);
-      const MatrixView jacobian = program_.jacobian(x_);
-      const VectorView c = program_.constraints(x_);
-      kkt.setZero();
+      const MatrixView hessian = program_->hessian(x_, 1.0, y_);
+      const MatrixView jacobian = program_->jacobian(x_);
+      const VectorView c = program_->constraints(x_);
+      kkt_.setZero();
       for (Eigen::Index i = 0; i < nf; ++i) {
-        const int vi = free[static_cast<std::size_t>(i)];
-        rhs[i] = -slope[vi];
-        for (Eigen::Index k = 0; k < nf; ++k) kkt(k, i) = hessian(free[static_cast<std::size_t>(k)], vi);
+        const int vi = free_[static_cast<std::size_t>(i)];
+        rhs_[i] = -slope_[vi];
+        for (Eigen::Index k = 0; k < nf; ++k) kkt_(k, i) = hessian(free_[static_cast<std::size_t>(k)], vi);
         for (Eigen::Index r = 0; r < na; ++r) {
-          kkt(nf + r, i) = kkt(i, nf + r) = jacobian(active[static_cast<std::size_t>(r)], vi);
+          kkt_(nf + r, i) = kkt_(i, nf + r) = jacobian(active_[static_cast<std::size_t>(r)], vi);
         }
       }
       for (Eigen::Index r = 0; r < na; ++r) {
-        const int i = active[static_cast<std::size_t>(r)];
-        rhs[nf + r] = row_target(i) - c[i];
+        const int i = active_[static_cast<std::size_t>(r)];
+        rhs_[nf + r] = row_target(i) - c[i];
       }
-      Eigen::VectorXd step = kkt.partialPivLu().solve(rhs);
-      const double scale = 1.0 + rhs.cwiseAbs().maxCoeff();
-      if (!step.allFinite() || (kkt * step - rhs).cwiseAbs().maxCoeff() > 1e-8 * scale || step.head(nf).norm() > 1e3) {
+      lu_.compute(kkt_);
+      step_ = lu_.solve(rhs_);
+      left_.noalias() = kkt_ * step_;
+      left_ -= rhs_;
+      const double scale = 1.0 + rhs_.cwiseAbs().maxCoeff();
+      if (!step_.allFinite() || left_.cwiseAbs().maxCoeff() > 1e-8 * scale || step_.head(nf).norm() > 1e3) {
         // Dependent rows or a flat direction: the shortest step that does as well as any.
-        step = kkt.completeOrthogonalDecomposition().solve(rhs);
-        if (!step.allFinite()) {
+        step_ = kkt_.completeOrthogonalDecomposition().solve(rhs_);
+        if (!step_.allFinite()) {
           report_.reason = "the KKT system has no solution";
           return false;
         }
       }
       bool accepted = false;
       double length = 1.0;
-      Eigen::VectorXd x_new = x_;
-      Eigen::VectorXd y_new = y_;
-      Eigen::VectorXd slope_new;
+      x_new_ = x_;
+      y_new_ = y_;
       Residual next;
       for (int halving = 0; halving < 6 && !accepted; ++halving, length *= 0.5) {
         for (Eigen::Index i = 0; i < nf; ++i) {
-          const int v = free[static_cast<std::size_t>(i)];
-          x_new[v] = x_[v] + length * step[i];
+          const int v = free_[static_cast<std::size_t>(i)];
+          x_new_[v] = x_[v] + length * step_[i];
         }
         for (Eigen::Index r = 0; r < na; ++r) {
-          const int i = active[static_cast<std::size_t>(r)];
-          y_new[i] = y_[i] + length * step[nf + r];
+          const int i = active_[static_cast<std::size_t>(r)];
+          y_new_[i] = y_[i] + length * step_[nf + r];
         }
-        next = residual(x_new, y_new, active, free, slope_new);
+        next = residual(x_new_, y_new_, slope_new_);
         accepted = next.merit() < 0.95 * now.merit();
       }
       if (!accepted) {
@@ -221,9 +231,9 @@ class Polisher {
         report_.reason = "Newton steps do not reduce the residual";
         return false;
       }
-      x_ = x_new;
-      y_ = y_new;
-      slope = slope_new;
+      x_.swap(x_new_);
+      y_.swap(y_new_);
+      slope_.swap(slope_new_);
       now = next;
       without_progress = now.merit() < 0.5 * best ? 0 : without_progress + 1;
       best = std::min(best, now.merit());
@@ -238,25 +248,25 @@ class Polisher {
   /// Adds what is violated, else drops the worst multiplier of the wrong sign. False: nothing to correct.
   bool correct_active() {
     constexpr double violated = 1e-10;
-    const VectorView c = program_.constraints(x_);
+    const VectorView c = program_->constraints(x_);
     bool changed = false;
-    for (int i = 0; i < program_.row_count(); ++i) {
+    for (int i = 0; i < program_->row_count(); ++i) {
       if (row(i) != Side::inactive) continue;
       Side& side = rows_[static_cast<std::size_t>(i)];
-      if (c[i] < program_.row_lower()[i] - violated) side = Side::lower;
-      if (c[i] > program_.row_upper()[i] + violated) side = Side::upper;
+      if (c[i] < program_->row_lower()[i] - violated) side = Side::lower;
+      if (c[i] > program_->row_upper()[i] + violated) side = Side::upper;
       changed = changed || side != Side::inactive;
     }
-    for (int i = 0; i < program_.variable_count(); ++i) {
+    for (int i = 0; i < program_->variable_count(); ++i) {
       if (bound(i) != Side::inactive) continue;
       Side& side = bounds_[static_cast<std::size_t>(i)];
-      if (x_[i] < program_.lower()[i]) side = Side::lower;
-      if (x_[i] > program_.upper()[i]) side = Side::upper;
+      if (x_[i] < program_->lower()[i]) side = Side::lower;
+      if (x_[i] > program_->upper()[i]) side = Side::upper;
       changed = changed || side != Side::inactive;
     }
     if (changed) return true;
-    Eigen::VectorXd slope = program_.gradient(x_);
-    slope.noalias() += program_.jacobian(x_).transpose() * y_;
+    slope_ = program_->gradient(x_);
+    slope_.noalias() += program_->jacobian(x_).transpose() * y_;
     // A multiplier counts as wrong only beyond the accuracy of the slopes themselves.
     double worst = 1e-9 * (1.0 + (y_.size() > 0 ? y_.cwiseAbs().maxCoeff() : 0.0));
     Side* drop = nullptr;
@@ -268,45 +278,59 @@ class Polisher {
       drop = &side;
       dropped_row = row_index;
     };
-    for (int i = 0; i < program_.row_count(); ++i) consider(rows_[static_cast<std::size_t>(i)], y_[i], i);
-    for (int i = 0; i < program_.variable_count(); ++i) consider(bounds_[static_cast<std::size_t>(i)], -slope[i], -1);
+    for (int i = 0; i < program_->row_count(); ++i) consider(rows_[static_cast<std::size_t>(i)], y_[i], i);
+    for (int i = 0; i < program_->variable_count(); ++i) consider(bounds_[static_cast<std::size_t>(i)], -slope_[i], -1);
     if (drop == nullptr) return false;
     *drop = Side::inactive;
     if (dropped_row >= 0) y_[dropped_row] = 0.0;
     return true;
   }
 
-  PolishReport finish(bool converged) {
+  const PolishReport& finish(bool converged) {
     report_.converged = converged;
     report_.x = x_;
     report_.multipliers = y_;
-    Eigen::VectorXd slope = program_.gradient(x_);
-    slope.noalias() += program_.jacobian(x_).transpose() * y_;
-    report_.bound_multipliers = Eigen::VectorXd::Zero(program_.variable_count());
+    slope_ = program_->gradient(x_);
+    slope_.noalias() += program_->jacobian(x_).transpose() * y_;
+    report_.bound_multipliers.setZero(program_->variable_count());
     report_.stationarity = 0.0;
-    for (int i = 0; i < program_.variable_count(); ++i) {
+    for (int i = 0; i < program_->variable_count(); ++i) {
       if (bound(i) == Side::inactive) {
-        report_.stationarity = std::max(report_.stationarity, std::abs(slope[i]));
+        report_.stationarity = std::max(report_.stationarity, std::abs(slope_[i]));
       } else {
-        report_.bound_multipliers[i] = -slope[i];
+        report_.bound_multipliers[i] = -slope_[i];
       }
     }
-    report_.infeasibility = infeasibility(program_, x_);
+    report_.infeasibility = infeasibility(*program_, x_);
     return report_;
   }
 
-  NonlinearProgram& program_;
+  NonlinearProgram* program_ = nullptr;
   PolishOptions options_;
-  Eigen::VectorXd x_, y_;
+  Eigen::VectorXd x_, y_, slope_;
+  Eigen::VectorXd x_new_, y_new_, slope_new_;  ///< of a step that is tried
   std::vector<Side> rows_, bounds_;
+  std::vector<Side> seen_;          ///< active sets on which Newton ended, one after the other
+  std::vector<int> active_, free_;  ///< rows and variables of the current active set
+  Eigen::MatrixXd kkt_;
+  Eigen::VectorXd rhs_, step_, left_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
   PolishReport report_;
 };
 
-}  // namespace
+Polisher::Polisher() : newton_(std::make_unique<Newton>()) {}
+Polisher::Polisher(Polisher&&) noexcept = default;
+Polisher& Polisher::operator=(Polisher&&) noexcept = default;
+Polisher::~Polisher() = default;
+
+const PolishReport& Polisher::run(NonlinearProgram& program, ConstVectorRef x, const Eigen::VectorXd& multipliers,
+                                  const PolishOptions& options) {
+  return newton_->run(program, x, multipliers, options);
+}
 
 PolishReport polish(NonlinearProgram& program, ConstVectorRef x, const Eigen::VectorXd& multipliers,
                     const PolishOptions& options) {
-  return Polisher(program, x, options).run(multipliers);
+  return Polisher().run(program, x, multipliers, options);
 }
 
 }  // namespace tendril

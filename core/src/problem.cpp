@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "contact_search.hpp"
+#include "follower.hpp"
 #include "grasp.hpp"
 #include "plan_report.hpp"
 #include "problem_data.hpp"
@@ -27,6 +28,8 @@ std::string contact_name(const ContactSetup& c, const std::vector<std::string>& 
 Problem::Problem(Problem&&) noexcept = default;
 Problem& Problem::operator=(Problem&&) noexcept = default;
 Problem::~Problem() = default;
+Problem::Data::Data() = default;
+Problem::Data::~Data() = default;
 
 void Problem::Data::take_target(const TargetSpec& wanted) {
   target = {};

@@ -10,6 +10,8 @@
 
 namespace tendril {
 
+class Follower;
+
 /// One way of being in contact: a small program of its own. Regions of interior contacts are stretches between fixed
 /// knots.
 struct Mode {
@@ -40,6 +42,10 @@ struct Problem::Data {
   std::vector<LeftOut> left_out;
   int nodes = 0;
   double seconds_assemble = 0.0;
+  std::unique_ptr<Follower> follower;  ///< of the plan that was followed last
+
+  Data();
+  ~Data();
 
   /// The mode with these contacts: its name, and why it cannot be if that is known.
   Mode mode(std::vector<ContactSetup> contacts) const;

@@ -32,8 +32,7 @@ int main(int argc, char** argv) {
     auto next = std::chrono::steady_clock::now();
     for (int step = 1; step <= steps; ++step) {
       const auto begin = std::chrono::steady_clock::now();
-      problem.set_target({.position = Vec2{0.097, 0.02 * step / steps}, .angle = {}});
-      last = problem.plan({.start = &last, .follow = true});  // the earlier plan is the warm start
+      problem.follow({.position = Vec2{0.097, 0.02 * step / steps}, .angle = {}}, last);  // from and into `last`
       const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
       longest = std::max(longest, taken.count());
       solved += last.status == PlanStatus::solved ? 1 : 0;

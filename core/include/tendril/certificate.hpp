@@ -23,6 +23,13 @@ class TENDRIL_API Certifier {
 
   /// Judges x of `program`, whose branches say which contacts touch.
   Certificate certify(PoseProgram& program, ConstVectorRef x);
+  /// The same into `out`, whose memory is used again. `multipliers` and `bound_multipliers` (of the program's rows and
+  /// variables, or null) are tried first: where they have the right signs and leave no slope, no others are looked for.
+  /// Then a valid certificate allocates nothing after the first of one number of pressing contacts.
+  void certify(PoseProgram& program, ConstVectorRef x, Certificate& out, const Eigen::VectorXd* multipliers,
+               const Eigen::VectorXd* bound_multipliers);
+  /// The target of the program to be judged is another from now on.
+  void set_target(const Target& target);
 
   /// Local minima of the distance to any obstacle below `level` at x.
   struct Approach {
@@ -30,6 +37,8 @@ class TENDRIL_API Certifier {
     ClosestApproach at;
   };
   std::vector<Approach> approaches(ConstVectorRef x, double level);
+  /// Whether there is any; allocates nothing unless there is.
+  bool approached(ConstVectorRef x, double level);
 
   /// Forgets the point judged last, after loads or obstacles behind the spec's pointers changed.
   void invalidate();

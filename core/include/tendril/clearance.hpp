@@ -72,5 +72,8 @@ struct ClosestApproach {
 /// Local minima of the distance to one obstacle that are below `level`, by sampling and refinement; ends of the rod
 /// count.
 TENDRIL_API std::vector<ClosestApproach> closest_approaches(const Curve& curve, const Obstacle& obstacle, double level);
+/// The same, added to `found`; nothing else is allocated.
+TENDRIL_API void closest_approaches(const Curve& curve, const Obstacle& obstacle, double level,
+                                    std::vector<ClosestApproach>& found);
 
 }  // namespace tendril

@@ -31,6 +31,7 @@ struct KktJudgement {
   double stationarity = infinity;     ///< largest entry of the Lagrangian's gradient with admissible multipliers
   Eigen::VectorXd multipliers;        ///< of the rows; a row at its lower bound <= 0, at its upper >= 0, inactive 0
   Eigen::VectorXd bound_multipliers;  ///< of the variables, same signs
+  Eigen::VectorXd slope;              ///< gradient of the Lagrangian, where multipliers were given
 };
 
 /// Which side of lower <= value <= upper a multiplier may act on, within `tolerance` of the side.
@@ -52,6 +53,11 @@ TENDRIL_API Activity activity(double value, double lower, double upper, double t
 TENDRIL_API KktJudgement judge_kkt(NonlinearProgram& program, ConstVectorRef x, double active_tolerance,
                                    const Eigen::VectorXd* multipliers = nullptr,
                                    const Eigen::VectorXd* bound_multipliers = nullptr);
+
+/// The same for given multipliers, into `out`, whose memory is used again.
+TENDRIL_API void judge_kkt(NonlinearProgram& program, ConstVectorRef x, double active_tolerance,
+                           const Eigen::VectorXd& multipliers, const Eigen::VectorXd& bound_multipliers,
+                           KktJudgement& out);
 
 /// Largest violation of rows and bounds at x.
 TENDRIL_API double infeasibility(NonlinearProgram& program, ConstVectorRef x);

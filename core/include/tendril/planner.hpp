@@ -82,10 +82,17 @@ class TENDRIL_API Problem {
   /// Solves every mode that can win and returns the best certified plan; else the one that comes nearest, with its
   /// status.
   Plan plan(const PlanControl& control = {});
+  /// Replaces `plan`, made by this problem, by one for another target, as set_target() and plan() would with `plan` to
+  /// follow; for loops at a steady rate. Where Newton on the plan's own active set is certified no solver is called,
+  /// and from the second such step in a row nothing is allocated as long as the active set stays; otherwise everything
+  /// is planned. `stop` as in PlanControl.
+  void follow(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop = nullptr);
 
   struct Data;  ///< core's own
 
  private:
+  bool follow_without_solver(Plan& plan);
+
   std::unique_ptr<Data> data_;
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "tendril/nonlinear_program.hpp"
 
 namespace tendril {
@@ -26,7 +28,25 @@ struct PolishReport {
 
 /// Newton's method on the first-order conditions with the exact Hessian, on an active set that is corrected until no
 /// inactive row is violated and no multiplier has the wrong sign. Local: it sharpens what a solver found, and it is the
-/// warm start from one step of a trajectory to the next. `multipliers` may be empty.
+/// warm start from one step of a trajectory to the next. Keeps its memory: as long as program sizes and active set stay
+/// what they were in the run before, and no system is singular, a run allocates nothing.
+class TENDRIL_API Polisher {
+ public:
+  Polisher();
+  Polisher(Polisher&&) noexcept;
+  Polisher& operator=(Polisher&&) noexcept;
+  ~Polisher();
+
+  /// `multipliers` may be empty: they are fitted at x. The report is this object's, until the next run.
+  const PolishReport& run(NonlinearProgram& program, ConstVectorRef x, const Eigen::VectorXd& multipliers,
+                          const PolishOptions& options = {});
+
+ private:
+  class Newton;
+  std::unique_ptr<Newton> newton_;
+};
+
+/// One run of a Polisher of its own.
 TENDRIL_API PolishReport polish(NonlinearProgram& program, ConstVectorRef x, const Eigen::VectorXd& multipliers,
                                 const PolishOptions& options = {});
 

@@ -1,0 +1,111 @@
+// A loop that follows a target at a steady rate allocates nothing of core's once it runs.
+
+#include <gtest/gtest.h>
+
+#include "counting_malloc.hpp"
+#include "tendril/plugins/components.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril::test {
+
+namespace {
+
+/// An arm under its weight; with a peg it leans on that, within the limit of its motor.
+Scene arm(bool braced, const std::string& solver) {
+  Scene scene;
+  scene.gravity = Vec2{0.0, -9.81};
+  scene.rod.segments = {{.length = 0.1, .bending_stiffness = 4.9e-4, .linear_density = 0.084}};
+  const double limit = braced ? 2.5e-3 : 5e-3;
+  scene.rod.actuators = {{.from = 0.0, .to = 0.1, .minimum = -limit, .maximum = limit}};
+  scene.coordinates.plugin = "legendre";
+  scene.objectives = {{.plugin = "tip_pose", .weight = 100.0}, {.plugin = "actuation_effort", .weight = 1e-4}};
+  scene.solver.plugin = solver;
+  if (braced) {
+    const auto number = [](double value) { return RawValue{value}; };
+    scene.obstacles = {
+        {"peg", "circle", {{"center", {RawValue::List{number(0.06), number(0.0)}}}, {"radius", number(0.008)}}}};
+    scene.start_tip_angle = 0.5;
+    scene.contact.mode = ContactModeName::allow;
+  }
+  return scene;
+}
+
+TargetSpec target(bool braced, int step) {
+  return {.position = Vec2{0.096, (braced ? 0.016 : 0.0) + 1e-4 * step}, .angle = {}};
+}
+
+class Follow : public testing::TestWithParam<bool> {};
+
+TEST_P(Follow, AllocatesNothingOnceItRuns) {
+  const bool braced = GetParam();
+  plugins::Registry registry{plugins::Catalog(plugins::search_places({}))};
+  const auto solvers = registry.names(ComponentKind::solver);
+  ASSERT_FALSE(solvers.empty());
+  Scene scene = arm(braced, solvers.front());
+  scene.target = target(braced, 0);
+  validate(scene);
+  Problem problem(scene, plugins::make_components(registry, scene));
+  Plan plan = problem.plan();
+  ASSERT_EQ(plan.status, PlanStatus::solved) << plan.message;
+  ASSERT_EQ(plan.contacts.size(), braced ? 1U : 0U);
+  int step = 1;
+  for (; step <= 3; ++step) problem.follow(target(braced, step), plan);
+  int without_solver = 0;
+  const long before = allocations();
+  for (; step <= 40; ++step) {
+    problem.follow(target(braced, step), plan);
+    without_solver += plan.status == PlanStatus::solved && plan.solver.iterations == 0 ? 1 : 0;
+  }
+  const long allocated = allocations() - before;
+  EXPECT_EQ(without_solver, 37);
+  EXPECT_EQ(allocated, 0);
+
+  // It is the plan that is made from scratch, and says the same of itself.
+  problem.set_target(target(braced, step - 1));
+  const Plan fresh = problem.plan();
+  ASSERT_EQ(fresh.status, PlanStatus::solved);
+  EXPECT_NEAR(plan.objective, fresh.objective, 1e-12);
+  EXPECT_NEAR(plan.tip_x, fresh.tip_x, 1e-12);
+  EXPECT_NEAR(plan.tip_y, fresh.tip_y, 1e-12);
+  EXPECT_NEAR(*plan.target_error, *fresh.target_error, 1e-12);
+  ASSERT_EQ(plan.moments.size(), fresh.moments.size());
+  EXPECT_NEAR(plan.moments[0], fresh.moments[0], 1e-12);
+  ASSERT_EQ(plan.contacts.size(), fresh.contacts.size());
+  for (std::size_t k = 0; k < plan.contacts.size(); ++k) {
+    EXPECT_NEAR(plan.contacts[k].force, fresh.contacts[k].force, 1e-11);
+    EXPECT_NEAR(plan.contacts[k].arc_length, fresh.contacts[k].arc_length, 1e-11);
+    EXPECT_EQ(plan.contacts[k].obstacle_name, fresh.contacts[k].obstacle_name);
+  }
+  EXPECT_TRUE(plan.certificate.valid());
+  EXPECT_NEAR(plan.certificate.stability, fresh.certificate.stability, 1e-9);
+  EXPECT_EQ(plan.certificate.stationarity_kind, "S");
+  EXPECT_NEAR(plan.backbone.back()[1], plan.tip_x, 1e-15);
+  EXPECT_EQ(plan.terms.size(), fresh.terms.size());
+  EXPECT_EQ(plan.modes.size(), fresh.modes.size());
+}
+
+TEST_P(Follow, PlansInFullWhereNewtonAloneDoesNotDo) {
+  const bool braced = GetParam();
+  plugins::Registry registry{plugins::Catalog(plugins::search_places({}))};
+  Scene scene = arm(braced, registry.names(ComponentKind::solver).front());
+  scene.target = target(braced, 0);
+  Problem problem(scene, plugins::make_components(registry, scene));
+  Plan plan = problem.plan();
+  ASSERT_EQ(plan.status, PlanStatus::solved);
+  // To the other side, and from a plan that was never certified.
+  const TargetSpec far{.position = Vec2{0.08, -0.03}, .angle = {}};
+  problem.follow(far, plan);
+  EXPECT_EQ(plan.status, PlanStatus::solved) << plan.message;
+  const double objective = plan.objective;
+  Plan nothing;
+  problem.follow(far, nothing);
+  EXPECT_EQ(nothing.status, PlanStatus::solved) << nothing.message;
+  EXPECT_LE(objective, nothing.objective + 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Arm, Follow, testing::Bool(),
+                         [](const testing::TestParamInfo<bool>& c) { return c.param ? "braced" : "free"; });
+
+}  // namespace
+
+}  // namespace tendril::test
