@@ -103,6 +103,23 @@ void component_making(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(plugins::make_components(opened, scene).solver.get());
 }
 
+/// One step of a loop that follows a target by Newton alone, leaning on the peg: certificate and result included.
+void followed_step(benchmark::State& state) {
+  plugins::Registry opened = registry();
+  const Scene scene = bench::scene_from_text(example(), "example", opened);
+  Problem problem(scene, plugins::make_components(opened, scene));
+  Plan plan = problem.plan();
+  Vec2 at = *scene.target.position;
+  double flip = 1e-4;
+  int solved = 0;
+  for (auto _ : state) {
+    at.y += (flip = -flip);
+    problem.follow({.position = at, .angle = {}}, plan);
+    solved += plan.status == PlanStatus::solved && plan.solver.iterations == 0 ? 1 : 0;
+  }
+  state.counters["followed"] = benchmark::Counter(solved, benchmark::Counter::kAvgIterations);
+}
+
 /// Whatever is found takes part. Making components comes last: it opens plugins here, which forked processes inherit.
 void register_openings() {
   const plugins::Registry found = registry();
@@ -113,6 +130,7 @@ void register_openings() {
     }
   }
   benchmark::RegisterBenchmark("component_making", component_making);
+  benchmark::RegisterBenchmark("followed_step", followed_step);
 }
 
 }  // namespace
