@@ -81,6 +81,7 @@ class Planner {
     StartShape nearest;             ///< where the violation of the rows was least, as long as there is no point
     double violation = infinity;    ///< there
     std::string limits;             ///< that bind there
+    bool deferred = false;          ///< the last start was left to times without any plan
   };
 
   bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
@@ -99,6 +100,13 @@ class Planner {
   void settle();
   /// A start of a grasp. Without a force the row of the balance says nothing about where the contact should be.
   StartShape held(double tip_angle, const Mode& mode) const;
+  /// Looks for plans from every start that there is for the modes in `order`.
+  void search(const std::vector<std::size_t>& order);
+  /// A grasp whose balance is left to an objective: the plan with the balance as a row is the first start. Without
+  /// that row the objective has valleys where the object is pushed along the axis, and ordinary starts end in them.
+  void start_from_balance(const std::vector<std::size_t>& order);
+  /// Whether the rows alone lead from the start of a grasp to a feasible point.
+  bool promising(PoseProgramSpec spec, const std::vector<CheckPoint>& checks, const StartShape& shape);
   void try_start(ModeState& state, const StartShape& shape);
   void attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions);
   /// From x (any quality) to a decided branch and a point on it. False: no feasible point was found.
@@ -151,6 +159,7 @@ class Planner {
   int winner_ = -1;
   bool have_plan_ = false;  ///< some mode is certified
   bool following_ = false;  ///< only Newton may move points
+  bool deferring_ = false;  ///< starts of a grasp that do not look promising wait for the others
 };
 
 void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
@@ -482,6 +491,13 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
   PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
   std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
   const bool required = d_.min_force > 0.0;
+  // From a start without a feasible point near, a solver takes far the longest, and mostly in vain: the contact is on
+  // a part of the finger that cannot hold the object. It is spent only where nothing else led to a plan.
+  if (d_.palm && (deferring_ || have_plan_) && !promising(spec, checks, shape)) {
+    state.deferred = true;
+    if (!state.best.has_point) state.trouble = "nothing feasible is near its starts, and there is a plan without it";
+    return;
+  }
   // From the same start, with every place checked where the rod went through an obstacle before.
   const auto search = [&](Branch branch) {
     bool touching = false;
@@ -504,6 +520,15 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
   const bool hopeless = have_plan_ && !state.best.has_point && state.stationary_violations > stationary_before;
   const bool missing = !mode.contacts.empty() && !required && !hopeless && (!touching || !state.best.certified());
   if (missing && !must_stop()) search(Branch::touching);
+}
+
+bool Planner::promising(PoseProgramSpec spec, const std::vector<CheckPoint>& checks, const StartShape& shape) {
+  spec.checks = checks;
+  PoseProgram program(spec);
+  set_branches(program, std::vector<Branch>(spec.contacts.size(), Branch::touching));
+  const bool feasible = restore_feasibility(program, program.start_from(shape), restored).feasible;
+  add_difference(tally_.outside_solver, program.counts(), {});
+  return feasible;
 }
 
 void Planner::try_start(ModeState& state, const StartShape& shape) {
@@ -590,8 +615,8 @@ void Planner::consider(ModeState& state, const StartShape& shape) {
   const double begin = now();
   try_start(state, shape);
   // Where nothing presses, a plan of another mode nearly belongs to this one too: what costs more lies on another side
-  // of an obstacle, and the better side is worth a start.
-  if (winner_ >= 0 && winner_ != state.mode && state.best.certified() && !must_stop() &&
+  // of an obstacle, and the better side is worth a start. The contacts of a grasp always press.
+  if (!d_.palm && winner_ >= 0 && winner_ != state.mode && state.best.certified() && !must_stop() &&
       state.best.objective > best_objective() + beats) {
     const Candidate& better = states_[static_cast<std::size_t>(winner_)].best;
     StartShape from = better.program->shape_of(better.x);
@@ -807,18 +832,60 @@ Plan Planner::run() {
     return out;
   };
   order.erase(std::remove_if(order.begin(), order.end(), excluded), order.end());
-  const int starts = most_starts + (control_.start != nullptr ? 1 : 0) + (d_.palm ? 1 : 0);
   if (control_.follow && control_.start != nullptr) winner_ = follow();
   if (winner_ >= 0) return report(states_, winner_);
-  for (int round = 0; round < starts && !must_stop(); ++round) {
-    // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
-    // families with several valleys of the effort.
-    if (round > 0 && winner_ >= 0 && !d_.palm) break;
-    for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
-    if (!d_.enumerated) grow();
-  }
+  if (d_.palm && !d_.palm->balance) start_from_balance(order);
+  search(order);
   settle();
   return report(states_, winner_);
+}
+
+void Planner::search(const std::vector<std::size_t>& order) {
+  const int earlier = control_.start != nullptr ? 1 : 0;
+  const int starts = most_starts + earlier + (d_.palm ? 1 : 0);
+  for (int round = 0; round < starts && !must_stop(); ++round) {
+    // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
+    // families with several valleys of the effort; what follows its own starts is no equilibrium.
+    if (winner_ >= 0 && (d_.palm ? round >= earlier + grasp_starts : round > 0)) break;
+    deferring_ = d_.palm.has_value();
+    for (const std::size_t i : order) {
+      states_[i].deferred = false;
+      consider(states_[i], start_shape(round, modes_[i]));
+    }
+    deferring_ = false;
+    for (const std::size_t i : order) {
+      if (states_[i].deferred && winner_ < 0) consider(states_[i], start_shape(round, modes_[i]));
+    }
+    if (!d_.enumerated) grow();
+  }
+}
+
+void Planner::start_from_balance(const std::vector<std::size_t>& order) {
+  {
+    struct WithBalance {
+      PalmSetup& palm;
+      explicit WithBalance(PalmSetup& of) : palm(of) { palm.balance = true; }
+      ~WithBalance() { palm.balance = false; }
+      WithBalance(const WithBalance&) = delete;
+      WithBalance& operator=(const WithBalance&) = delete;
+    } with(*d_.palm);
+    search(order);
+  }
+  if (winner_ < 0) return;
+  const Candidate& balanced = states_[static_cast<std::size_t>(winner_)].best;
+  const StartShape shape = balanced.program->shape_of(balanced.x);
+  const int mode = winner_;
+  // What was found with the row is a start for what follows and nothing else.
+  for (ModeState& state : states_) {
+    state.best = {};
+    state.starts_used = state.stationary_violations = 0;
+    state.violation = infinity;
+    state.trouble.clear();
+    state.limits.clear();
+  }
+  winner_ = -1;
+  have_plan_ = false;
+  consider(states_[static_cast<std::size_t>(mode)], shape);
 }
 
 /// Where the violation was least, and which limits stood in the way.
