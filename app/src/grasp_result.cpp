@@ -75,7 +75,8 @@ std::string grasp_text(const Scene& scene, const Plan& plan) {
     for (std::size_t a = 0; a < q.force_by_moment.size(); ++a) {
       // A closing moment of the upper finger is negative.
       const char* turns = plan.moments[a] > 0.0 ? "opening" : "closing";
-      grid.row({fmt::format("1 % of moment {} ({})", a + 1, turns), pair(q.force_by_moment[a].x, q.force_by_moment[a].y)});
+      grid.row(
+          {fmt::format("1 % of moment {} ({})", a + 1, turns), pair(q.force_by_moment[a].x, q.force_by_moment[a].y)});
     }
     grid.row({"1 mm of its place", pair(-1e-3 * q.axial_stiffness, -1e-3 * q.lateral_stiffness)});
   }

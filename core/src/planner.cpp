@@ -190,6 +190,12 @@ std::vector<Branch> branches_of(const PoseProgram& program) {
   return branches;
 }
 
+/// Of rows, the largest.
+double violation(PoseProgram& program, const Eigen::VectorXd& x) {
+  const VectorView c = program.constraints(x);
+  return std::max(0.0, std::max((c - program.row_upper()).maxCoeff(), (program.row_lower() - c).maxCoeff()));
+}
+
 void set_branches(PoseProgram& program, const std::vector<Branch>& branches) {
   for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, branches[static_cast<std::size_t>(k)]);
 }
@@ -456,6 +462,12 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
   build();
   bool sharp = sharpen(state, *c.program, x, true);
   if (!sharp && following_) return false;
+  if (!sharp && x.allFinite() && violation(*c.program, x) > restored) {
+    // Near to feasible may be as near as it gets: then there is no point at all.
+    const int before = state.stationary_violations;
+    sharp = recover(state, *c.program, x);
+    if (!sharp && state.stationary_violations > before) return true;
+  }
   for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
     if (!x.allFinite() || !exchange(*c.program, x, *c.certifier, checks, violation_level)) break;
     every_check.insert(every_check.end(), checks.begin(), checks.end());
