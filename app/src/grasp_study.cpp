@@ -169,7 +169,7 @@ std::string grasp_study_report(const Scene& scene, const StudyResult& result) {
     grid.row({length("diameter"), text("force_limit", "N"), status, place, length("palm_distance"), moments, pressures,
               text("lateral_force", "N"), text("axial_force", "N"), text("axial_stiffness", "N/m"),
               std::isfinite(error) ? fmt::format("{:.1e} m", error) : "-"});
-    opening = opening || (sweep && number_in(v, "planned_moment") > 0.0);
+    opening = opening || (sweep && turning(scene, number_in(v, "planned_moment")) == "opening");
     if (status != to_string(PlanStatus::solved)) {
       trouble += fmt::format("case {}: {}: {}\n", i, status, printable(v.value("message", "")));
     }

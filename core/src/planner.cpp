@@ -105,6 +105,7 @@ class Planner {
   /// A grasp whose balance is left to an objective: the plan with the balance as a row is the first start. Without
   /// that row the objective has valleys where the object is pushed along the axis, and ordinary starts end in them.
   void start_from_balance(const std::vector<std::size_t>& order);
+  bool balanced_by_row() const { return d_.palm && d_.palm->balance; }
   /// Whether the rows alone lead from the start of a grasp to a feasible point.
   bool promising(PoseProgramSpec spec, const std::vector<CheckPoint>& checks, const StartShape& shape);
   void try_start(ModeState& state, const StartShape& shape);
@@ -157,9 +158,10 @@ class Planner {
   Tally tally_;
   std::vector<ModeState> states_;
   int winner_ = -1;
-  bool have_plan_ = false;  ///< some mode is certified
-  bool following_ = false;  ///< only Newton may move points
-  bool deferring_ = false;  ///< starts of a grasp that do not look promising wait for the others
+  bool have_plan_ = false;                ///< some mode is certified
+  bool following_ = false;                ///< only Newton may move points
+  double balanced_objective_ = infinity;  ///< scaled, of start_from_balance()
+  bool deferring_ = false;                ///< starts of a grasp that do not look promising wait for the others
 };
 
 void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
@@ -505,7 +507,7 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
   const bool required = d_.min_force > 0.0;
   // From a start without a feasible point near, a solver takes far the longest, and mostly in vain: the contact is on
   // a part of the finger that cannot hold the object. It is spent only where nothing else led to a plan.
-  if (d_.palm && (deferring_ || have_plan_) && !promising(spec, checks, shape)) {
+  if (balanced_by_row() && (deferring_ || have_plan_) && !promising(spec, checks, shape)) {
     state.deferred = true;
     if (!state.best.has_point) state.trouble = "nothing feasible is near its starts, and there is a plan without it";
     return;
@@ -627,8 +629,9 @@ void Planner::consider(ModeState& state, const StartShape& shape) {
   const double begin = now();
   try_start(state, shape);
   // Where nothing presses, a plan of another mode nearly belongs to this one too: what costs more lies on another side
-  // of an obstacle, and the better side is worth a start. The contacts of a grasp always press.
-  if (!d_.palm && winner_ >= 0 && winner_ != state.mode && state.best.certified() && !must_stop() &&
+  // of an obstacle, and the better side is worth a start. The contacts of a grasp always press, but where its
+  // balance is left to an objective, that has as many sides.
+  if (!balanced_by_row() && winner_ >= 0 && winner_ != state.mode && state.best.certified() && !must_stop() &&
       state.best.objective > best_objective() + beats) {
     const Candidate& better = states_[static_cast<std::size_t>(winner_)].best;
     StartShape from = better.program->shape_of(better.x);
@@ -858,8 +861,8 @@ void Planner::search(const std::vector<std::size_t>& order) {
   for (int round = 0; round < starts && !must_stop(); ++round) {
     // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
     // families with several valleys of the effort; what follows its own starts is no equilibrium.
-    if (winner_ >= 0 && (d_.palm ? round >= earlier + grasp_starts : round > 0)) break;
-    deferring_ = d_.palm.has_value();
+    if (winner_ >= 0 && (balanced_by_row() ? round >= earlier + grasp_starts : round > 0 && !d_.palm)) break;
+    deferring_ = balanced_by_row();
     for (const std::size_t i : order) {
       states_[i].deferred = false;
       consider(states_[i], start_shape(round, modes_[i]));
@@ -887,6 +890,7 @@ void Planner::start_from_balance(const std::vector<std::size_t>& order) {
   const Candidate& balanced = states_[static_cast<std::size_t>(winner_)].best;
   const StartShape shape = balanced.program->shape_of(balanced.x);
   const int mode = winner_;
+  balanced_objective_ = balanced.objective;
   // What was found with the row is a start for what follows and nothing else.
   for (ModeState& state : states_) {
     state.best = {};
@@ -930,6 +934,15 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.split_at_contact = d_.scene.coordinates.split_at_contact;
   plan.left_out = d_.left_out;
   plan.solver_name = d_.scene.solver.plugin;
+  if (winner >= 0 && balanced_objective_ < best_objective() - beats) {
+    char text[160];
+    std::snprintf(
+        text, sizeof text,
+        "it costs less (%.6g), but is no minimum of this objective, which falls from there to where no plan is "
+        "certified",
+        balanced_objective_ * d_.objective_scale);
+    plan.left_out.push_back({"the grasp with the balance as a row", text});
+  }
   const bool followed = winner >= 0 && states[static_cast<std::size_t>(winner)].starts_used == 0;
   for (ModeState& state : states) {
     const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
