@@ -32,7 +32,9 @@ constexpr double contact_neighbourhood =
     0.02;  ///< no check point this near (in L) to a touching contact's own obstacle
 constexpr int most_exchanges = 25;
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
-constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
+constexpr int most_pieces_away = 3;   ///< of an unsplit rod, from where the start comes nearest to the obstacle
+constexpr int least_iterations = 10;  ///< that a solve of a grasp is thought to take
+constexpr int patience = 8;  ///< of a grasp with a plan: iterations of a solve, in those of the slowest that converged
 constexpr int most_starts = 5;            ///< per mode, before a program may be called infeasible
 constexpr int most_settlings = 3;         ///< executions of unstable plans, for a stable shape to start from
 constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
@@ -89,6 +91,8 @@ class Planner {
     SolveControl c;
     c.tolerance = d_.scene.solver.tolerance;
     c.max_iterations = d_.scene.solver.max_iterations;
+    // Programs of a grasp differ little: a search that takes many times as long as others took ends nowhere.
+    if (balanced_by_row() && have_plan_) c.max_iterations = std::min(c.max_iterations, patience * slowest_converged_);
     c.time_limit = std::max(1e-3, deadline_ - now());
     c.stop = control_.stop;
     return c;
@@ -158,10 +162,11 @@ class Planner {
   Tally tally_;
   std::vector<ModeState> states_;
   int winner_ = -1;
-  bool have_plan_ = false;                ///< some mode is certified
-  bool following_ = false;                ///< only Newton may move points
-  double balanced_objective_ = infinity;  ///< scaled, of start_from_balance()
-  bool deferring_ = false;                ///< starts of a grasp that do not look promising wait for the others
+  bool have_plan_ = false;                    ///< some mode is certified
+  int slowest_converged_ = least_iterations;  ///< most iterations of a solve that converged
+  bool following_ = false;                    ///< only Newton may move points
+  double balanced_objective_ = infinity;      ///< scaled, of start_from_balance()
+  bool deferring_ = false;                    ///< starts of a grasp that do not look promising wait for the others
 };
 
 void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
@@ -271,6 +276,7 @@ OptimalityReport Planner::solve(ModeState& state, NonlinearProgram& program, con
   state.record.evaluations += report.evaluations.values;
   state.record.seconds_evaluating += report.seconds_evaluating;
   state.last = report;
+  if (report.status == SolveStatus::converged) slowest_converged_ = std::max(slowest_converged_, report.iterations);
   tally_.iterations += report.iterations;
   tally_.seconds += report.seconds;
   tally_.seconds_evaluating += report.seconds_evaluating;
