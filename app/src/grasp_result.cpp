@@ -8,6 +8,8 @@
 
 #include "tables.hpp"
 #include "tendril/grasp.hpp"
+#include "tendril/scale.hpp"
+#include "tendril/tolerances.hpp"
 
 namespace tendril::app {
 
@@ -18,6 +20,12 @@ std::vector<std::optional<double>> pressures_of(const Scene& scene, const std::v
     pressures.push_back(per_pressure == 0.0 ? std::nullopt : std::optional(moments[a] / per_pressure));
   }
   return pressures;
+}
+
+std::string_view turning(const Scene& scene, double moment) {
+  const double rounding = tolerance::bounds * scale_of(scene).moment();
+  if (std::abs(moment) <= rounding) return "";
+  return moment > 0.0 ? "opening" : "closing";
 }
 
 void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
@@ -73,7 +81,9 @@ std::string grasp_text(const Scene& scene, const Plan& plan) {
               fmt::format("{:.6g} N/m along, {:.6g} N/m across the axis{}", q.axial_stiffness, q.lateral_stiffness,
                           q.axial_stiffness > 0.0 ? "" : "; at held moments it is driven out along the axis")});
     for (std::size_t a = 0; a < q.force_by_moment.size(); ++a) {
-      grid.row({fmt::format("1 % of moment {}", a + 1), pair(q.force_by_moment[a].x, q.force_by_moment[a].y)});
+      const std::string_view turns = turning(scene, plan.moments[a]);
+      grid.row({fmt::format("1 % of moment {}{}", a + 1, turns.empty() ? "" : fmt::format(" ({})", turns)),
+                pair(q.force_by_moment[a].x, q.force_by_moment[a].y)});
     }
     grid.row({"1 mm of its place", pair(-1e-3 * q.axial_stiffness, -1e-3 * q.lateral_stiffness)});
   }

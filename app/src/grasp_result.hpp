@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 #include "result_object.hpp"
 #include "tendril/app/figure.hpp"
@@ -9,6 +10,9 @@ namespace tendril::app {
 
 /// Pressure of each actuator (Pa) under `moments`; none where the scene does not say what moment a pressure gives.
 std::vector<std::optional<double>> pressures_of(const Scene& scene, const std::vector<double>& moments);
+
+/// "closing" or "opening" (the upper finger: negative or positive); empty for a moment that is no more than rounding.
+std::string_view turning(const Scene& scene, double moment);
 
 /// Adds "pressures" if a scene knows them, and what only a grasp has.
 void add_grasp(Json& json, const Scene& scene, const Plan& plan);

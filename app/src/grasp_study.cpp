@@ -58,19 +58,15 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
   std::vector<double> moments = plan.moments;
   Plan reached = plan;
   if (plan.status == PlanStatus::solved) {
-    session.verify(plan, std::nullopt);
+    reached = session.verify(plan, std::nullopt)->result;
     moments = plan.moments;
-    const Scene finger = finger_in_world(scene);
     const double distance = plan.grasp->palm_distance;
-    const std::vector<std::unique_ptr<Obstacle>> obstacles = obstacles_of_finger(scene, distance);
-    ExecuteControl control;
-    control.start = &plan;
-    reached = execute(finger, obstacles, moments, control).result;
     json["model_error"] = plan.model_error ? number(*plan.model_error) : Json(nullptr);
     if (one.moment && !moments.empty()) {
       moments.back() += *one.moment;
-      const Execution moved = execute(finger, obstacles, moments, control);
-      reached = moved.result;
+      ExecuteControl control;
+      control.start = &plan;
+      reached = execute(finger_in_world(scene), obstacles_of_finger(scene, distance), moments, control).result;
       if (reached.status != PlanStatus::solved) {
         plan.status = reached.status;
         plan.message = "with the moment changed: " + reached.message;
@@ -173,7 +169,7 @@ std::string grasp_study_report(const Scene& scene, const StudyResult& result) {
     grid.row({length("diameter"), text("force_limit", "N"), status, place, length("palm_distance"), moments, pressures,
               text("lateral_force", "N"), text("axial_force", "N"), text("axial_stiffness", "N/m"),
               std::isfinite(error) ? fmt::format("{:.1e} m", error) : "-"});
-    opening = opening || (sweep && number_in(v, "planned_moment") > 0.0);
+    opening = opening || (sweep && turning(scene, number_in(v, "planned_moment")) == "opening");
     if (status != to_string(PlanStatus::solved)) {
       trouble += fmt::format("case {}: {}: {}\n", i, status, printable(v.value("message", "")));
     }

@@ -218,10 +218,10 @@ Execution Session::execute(const std::vector<double>& moments, const std::option
   return done;
 }
 
-void Session::verify(Plan& plan, const std::optional<std::filesystem::path>& start) {
+std::optional<Execution> Session::verify(Plan& plan, const std::optional<std::filesystem::path>& start) {
   if (plan.backbone.empty()) {
     plan.verification = "not executed: the plan came to no shape";
-    return;
+    return std::nullopt;
   }
   std::optional<Plan> earlier;
   if (start) earlier = read_start(*start, scene_);
@@ -229,35 +229,39 @@ void Session::verify(Plan& plan, const std::optional<std::filesystem::path>& sta
   if (plan.grasp) return verify_grasp(plan, earlier);
   const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
   const ExecuteControl control = execute_control(earlier);
-  located("", [&] { tendril::verify(scene_, obstacles, plan, control); });
+  return located("", [&] { return tendril::verify(scene_, obstacles, plan, control); });
 }
 
-void Session::verify_grasp(Plan& plan, const std::optional<Plan>& earlier) {
+Execution Session::verify_grasp(Plan& plan, const std::optional<Plan>& earlier) {
   const Scene finger = finger_in_world(scene_);
   const auto settle = [&](Plan& judged) {
-    const std::optional<Plan> own = earlier ? earlier : judged;
     const std::vector<std::unique_ptr<Obstacle>> obstacles = obstacles_of_finger(scene_, judged.grasp->palm_distance);
-    const ExecuteControl control = execute_control(own);
-    located("", [&] { tendril::verify(finger, obstacles, judged, control); });
+    ExecuteControl control = execute_control(earlier);
+    if (!earlier) control.start = &judged;
+    return located("", [&] { return tendril::verify(finger, obstacles, judged, control); });
   };
   const bool planned = plan.status == PlanStatus::solved;
-  settle(plan);
+  Execution reached = settle(plan);
   std::vector<std::string> refuted;
   for (Plan last = plan; planned && last.status != PlanStatus::solved;) {
     const auto won = std::find_if(last.modes.begin(), last.modes.end(), [&](const ModeRecord& mode) {
       return mode.certified && mode.objective == last.objective;
     });
-    if (won == last.modes.end()) return;
+    if (won == last.modes.end()) break;
     refuted.push_back(won->mode);
     Plan next = plan_from(nullptr, false, refuted);
-    if (next.status != PlanStatus::solved) return;
-    settle(next);
+    if (next.status != PlanStatus::solved) break;
+    Execution executed = settle(next);
     for (const std::string& mode : refuted) {
       next.left_out.push_back({mode, "a plan was certified, but the finger does not come to rest there"});
     }
-    if (next.status == PlanStatus::solved) plan = next;
+    if (next.status == PlanStatus::solved) {
+      plan = next;
+      reached = std::move(executed);
+    }
     last = std::move(next);
   }
+  return reached;
 }
 
 /// `earlier` has to outlive what is returned.

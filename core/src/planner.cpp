@@ -31,7 +31,9 @@ constexpr double relaxation_last = 1e-8;    ///< ... ends here ...
 constexpr double relaxation_shrink = 1e-2;  ///< ... in these steps
 constexpr int most_exchanges = 25;
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
-constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
+constexpr int most_pieces_away = 3;   ///< of an unsplit rod, from where the start comes nearest to the obstacle
+constexpr int least_iterations = 10;  ///< that a solve of a grasp is thought to take
+constexpr int patience = 8;  ///< of a grasp with a plan: iterations of a solve, in those of the slowest that converged
 constexpr int most_starts = 5;            ///< per mode, before a program may be called infeasible
 constexpr int most_settlings = 3;         ///< executions of unstable plans, for a stable shape to start from
 constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
@@ -79,6 +81,7 @@ class Planner {
     StartShape nearest;             ///< where the violation of the rows was least, as long as there is no point
     double violation = infinity;    ///< there
     std::string limits;             ///< that bind there
+    bool deferred = false;          ///< the last start was left to times without any plan
   };
 
   bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
@@ -86,6 +89,8 @@ class Planner {
     SolveControl c;
     c.tolerance = d_.scene.solver.tolerance;
     c.max_iterations = d_.scene.solver.max_iterations;
+    // Programs of a grasp differ little: a search that takes many times as long as others took ends nowhere.
+    if (balanced_by_row() && have_plan_) c.max_iterations = std::min(c.max_iterations, patience * slowest_converged_);
     c.time_limit = std::max(1e-3, deadline_ - now());
     c.stop = control_.stop;
     return c;
@@ -96,6 +101,14 @@ class Planner {
   void settle();
   /// A start of a grasp. Without a force the row of the balance says nothing about where the contact should be.
   StartShape held(double tip_angle, const Mode& mode) const;
+  /// Looks for plans from every start that there is for the modes in `order`.
+  void search(const std::vector<std::size_t>& order);
+  /// A grasp whose balance is left to an objective: the plan with the balance as a row is the first start. Without
+  /// that row the objective has valleys where the object is pushed along the axis, and ordinary starts end in them.
+  void start_from_balance(const std::vector<std::size_t>& order);
+  bool balanced_by_row() const { return d_.palm && d_.palm->balance; }
+  /// Whether the rows alone lead from the start of a grasp to a feasible point.
+  bool promising(PoseProgramSpec spec, const std::vector<CheckPoint>& checks, const StartShape& shape);
   void try_start(ModeState& state, const StartShape& shape);
   void attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions);
   /// From x (any quality) to a decided branch and a point on it. False: no feasible point was found.
@@ -141,8 +154,11 @@ class Planner {
   Tally tally_;
   std::vector<ModeState> states_;
   int winner_ = -1;
-  bool have_plan_ = false;  ///< some mode is certified
-  bool following_ = false;  ///< only Newton may move points
+  bool have_plan_ = false;                    ///< some mode is certified
+  int slowest_converged_ = least_iterations;  ///< most iterations of a solve that converged
+  bool following_ = false;                    ///< only Newton may move points
+  double balanced_objective_ = infinity;      ///< scaled, of start_from_balance()
+  bool deferring_ = false;                    ///< starts of a grasp that do not look promising wait for the others
 };
 
 void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
@@ -171,6 +187,12 @@ std::vector<Branch> branches_of(const PoseProgram& program) {
   std::vector<Branch> branches(static_cast<std::size_t>(program.layout().forces));
   for (std::size_t k = 0; k < branches.size(); ++k) branches[k] = program.branch(static_cast<int>(k));
   return branches;
+}
+
+/// Of rows, the largest.
+double violation(PoseProgram& program, const Eigen::VectorXd& x) {
+  const VectorView c = program.constraints(x);
+  return std::max(0.0, std::max((c - program.row_upper()).maxCoeff(), (program.row_lower() - c).maxCoeff()));
 }
 
 void set_branches(PoseProgram& program, const std::vector<Branch>& branches) {
@@ -221,6 +243,7 @@ OptimalityReport Planner::solve(ModeState& state, NonlinearProgram& program, con
   state.record.evaluations += report.evaluations.values;
   state.record.seconds_evaluating += report.seconds_evaluating;
   state.last = report;
+  if (report.status == SolveStatus::converged) slowest_converged_ = std::max(slowest_converged_, report.iterations);
   tally_.iterations += report.iterations;
   tally_.seconds += report.seconds;
   tally_.seconds_evaluating += report.seconds_evaluating;
@@ -368,6 +391,12 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
   build();
   bool sharp = sharpen(state, *c.program, x, true);
   if (!sharp && following_) return false;
+  if (!sharp && x.allFinite() && violation(*c.program, x) > restored) {
+    // Near to feasible may be as near as it gets: then there is no point at all.
+    const int before = state.stationary_violations;
+    sharp = recover(state, *c.program, x);
+    if (!sharp && state.stationary_violations > before) return true;
+  }
   for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
     if (!x.allFinite() || !exchange_checks(*c.program, x, *c.certifier, checks, violation_level)) break;
     every_check.insert(every_check.end(), checks.begin(), checks.end());
@@ -403,6 +432,13 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
   PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
   std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
   const bool required = d_.min_force > 0.0;
+  // From a start without a feasible point near, a solver takes far the longest, and mostly in vain: the contact is on
+  // a part of the finger that cannot hold the object. It is spent only where nothing else led to a plan.
+  if (balanced_by_row() && (deferring_ || have_plan_) && !promising(spec, checks, shape)) {
+    state.deferred = true;
+    if (!state.best.has_point) state.trouble = "nothing feasible is near its starts, and there is a plan without it";
+    return;
+  }
   // From the same start, with every place checked where the rod went through an obstacle before.
   const auto search = [&](Branch branch) {
     bool touching = false;
@@ -425,6 +461,15 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
   const bool hopeless = have_plan_ && !state.best.has_point && state.stationary_violations > stationary_before;
   const bool missing = !mode.contacts.empty() && !required && !hopeless && (!touching || !state.best.certified());
   if (missing && !must_stop()) search(Branch::touching);
+}
+
+bool Planner::promising(PoseProgramSpec spec, const std::vector<CheckPoint>& checks, const StartShape& shape) {
+  spec.checks = checks;
+  PoseProgram program(spec);
+  set_branches(program, std::vector<Branch>(spec.contacts.size(), Branch::touching));
+  const bool feasible = restore_feasibility(program, program.start_from(shape), restored).feasible;
+  add_difference(tally_.outside_solver, program.counts(), {});
+  return feasible;
 }
 
 void Planner::try_start(ModeState& state, const StartShape& shape) {
@@ -511,8 +556,9 @@ void Planner::consider(ModeState& state, const StartShape& shape) {
   const double begin = now();
   try_start(state, shape);
   // Where nothing presses, a plan of another mode nearly belongs to this one too: what costs more lies on another side
-  // of an obstacle, and the better side is worth a start.
-  if (winner_ >= 0 && winner_ != state.mode && state.best.certified() && !must_stop() &&
+  // of an obstacle, and the better side is worth a start. The contacts of a grasp always press, but where its
+  // balance is left to an objective, that has as many sides.
+  if (!balanced_by_row() && winner_ >= 0 && winner_ != state.mode && state.best.certified() && !must_stop() &&
       state.best.objective > best_objective() + beats) {
     const Candidate& better = states_[static_cast<std::size_t>(winner_)].best;
     StartShape from = better.program->shape_of(better.x);
@@ -656,18 +702,61 @@ Plan Planner::run() {
     return out;
   };
   order.erase(std::remove_if(order.begin(), order.end(), excluded), order.end());
-  const int starts = most_starts + (control_.start != nullptr ? 1 : 0) + (d_.palm ? 1 : 0);
   if (control_.follow && control_.start != nullptr) winner_ = follow();
   if (winner_ >= 0) return report(states_, winner_);
-  for (int round = 0; round < starts && !must_stop(); ++round) {
-    // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
-    // families with several valleys of the effort.
-    if (round > 0 && winner_ >= 0 && !d_.palm) break;
-    for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
-    if (!d_.enumerated) grow();
-  }
+  if (d_.palm && !d_.palm->balance) start_from_balance(order);
+  search(order);
   settle();
   return report(states_, winner_);
+}
+
+void Planner::search(const std::vector<std::size_t>& order) {
+  const int earlier = control_.start != nullptr ? 1 : 0;
+  const int starts = most_starts + earlier + (d_.palm ? 1 : 0);
+  for (int round = 0; round < starts && !must_stop(); ++round) {
+    // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
+    // families with several valleys of the effort; what follows its own starts is no equilibrium.
+    if (winner_ >= 0 && (balanced_by_row() ? round >= earlier + grasp_starts : round > 0 && !d_.palm)) break;
+    deferring_ = balanced_by_row();
+    for (const std::size_t i : order) {
+      states_[i].deferred = false;
+      consider(states_[i], start_shape(round, modes_[i]));
+    }
+    deferring_ = false;
+    for (const std::size_t i : order) {
+      if (states_[i].deferred && winner_ < 0) consider(states_[i], start_shape(round, modes_[i]));
+    }
+    if (!d_.enumerated) grow();
+  }
+}
+
+void Planner::start_from_balance(const std::vector<std::size_t>& order) {
+  {
+    struct WithBalance {
+      PalmSetup& palm;
+      explicit WithBalance(PalmSetup& of) : palm(of) { palm.balance = true; }
+      ~WithBalance() { palm.balance = false; }
+      WithBalance(const WithBalance&) = delete;
+      WithBalance& operator=(const WithBalance&) = delete;
+    } with(*d_.palm);
+    search(order);
+  }
+  if (winner_ < 0) return;
+  const Candidate& balanced = states_[static_cast<std::size_t>(winner_)].best;
+  const StartShape shape = balanced.program->shape_of(balanced.x);
+  const int mode = winner_;
+  balanced_objective_ = balanced.objective;
+  // What was found with the row is a start for what follows and nothing else.
+  for (ModeState& state : states_) {
+    state.best = {};
+    state.starts_used = state.stationary_violations = 0;
+    state.violation = infinity;
+    state.trouble.clear();
+    state.limits.clear();
+  }
+  winner_ = -1;
+  have_plan_ = false;
+  consider(states_[static_cast<std::size_t>(mode)], shape);
 }
 
 /// Where the violation was least, and which limits stood in the way.
@@ -700,6 +789,15 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.split_at_contact = d_.scene.coordinates.split_at_contact;
   plan.left_out = d_.left_out;
   plan.solver_name = d_.scene.solver.plugin;
+  if (winner >= 0 && balanced_objective_ < best_objective() - beats) {
+    char text[160];
+    std::snprintf(
+        text, sizeof text,
+        "it costs less (%.6g), but is no minimum of this objective, which falls from there to where no plan is "
+        "certified",
+        balanced_objective_ * d_.objective_scale);
+    plan.left_out.push_back({"the grasp with the balance as a row", text});
+  }
   const bool followed = winner >= 0 && states[static_cast<std::size_t>(winner)].starts_used == 0;
   for (ModeState& state : states) {
     const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];

@@ -44,6 +44,11 @@ std::string list(const std::set<std::string>& names) {
 
 Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, Plan& plan,
                  const ExecuteControl& control) {
+  // From the plan's own shape: what its basis leaves out, apart from how the loads get there.
+  ExecuteControl local = control;
+  local.start = &plan;
+  local.with_obstacles = control.with_obstacles && needs_obstacles(scene);
+  const bool own = control.start == &plan && local.with_obstacles == control.with_obstacles;
   Execution reached = execute(scene, obstacles, plan.moments, control);
   const Scale scale = scale_of(scene);
   const auto distance = [&](const Plan& other) {
@@ -66,23 +71,24 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
     } else if (!(*plan.model_error <= tolerance::model_error * scale.length)) {
       trouble = "the tip ends elsewhere";
     }
-    plan.verification =
-        "loaded from the start the tip comes to rest " + percent(*plan.model_error) + " from the plan's";
+    plan.verification = std::string(own ? "settled from the plan's own shape" : "loaded from the start") +
+                        " the tip comes to rest " + percent(*plan.model_error) + " from the plan's";
     if (!reached.snaps.empty()) plan.verification += ", after " + std::to_string(reached.snaps.size()) + " snap(s)";
   } else {
-    trouble = "loading from the start did not arrive: " + reached.result.message;
+    trouble = (own ? "the plan's own shape did not settle: " : "loading from the start did not arrive: ") +
+              reached.result.message;
     plan.verification = trouble;
   }
-  // From the plan's own shape: what its basis leaves out, apart from how the loads get there.
-  ExecuteControl local = control;
-  local.start = &plan;
-  local.with_obstacles = control.with_obstacles && needs_obstacles(scene);
-  const Execution near = execute(scene, obstacles, plan.moments, local);
-  if (near.result.status == PlanStatus::solved) {
-    plan.local_model_error = distance(near.result);
-    plan.verification += "; settled from the plan's own shape " + percent(*plan.local_model_error);
+  if (own) {
+    plan.local_model_error = plan.model_error;
   } else {
-    plan.verification += "; the plan's own shape did not settle: " + near.result.message;
+    const Execution near = execute(scene, obstacles, plan.moments, local);
+    if (near.result.status == PlanStatus::solved) {
+      plan.local_model_error = distance(near.result);
+      plan.verification += "; settled from the plan's own shape " + percent(*plan.local_model_error);
+    } else {
+      plan.verification += "; the plan's own shape did not settle: " + near.result.message;
+    }
   }
   if (!trouble.empty() && plan.status == PlanStatus::solved) {
     plan.status = PlanStatus::not_converged;

@@ -33,6 +33,19 @@ TEST(Verify, AnExactPlanHasNoModelError) {
   EXPECT_LE(plan.local_model_error.value(), 1e-9);
 }
 
+TEST(Verify, FromThePlansOwnShapeIsOneExecutionAndSaysSo) {
+  const ForwardScene s = braced();
+  Plan plan = s.run({0.5}).result;
+  plan.tip_y += 0.01;
+  ExecuteControl control;
+  control.start = &plan;
+  verify(s.scene, s.obstacles, plan, control);
+  EXPECT_NEAR(plan.model_error.value(), 0.01, 1e-8);
+  EXPECT_EQ(plan.local_model_error, plan.model_error);
+  EXPECT_EQ(plan.verification.find("settled from the plan's own shape"), 0U) << plan.verification;
+  EXPECT_EQ(plan.verification.find("loaded from the start"), std::string::npos) << plan.verification;
+}
+
 TEST(Verify, ReportsWhatACoarseBasisLeavesOut) {
   const ForwardScene s = braced();
   Plan plan = s.run({0.5}).result;

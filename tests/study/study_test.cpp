@@ -54,6 +54,20 @@ TEST(Study, WritesEveryCaseOnceWithItsCertificate) {
   EXPECT_NEAR(json["groups"][0]["tip_error"]["mean"].get<double>(), sum / 4.0, 1e-15);
 }
 
+/// The paper's Fig. 5, where the distal moment closes the finger and where it opens it.
+TEST(Study, OfADistalMomentSaysWhereThePlannedOneOpensTheFinger) {
+  const TemporaryDirectory directory;
+  const std::string sweep = replaced(test::read_file(scene_path("grasp_distal_sweep.toml")), "60 mm\"\n", "40 mm\"\n");
+  const test::CommandRun closing =
+      tendril({"study", scene_path("grasp_distal_sweep.toml"), "--output", directory / "60"});
+  const test::CommandRun opening = tendril({"study", directory.write("s.toml", sweep), "--output", directory / "40"});
+  EXPECT_EQ(closing.exit_code, 0) << closing.err;
+  EXPECT_EQ(opening.exit_code, 0) << opening.err;
+  const std::string sentence = "the planned moment of the last actuator is an opening one";
+  EXPECT_EQ(closing.out.find(sentence), std::string::npos) << closing.out;
+  EXPECT_NE(opening.out.find(sentence), std::string::npos) << opening.out;
+}
+
 /// A study's case is what `plan` says about the same scene.
 TEST(Study, AgreesWithPlan) {
   const TemporaryDirectory directory;

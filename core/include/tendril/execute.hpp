@@ -69,7 +69,7 @@ TENDRIL_API Execution execute(const Scene& scene, const std::vector<std::unique_
 /// Executes a plan's moments and fills its `model_error`, `local_model_error` and `verification`. Where execution ends
 /// elsewhere (other contacts, a tip farther off than tolerance::model_error, no certified state) a solved plan becomes
 /// `not_converged` and its message says why. Returns the execution from the plan's own start. `control.start`: what the
-/// plan was started from, or null.
+/// plan was started from, null, or `&plan`: then the rod settles from the plan's own shape and is executed only once.
 TENDRIL_API Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, Plan& plan,
                              const ExecuteControl& control = {});
 

@@ -51,7 +51,8 @@ class Session {
                     std::optional<double> palm_distance = std::nullopt);
   /// Executes the plan and judges it by what comes of it (core's verify()). A grasp is settled from its own shape,
   /// since the way to it is not planned, and where that fails the next best way of being in contact takes its place.
-  void verify(Plan& plan, const std::optional<std::filesystem::path>& start);
+  /// What was executed, for the plan as it is left; null: it came to no shape.
+  std::optional<Execution> verify(Plan& plan, const std::optional<std::filesystem::path>& start);
   const Units& units() const { return *units_; }
   /// The same for a trajectory, step by step; the limits hold for each plan.
   Trajectory plan_trajectory();
@@ -69,7 +70,7 @@ class Session {
   RunInfo run_info() const;
 
  private:
-  void verify_grasp(Plan& plan, const std::optional<Plan>& earlier);
+  Execution verify_grasp(Plan& plan, const std::optional<Plan>& earlier);
   ExecuteControl execute_control(const std::optional<Plan>& earlier) const;
   /// Of tables whose plugin the command replaces.
   void drop_foreign_options(bool other_coordinates, bool other_solver);
