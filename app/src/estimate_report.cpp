@@ -6,6 +6,7 @@
 
 #include "result_object.hpp"
 #include "tables.hpp"
+#include "tendril/coordinate_model.hpp"
 
 namespace tendril::app {
 
@@ -88,7 +89,7 @@ std::string estimate_json(const Scene& scene, const Estimate& estimate, const Ru
   json["scene"] = scene.file;
   json["title"] = scene.title;
   json["problem"] = to_string(scene.problem);
-  json["coordinates"] = {{"name", "legendre"}, {"order", estimate.order}, {"split_at_contact", true}};
+  json["coordinates"] = {{"name", LegendreBasis::name}, {"order", estimate.order}, {"split_at_contact", true}};
   json["moments"] = numbers(estimate.moments);
   json["contacts"] = Json::array();
   for (const EstimatedContact& contact : estimate.contacts) json["contacts"].push_back(contact_json(contact));

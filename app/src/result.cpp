@@ -12,6 +12,7 @@
 #include "result_object.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
+#include "tendril/coordinate_model.hpp"
 #include "tendril/version.hpp"
 
 namespace tendril::app {
@@ -327,7 +328,7 @@ std::string execution_json(const Scene& scene, const Execution& execution, const
   add_run(json, run);
   json["load"] = {
       {"reached", number(execution.load)}, {"steps", execution.steps}, {"contact_changes", execution.contact_changes}};
-  json["basis"] = {{"name", "legendre"}, {"order", execution.result.order}, {"pieces", execution.pieces}};
+  json["basis"] = {{"name", LegendreBasis::name}, {"order", execution.result.order}, {"pieces", execution.pieces}};
   Json snaps = Json::array();
   for (const Snap& snap : execution.snaps) {
     snaps.push_back({{"kind", to_string(snap.kind)},

@@ -8,6 +8,7 @@
 
 #include "plan_report.hpp"
 #include "tendril/clearance.hpp"
+#include "tendril/coordinate_model.hpp"
 #include "tendril/planner.hpp"
 #include "tendril/rod.hpp"
 #include "tendril/scale.hpp"
@@ -223,7 +224,7 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   Plan& plan = out.result;
   out.steps = tracker.steps();
   out.contact_changes = tracker.contact_changes();
-  plan.coordinates_name = "legendre";
+  plan.coordinates_name = LegendreBasis::name;
   plan.split_at_contact = true;
   plan.solver_name = "continuation";
   plan.solver.status = arrived ? SolveStatus::converged : SolveStatus::stalled;

@@ -1,4 +1,4 @@
-#include <vector>
+#include <cmath>
 
 #include "tendril/plugin.hpp"
 
@@ -6,61 +6,43 @@
 // where its second derivative jumps. breaks() names the knots, so that quadrature is cut there.
 class BSpline : public tendril::CoordinateModel {
  public:
-  explicit BSpline(int intervals) : intervals_(intervals), knots_(degree, 0.0) {
-    for (int i = 0; i <= intervals; ++i) knots_.push_back(double(i) / intervals);
-    knots_.insert(knots_.end(), degree, 1.0);
-  }
+  explicit BSpline(int intervals) : intervals_(intervals) {}
 
-  // All B-splines but the first, which is the only one that does not vanish at 0.
-  int function_count() const override { return intervals_ + degree - 1; }
+  // One B-spline for each run of four intervals that meets the piece. One is left out: all of them add up to a
+  // constant.
+  int function_count() const override { return intervals_ + 2; }
 
   void evaluate(std::span<const double> sigma, Eigen::Ref<Eigen::MatrixXd> value, Eigen::Ref<Eigen::MatrixXd> first,
                 Eigen::Ref<Eigen::MatrixXd> second) const override {
     for (Eigen::Index g = 0; g < value.rows(); ++g) {
-      const double s = sigma[static_cast<std::size_t>(g)];
       for (int i = 0; i < function_count(); ++i) {
-        value(g, i) = basis(i + 1, degree, 0, s);
-        first(g, i) = basis(i + 1, degree, 1, s);
-        second(g, i) = basis(i + 1, degree, 2, s);
+        // From the middle of the B-spline, in intervals. Local functions begin at 0, so its value there is taken off.
+        const double u = intervals_ * sigma[static_cast<std::size_t>(g)] - i, at_start = -i;
+        const double side = u < 0.0 ? -1.0 : 1.0, a = std::abs(u), b = std::max(0.0, 2.0 - a);
+        value(g, i) = cubic(u) - cubic(at_start);
+        first(g, i) = intervals_ * side * (a < 1.0 ? a * (1.5 * a - 2.0) : -0.5 * b * b);
+        second(g, i) = intervals_ * intervals_ * (a < 1.0 ? 3.0 * a - 2.0 : b);
       }
     }
   }
 
-  std::vector<double> breaks() const override { return {knots_.begin() + degree + 1, knots_.end() - degree - 1}; }
+  std::vector<double> breaks() const override {
+    std::vector<double> knots;
+    for (int i = 1; i < intervals_; ++i) knots.push_back(static_cast<double>(i) / intervals_);
+    return knots;
+  }
 
  private:
-  static constexpr int degree = 3;
-
-  double knot(int i) const { return knots_[static_cast<std::size_t>(i)]; }
-
-  // Derivative number `order` of B-spline i of degree p, by the recurrences of Cox and de Boor.
-  double basis(int i, int p, int order, double s) const {
-    if (p == 0)
-      return s >= knot(i) && (s < knot(i + 1) || (s == 1.0 && knot(i + 1) == 1.0 && knot(i) < 1.0)) ? 1.0 : 0.0;
-    const double left = knot(i + p) - knot(i);
-    const double right = knot(i + p + 1) - knot(i + 1);
-    double sum = 0.0;
-    if (order > 0) {
-      if (left > 0.0) sum += p / left * basis(i, p - 1, order - 1, s);
-      if (right > 0.0) sum -= p / right * basis(i + 1, p - 1, order - 1, s);
-    } else {
-      if (left > 0.0) sum += (s - knot(i)) / left * basis(i, p - 1, 0, s);
-      if (right > 0.0) sum += (knot(i + p + 1) - s) / right * basis(i + 1, p - 1, 0, s);
-    }
-    return sum;
+  static double cubic(double u) {
+    const double a = std::abs(u), b = std::max(0.0, 2.0 - a);
+    return a < 1.0 ? 2.0 / 3.0 + a * a * (0.5 * a - 1.0) : b * b * b / 6.0;
   }
 
   int intervals_;
-  std::vector<double> knots_;
 };
 
 TENDRIL_PLUGIN(registrar) {
-  const tendril::OptionSchema options{{.name = "intervals",
-                                       .type = tendril::OptionType::integer,
-                                       .default_value = std::int64_t{4},
-                                       .description = "equal intervals between knots on each piece",
-                                       .minimum = 1,
-                                       .maximum = 32}};
+  const tendril::OptionSchema options{{"intervals", tendril::OptionType::integer, 4L, "equal intervals", 1, 32}};
   registrar.add(tendril::CoordinateComponent{
       "b_spline", "the angle as a cubic B-spline", options, [](const tendril::Options& given) {
         return std::make_unique<BSpline>(static_cast<int>(given.integer("intervals")));

@@ -29,10 +29,14 @@ for source in examples/*/scene.toml; do
     obstacle) filter= ;;
   esac
   if [[ -n $bench ]]; then
-    clean tendril-bench solvers "$source" --plugin-dir "build/$name" --solver "$with" > table
+    # Plan and tests name the directory as an option, the benchmark by the environment: both ways find a plugin.
+    clean TENDRIL_PLUGIN_PATH="$work/build/$name" tendril-bench solvers "$source" --solver "$with" > table
     grep -qE "\| $with +\| 1 +\| 1 " table || { cat table; exit 1; }
   fi
   [[ -n $filter ]] || continue
+  "$combination" --plugin-dir "build/$name" --gtest_list_tests --gtest_filter="$filter" > by_option
+  TENDRIL_PLUGIN_PATH="$work/build/$name" "$combination" --gtest_list_tests --gtest_filter="$filter" > by_environment
+  diff by_option by_environment
   quiet "$combination" --plugin-dir "build/$name" --gtest_filter="$filter" --gtest_brief=1
   echo "$name: $(grep -E 'PASSED' log | tr -s ' ')"
   grep -qE 'PASSED  \] [1-9][0-9]+ tests' log

@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
-# doxygen.sh DOXYGEN DOXYFILE: every public type and free function is documented, and in the headers of a plugin's interface every
-# member too; no comment is malformed or names what is not there.
+# doxygen.sh DOXYGEN DOXYFILE: every public type, member, function and constant of the headers is documented; no comment is
+# malformed or names what is not there.
 set -euo pipefail
 doxygen=$1 doxyfile=$2
-whole='(coordinate_model|obstacle|registrar|plugin|augmented_lagrangian|error|circle|wall)'
 output=$(sed -n 's/^OUTPUT_DIRECTORY *= *"\(.*\)"/\1/p' "$doxyfile")
 rm -rf "$output"
 mkdir -p "$output"
 "$doxygen" "$doxyfile" 2> "$output/warnings" || { cat "$output/warnings"; exit 1; }
-[[ -s $output/html/index.html ]]
-awk -v whole="/core/include/tendril/$whole\\.hpp:" '
-  /warning: Member .* of (class|struct) .* is not documented\./ && $0 !~ whole { others++; next }
-  { print; faults++ }
-  END { print others + 0 " members in other headers have no comment of their own"; exit faults > 0 }
-' "$output/warnings"
+# Members of a namespace are looked at only if the namespace itself is documented: then it has a page.
+for page in index namespacetendril namespacetendril_1_1plugins namespacetendril_1_1dimension; do
+  [[ -s $output/html/$page.html ]] || { echo "no page $page.html"; exit 1; }
+done
+if [[ -s $output/warnings ]]; then
+  cat "$output/warnings"
+  exit 1
+fi

@@ -16,8 +16,9 @@ struct PieceSums {
   Eigen::VectorXd scalar;  ///< pieces: sum_g z_g
   Eigen::MatrixXd gram;    ///< functions (functions+1)/2 x pieces, packed i <= k: sum_g W_g beta_i beta_k
 
+  /// All sums zero, sized for `chain`; `gram` stays empty unless asked for.
   PieceSums(const Chain& chain, bool with_gram);
-  void set_zero();
+  void set_zero();  ///< Starts new sums.
   /// Adds weight * beta at a single point of piece j.
   void add_point(int j, double weight, const double* beta);
   /// Adds weight * beta beta^T, weight * beta and weight.
@@ -28,37 +29,49 @@ struct PieceSums {
 /// computed once per move(). Nothing allocates after construction.
 class TENDRIL_API Backbone {
  public:
+  /// A rod clamped at `base` (units of L) with angle `base_angle` (rad) there. `chain` is borrowed and must outlive
+  /// this.
   Backbone(const Chain& chain, Vec2 base, double base_angle);
 
+  /// The chain that it was made of.
   const Chain& chain() const { return *chain_; }
 
   /// Where the next move() begins.
   void place(Vec2 base) { base_ = base; }
+  /// Where the rod begins.
   Vec2 base() const { return base_; }
 
   /// Moves to coordinates q (chain.coordinate_count()) and moving knots (chain.knot_count()).
   void move(ConstVectorRef q, std::span<const double> knots);
 
+  /// Length of piece j, units of L.
   double length(int j) const { return length_[j]; }
+  /// Arc length at which piece j begins, units of L.
   double start(int j) const { return start_[j]; }
   /// Angle and position at the start of piece j; j = piece_count(): the tip.
   double knot_angle(int j) const { return knot_angle_[j]; }
+  /// Position at the start of piece j; j = piece_count(): the tip.
   Vec2 knot_point(int j) const { return {knot_x_[j], knot_y_[j]}; }
+  /// Position of the tip, units of L.
   Vec2 tip() const { return knot_point(chain_->piece_count()); }
+  /// Angle of the tip, rad.
   double tip_angle() const { return knot_angle_[chain_->piece_count()]; }
   /// int_0^1 t dsigma over piece j.
   Vec2 chord(int j) const { return {chord_x_[j], chord_y_[j]}; }
+  /// Cosine of the angle at the nodes of piece j: chain().nodes() entries.
   const double* cosines(int j) const { return cosine_.col(j).data(); }
+  /// Sine of the angle at the nodes of piece j: chain().nodes() entries.
   const double* sines(int j) const { return sine_.col(j).data(); }
+  /// Coordinates of piece j: chain().functions() entries.
   const double* coordinates(int j) const { return q_.data() + j * chain_->functions(); }
 
   /// Shape at any arc length, for reports and certificates (slow: evaluates the basis, allocates).
   struct Point {
-    Vec2 position{};
-    double angle = 0.0;
-    double curvature = 0.0;
+    Vec2 position{};         ///< units of L
+    double angle = 0.0;      ///< rad
+    double curvature = 0.0;  ///< times L
   };
-  Point at(double s) const;
+  Point at(double s) const;  ///< The point at arc length s in [0,1].
   /// The same at sigma of piece j.
   Point at(int j, double sigma) const;
 
@@ -69,7 +82,9 @@ class TENDRIL_API Backbone {
   /// The same for n . dP/dq of a point P in or at the end of piece j, pieces i < j only (the own block is the
   /// caller's).
   void row_before(int j, Vec2 point, Vec2 n, double* row) const;
+  /// x of S_j: chain().functions() entries; needs sum_normals().
   const double* normal_sum_x(int j) const { return normal_.col(j).data(); }
+  /// y of S_j: chain().functions() entries; needs sum_normals().
   const double* normal_sum_y(int j) const { return normal_.col(j).data() + chain_->functions(); }
   /// out[0..2n) += sum_g z[g * stride] (N_x beta, N_y beta)_g over the nodes of piece j; needs sum_normals().
   void add_turned(int j, const double* z, int stride, double* out) const;

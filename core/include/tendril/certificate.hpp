@@ -15,8 +15,8 @@ class TENDRIL_API Certifier {
   /// `spec` is that of the program to be judged; its pointers must outlive this.
   explicit Certifier(const PoseProgramSpec& spec);
   ~Certifier();
-  Certifier(Certifier&&) noexcept;
-  Certifier& operator=(Certifier&&) noexcept;
+  Certifier(Certifier&&) noexcept;             ///< Leaves the other one unusable.
+  Certifier& operator=(Certifier&&) noexcept;  ///< Leaves the other one unusable.
 
   /// Check points change nothing of the judgement except which rows can carry multipliers. Cheap.
   void set_checks(const std::vector<CheckPoint>& checks);
@@ -33,9 +33,10 @@ class TENDRIL_API Certifier {
 
   /// Local minima of the distance to any obstacle below `level` at x.
   struct Approach {
-    int obstacle = 0;
-    ClosestApproach at;
+    int obstacle = 0;    ///< index in the spec's obstacles
+    ClosestApproach at;  ///< the place on the rod
   };
+  /// All such places at x, for `level` in units of L.
   std::vector<Approach> approaches(ConstVectorRef x, double level);
   /// Whether there is any; allocates nothing unless there is.
   bool approached(ConstVectorRef x, double level);

@@ -14,9 +14,12 @@ namespace tendril {
 /// is integrated term by term.
 class TENDRIL_API CurveTables {
  public:
-  explicit CurveTables(const Quadrature& rule);
+  explicit CurveTables(const Quadrature& rule);  ///< For curves of chains with this rule.
+  /// Coefficients of a series: the nodes of one interval.
   int per_interval() const { return static_cast<int>(transform_.rows()); }
+  /// Smooth intervals of a piece.
   int intervals() const { return static_cast<int>(ends_.size()) - 1; }
+  /// Where interval i begins on [0,1]; i = intervals(): 1.
   double end(int i) const { return ends_[static_cast<std::size_t>(i)]; }
   /// Coefficients = transform * values at the nodes of one interval.
   const Eigen::MatrixXd& transform() const { return transform_; }
@@ -31,20 +34,25 @@ class TENDRIL_API CurveTables {
 /// The curve of a moved backbone as a series per smooth interval of each piece.
 class TENDRIL_API Curve {
  public:
+  /// Holds nothing before follow().
   explicit Curve(std::shared_ptr<const CurveTables> tables) : tables_(std::move(tables)) {}
+  /// Becomes the curve of a moved backbone whose chain has these tables.
   void follow(const Backbone& backbone);
   /// Shifts every point.
   void translate(Vec2 by);
 
   /// A point of the curve and the unit tangent there.
   struct Point {
-    Vec2 position{};
-    Vec2 tangent{};
+    Vec2 position{};  ///< units of L
+    Vec2 tangent{};   ///< unit vector
   };
-  Point at(int piece, double sigma) const;
-  Vec2 position(int piece, double sigma) const;
+  Point at(int piece, double sigma) const;       ///< Point at sigma in [0,1] of a piece.
+  Vec2 position(int piece, double sigma) const;  ///< Its position alone.
+  /// Pieces of the backbone followed last.
   int piece_count() const { return pieces_; }
+  /// Length of a piece, units of L.
   double length(int piece) const { return lengths_[static_cast<std::size_t>(piece)]; }
+  /// Arc length at which a piece begins, units of L.
   double start(int piece) const { return starts_[static_cast<std::size_t>(piece)]; }
   /// max |kappa| over a piece, from the sizes of its coordinates.
   double curvature_bound(int piece) const { return curvature_bounds_[static_cast<std::size_t>(piece)]; }
@@ -63,10 +71,10 @@ TENDRIL_API double certified_depth(const Curve& curve, const Obstacle& obstacle)
 
 /// A local minimum of the distance along the rod.
 struct ClosestApproach {
-  int piece = 0;
-  double sigma = 0.0;
-  double arc_length = 0.0;
-  double distance = 0.0;
+  int piece = 0;            ///< of the chain
+  double sigma = 0.0;       ///< on the piece, in [0,1]
+  double arc_length = 0.0;  ///< units of L
+  double distance = 0.0;    ///< signed, units of L
 };
 
 /// Local minima of the distance to one obstacle that are below `level`, by sampling and refinement; ends of the rod

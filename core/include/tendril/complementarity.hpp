@@ -9,8 +9,8 @@ namespace tendril {
 
 /// c_row(x) >= 0, x_variable >= 0, one of them zero.
 struct ComplementaryPair {
-  int row = 0;
-  int variable = 0;
+  int row = 0;       ///< of the base program
+  int variable = 0;  ///< of the base program
 };
 
 /// A program with complementarity, treated so that an ordinary solver can take it (model.md section 4). With g the row
@@ -29,7 +29,9 @@ class TENDRIL_API ComplementarityProgram : public NonlinearProgram {
                          double parameter);
   ~ComplementarityProgram() override;
 
+  /// Sets the parameter of the treatment, also where it stands in a bound.
   void set_parameter(double parameter);
+  /// What set_parameter() or the constructor set.
   double parameter() const { return parameter_; }
   /// Bounds of the base program may have changed.
   void refresh_bounds();
@@ -37,7 +39,7 @@ class TENDRIL_API ComplementarityProgram : public NonlinearProgram {
   Eigen::VectorXd extend(ConstVectorRef base_x);
 
   std::string row_name(int row) const override;
-  std::string variable_name(int variable) const override;
+  std::string variable_name(int variable) const override;  ///< That of the base program; "slack 1" and so on behind it.
 
  protected:
   void do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out) override;

@@ -44,7 +44,8 @@ class TENDRIL_API LegendreBasis : public CoordinateModel {
   explicit LegendreBasis(int order, int pieces = 1);
   ~LegendreBasis() override;
 
-  static constexpr int maximum_order = 64;  ///< beyond it nothing was tried
+  static constexpr const char* name = "legendre";  ///< of the basis, in results of execution and estimation
+  static constexpr int maximum_order = 64;         ///< beyond it nothing was tried
 
   int function_count() const override;
   void evaluate(std::span<const double> sigma, Eigen::Ref<Eigen::MatrixXd> value, Eigen::Ref<Eigen::MatrixXd> first,

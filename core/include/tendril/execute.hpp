@@ -21,21 +21,24 @@ enum class SnapKind {
   slip,         ///< a contact slid to the tip, where it holds the rod no longer
   start         ///< the shape that was started from is no stable equilibrium of its own loads
 };
-TENDRIL_API std::string_view to_string(SnapKind kind);
+TENDRIL_API std::string_view to_string(SnapKind kind);  ///< The kind as results write it.
 
 /// A jump to another stable state while loads grow. SI units; `before` and `after` are at the same load, except at a
 /// bifurcation, where the new branch grows out of the old one and `after` stands 1e-3 of the loads further.
 struct Snap {
-  SnapKind kind = SnapKind::fold;
-  double load = 0.0;            ///< load fraction, 0 at the start shape, 1 at the final loads
-  std::vector<double> moments;  ///< N m, one per actuator, at that load fraction
-  std::vector<BackbonePoint> before, after;
-  std::vector<PlannedContact> contacts_before, contacts_after;
-  double stability_after = 0.0;  ///< margin
+  SnapKind kind = SnapKind::fold;               ///< what ended the branch
+  double load = 0.0;                            ///< load fraction, 0 at the start shape, 1 at the final loads
+  std::vector<double> moments;                  ///< N m, one per actuator, at that load fraction
+  std::vector<BackbonePoint> before;            ///< the shape that was left
+  std::vector<BackbonePoint> after;             ///< the shape that was reached
+  std::vector<PlannedContact> contacts_before;  ///< with the shape that was left
+  std::vector<PlannedContact> contacts_after;   ///< with the shape that was reached
+  double stability_after = 0.0;                 ///< margin
 };
 
 /// What an execution starts from and what may end it.
 struct ExecuteControl {
+  /// set to true from outside to end it cleanly; null: nothing does
   const std::atomic<bool>* stop = nullptr;
   double time_limit = 60.0;  ///< s
   /// An earlier result to start from: its shape, moments and contacts under all of the scene's other loads; only the
@@ -50,7 +53,7 @@ struct ExecuteControl {
 /// accepts), `not_converged` (with the reason: a contact that spreads, a path that could not be followed),
 /// `time_limit`, `interrupted`.
 struct Execution {
-  Plan result;
+  Plan result;              ///< the state reached
   std::vector<Snap> snaps;  ///< in the order in which they happened
   double load = 0.0;        ///< load fraction reached; 1 unless the status says why not
   int steps = 0;            ///< along the path

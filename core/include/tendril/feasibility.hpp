@@ -6,12 +6,12 @@ namespace tendril {
 
 /// Where a search for a feasible point ended.
 struct FeasibilityReport {
-  Eigen::VectorXd x;
+  Eigen::VectorXd x;                ///< The point reached: variable_count() entries.
   double infeasibility = infinity;  ///< largest violation of rows and bounds
   bool feasible = false;            ///< infeasibility below the tolerance asked for
   /// Not feasible, and no direction within the bounds reduces the violation: a stationary point of its square.
   bool stationary_violation = false;
-  int iterations = 0;
+  int iterations = 0;  ///< steps taken
 };
 
 /// Reduces the violation of rows and bounds alone, by a projected Levenberg-Marquardt method with exact Jacobians. It

@@ -6,10 +6,12 @@ namespace tendril {
 
 /// A point or direction of the plane. Plain data: it may cross a plugin boundary.
 struct Vec2 {
-  double x = 0.0;
-  double y = 0.0;
+  double x = 0.0;  ///< first coordinate
+  double y = 0.0;  ///< second coordinate
 };
 
+///@{
+/// Component by component.
 constexpr Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
 constexpr Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
 constexpr Vec2 operator-(Vec2 a) { return {-a.x, -a.y}; }
@@ -19,12 +21,16 @@ constexpr Vec2& operator+=(Vec2& a, Vec2 b) {
   a.y += b.y;
   return a;
 }
+///@}
+/// Both coordinates are equal.
 constexpr bool operator==(Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }
+/// Scalar product.
 constexpr double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 /// z-component of the cross product.
 constexpr double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 /// The vector turned by +90 degrees.
 constexpr Vec2 turned(Vec2 a) { return {-a.y, a.x}; }
+/// Length.
 inline double norm(Vec2 a) { return std::hypot(a.x, a.y); }
 
 }  // namespace tendril

@@ -7,16 +7,20 @@ namespace tendril {
 /// A number with two directions: value, derivative along a, derivative along b, mixed second derivative. With it a
 /// formula written once gives exact first and second derivatives.
 struct HyperDual {
-  double v = 0.0;
-  double a = 0.0;
-  double b = 0.0;
-  double ab = 0.0;
+  double v = 0.0;   ///< value
+  double a = 0.0;   ///< derivative along a
+  double b = 0.0;   ///< derivative along b
+  double ab = 0.0;  ///< mixed second derivative
 
   constexpr HyperDual() = default;
+  /// A constant: no derivatives.
   constexpr HyperDual(double value) : v(value) {}  // NOLINT(google-explicit-constructor): constants mix freely
+  /// All four parts.
   constexpr HyperDual(double value, double along_a, double along_b, double mixed)
       : v(value), a(along_a), b(along_b), ab(mixed) {}
 
+  ///@{
+  /// The rules of differentiation, for all four parts.
   constexpr HyperDual& operator+=(const HyperDual& o) {
     return *this = HyperDual(v + o.v, a + o.a, b + o.b, ab + o.ab);
   }
@@ -29,22 +33,30 @@ struct HyperDual {
   constexpr HyperDual& operator/=(const HyperDual& o) {
     return *this *= o.chain(1.0 / o.v, -1.0 / (o.v * o.v), 2.0 / (o.v * o.v * o.v));
   }
+  ///@}
 
   /// f(x) from f, f' and f'' at v.
   constexpr HyperDual chain(double f, double d1, double d2) const { return {f, d1 * a, d1 * b, d1 * ab + d2 * a * b}; }
 };
 
+///@{
+/// The rules of differentiation, for all four parts.
 constexpr HyperDual operator+(HyperDual x, const HyperDual& y) { return x += y; }
 constexpr HyperDual operator-(HyperDual x, const HyperDual& y) { return x -= y; }
 constexpr HyperDual operator*(HyperDual x, const HyperDual& y) { return x *= y; }
 constexpr HyperDual operator/(HyperDual x, const HyperDual& y) { return x /= y; }
 constexpr HyperDual operator-(const HyperDual& x) { return {-x.v, -x.a, -x.b, -x.ab}; }
 constexpr HyperDual operator+(const HyperDual& x) { return x; }
+///@}
 /// Comparison is by value: branches follow the point, not the direction.
+/// Comparison is by value: branches follow the point, not the direction.
+///@{
+/// Of the values alone.
 constexpr bool operator<(const HyperDual& x, const HyperDual& y) { return x.v < y.v; }
 constexpr bool operator>(const HyperDual& x, const HyperDual& y) { return x.v > y.v; }
 constexpr bool operator<=(const HyperDual& x, const HyperDual& y) { return x.v <= y.v; }
 constexpr bool operator>=(const HyperDual& x, const HyperDual& y) { return x.v >= y.v; }
+///@}
 
 // One formula serves plain numbers too, also inside this namespace.
 using std::abs;
@@ -60,6 +72,9 @@ using std::sqrt;
 using std::tan;
 using std::tanh;
 
+///@{
+/// The function of the same name of the standard library with exact derivatives. Where it has none they are
+/// not finite; of abs at 0 they are those of the right side.
 inline HyperDual sqrt(const HyperDual& x) {
   const double r = std::sqrt(x.v);
   return x.chain(r, 0.5 / r, -0.25 / (r * x.v));
@@ -107,5 +122,6 @@ inline HyperDual atan2(const HyperDual& y, const HyperDual& x) {
           gy * y.ab + gx * x.ab + hyy * y.a * y.b + hxx * x.a * x.b + hxy * (y.a * x.b + x.a * y.b)};
 }
 inline HyperDual hypot(const HyperDual& x, const HyperDual& y) { return sqrt(x * x + y * y); }
+///@}
 
 }  // namespace tendril

@@ -26,7 +26,7 @@ TENDRIL_API MultiplierFit recover_multipliers(ConstVectorRef gradient, ConstMatr
 
 /// A point of a program judged by first-order conditions alone.
 struct KktJudgement {
-  double cost = infinity;
+  double cost = infinity;             ///< of the program
   double infeasibility = infinity;    ///< largest violation of rows and bounds
   double stationarity = infinity;     ///< largest entry of the Lagrangian's gradient with admissible multipliers
   Eigen::VectorXd multipliers;        ///< of the rows; a row at its lower bound <= 0, at its upper >= 0, inactive 0
@@ -36,14 +36,17 @@ struct KktJudgement {
 
 /// Which side of lower <= value <= upper a multiplier may act on, within `tolerance` of the side.
 struct Activity {
-  bool at_lower = false;
-  bool at_upper = false;
+  bool at_lower = false;  ///< near or beyond the lower limit
+  bool at_upper = false;  ///< near or beyond the upper limit
+  /// Whether a multiplier may act at all.
   bool any() const { return at_lower || at_upper; }
+  /// The sign that it may then have, in the convention of KktJudgement.
   MultiplierSign sign() const {
     if (at_lower && at_upper) return MultiplierSign::free;
     return at_lower ? MultiplierSign::non_positive : MultiplierSign::non_negative;
   }
 };
+/// Compares a value with its limits.
 TENDRIL_API Activity activity(double value, double lower, double upper, double tolerance);
 
 /// Judges x. Rows and bounds nearer than `active_tolerance` (or violated) count as active; their multipliers are

@@ -9,17 +9,18 @@
 
 namespace tendril {
 
+/// An absent limit, or a value that is not known yet.
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
-using VectorRef = Eigen::Ref<Eigen::VectorXd>;
-using ConstVectorRef = Eigen::Ref<const Eigen::VectorXd>;
-using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;  ///< column-major
-using ConstMatrixRef = Eigen::Ref<const Eigen::MatrixXd>;
+using VectorRef = Eigen::Ref<Eigen::VectorXd>;             ///< to be written
+using ConstVectorRef = Eigen::Ref<const Eigen::VectorXd>;  ///< to be read
+using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;             ///< to be written; column-major
+using ConstMatrixRef = Eigen::Ref<const Eigen::MatrixXd>;  ///< to be read; column-major
 
 /// What a program hands out: views without an alignment promise. Owning Eigen objects must not cross into a plugin,
 /// which may be built for wider vector registers than core. `auto` keeps a view; naming VectorXd makes a copy.
 using VectorView = Eigen::Map<const Eigen::VectorXd>;
-using MatrixView = Eigen::Map<const Eigen::MatrixXd>;
+using MatrixView = Eigen::Map<const Eigen::MatrixXd>;  ///< As VectorView; column-major.
 
 /// How often a program was evaluated (cache hits do not count).
 struct EvaluationCounts {
@@ -42,12 +43,19 @@ class TENDRIL_API NonlinearProgram {
   NonlinearProgram(const NonlinearProgram&) = delete;
   NonlinearProgram& operator=(const NonlinearProgram&) = delete;
 
+  /// Length of x.
   int variable_count() const { return static_cast<int>(lower_.size()); }
+  /// Length of c(x).
   int row_count() const { return static_cast<int>(row_lower_.size()); }
+  /// Lower bounds of x: variable_count() entries.
   VectorView lower() const { return view(lower_); }
+  /// Upper bounds of x: variable_count() entries.
   VectorView upper() const { return view(upper_); }
+  /// Lower bounds of c(x): row_count() entries.
   VectorView row_lower() const { return view(row_lower_); }
+  /// Upper bounds of c(x): row_count() entries.
   VectorView row_upper() const { return view(row_upper_); }
+  /// Whether both bounds of a row are equal.
   bool is_equality(int row) const { return row_lower()[row] == row_upper()[row]; }
 
   /// All of these move the program to x (variable_count() entries, else Error) and compute only what is missing there;
@@ -55,8 +63,8 @@ class TENDRIL_API NonlinearProgram {
   /// may be non-finite: the caller decides. What the implementation throws passes, and the point then counts as not
   /// computed.
   double cost(ConstVectorRef x);
-  VectorView gradient(ConstVectorRef x);
-  VectorView constraints(ConstVectorRef x);
+  VectorView gradient(ConstVectorRef x);     ///< Of the whole cost: variable_count() entries.
+  VectorView constraints(ConstVectorRef x);  ///< c(x): row_count() entries.
   /// row_count() x variable_count().
   MatrixView jacobian(ConstVectorRef x);
   /// Full symmetric Hessian of  sigma f(x) + sum_i multipliers_i c_i(x),  variable_count() squared.
@@ -66,19 +74,22 @@ class TENDRIL_API NonlinearProgram {
   /// cost that is not a sum of squares with its gradient. residual_count() 0 and has_rest(): all of the cost is the
   /// rest.
   int residual_count() const { return static_cast<int>(work_.residuals.size()); }
+  /// Whether a part of the cost is not a sum of squares.
   bool has_rest() const { return has_rest_; }
   /// The rest is linear in x (its Hessian vanishes).
   bool rest_is_linear() const { return rest_is_linear_; }
-  VectorView residuals(ConstVectorRef x);
-  MatrixView residual_jacobian(ConstVectorRef x);
-  double rest(ConstVectorRef x);
-  VectorView rest_gradient(ConstVectorRef x);
+  VectorView residuals(ConstVectorRef x);          ///< r(x): residual_count() entries.
+  MatrixView residual_jacobian(ConstVectorRef x);  ///< dr/dx: residual_count() x variable_count().
+  double rest(ConstVectorRef x);                   ///< The part of the cost that is not a sum of squares.
+  VectorView rest_gradient(ConstVectorRef x);      ///< Gradient of rest(x): variable_count() entries.
 
   /// What the program calls its rows and variables, for messages ("equilibrium row 3").
   virtual std::string row_name(int row) const;
-  virtual std::string variable_name(int variable) const;
+  virtual std::string variable_name(int variable) const;  ///< The same for a variable ("moment 1").
 
+  /// Evaluations since the program was made or reset_counts() was called.
   const EvaluationCounts& counts() const { return counts_; }
+  /// Starts counting anew.
   void reset_counts() { counts_ = {}; }
   /// Forgets the point computed last (after data of the program changed).
   void invalidate();
@@ -87,16 +98,24 @@ class TENDRIL_API NonlinearProgram {
   /// All bounds start open, all rows as equations c = 0; the implementation sets its own.
   NonlinearProgram(int variables, int rows, int residuals);
 
-  Eigen::VectorXd lower_, upper_, row_lower_, row_upper_;
-  bool has_rest_ = true;
-  bool rest_is_linear_ = false;
+  Eigen::VectorXd lower_;        ///< variable_count() entries
+  Eigen::VectorXd upper_;        ///< variable_count() entries
+  Eigen::VectorXd row_lower_;    ///< row_count() entries
+  Eigen::VectorXd row_upper_;    ///< row_count() entries
+  bool has_rest_ = true;         ///< Set to false where the cost is a sum of squares.
+  bool rest_is_linear_ = false;  ///< Set to true where the rest's Hessian vanishes.
 
   /// What an implementation writes into. Cost and gradient are those of the whole objective.
   struct Workspace {
-    double cost = 0.0;
-    double rest = 0.0;
-    Eigen::VectorXd gradient, constraints, residuals, rest_gradient;
-    Eigen::MatrixXd jacobian, hessian, residual_jacobian;
+    double cost = 0.0;                  ///< f(x)
+    double rest = 0.0;                  ///< the part of f(x) that is no sum of squares
+    Eigen::VectorXd gradient;           ///< of f: variable_count() entries
+    Eigen::VectorXd constraints;        ///< c(x): row_count() entries
+    Eigen::VectorXd residuals;          ///< r(x): residual_count() entries
+    Eigen::VectorXd rest_gradient;      ///< variable_count() entries
+    Eigen::MatrixXd jacobian;           ///< row_count() x variable_count()
+    Eigen::MatrixXd hessian;            ///< of the Lagrangian: variable_count() squared, both triangles
+    Eigen::MatrixXd residual_jacobian;  ///< residual_count() x variable_count()
   };
 
   /// Fills cost, rest, constraints, residuals; with `derivatives` also gradient, jacobian, rest_gradient,

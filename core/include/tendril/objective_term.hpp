@@ -11,19 +11,20 @@ namespace tendril {
 
 /// What an objective term reads. Core hands over, and differentiates through, nothing else.
 struct Reads {
-  bool tip_position = false;
-  bool tip_angle = false;
-  bool bending_energy = false;
-  bool moments = false;
-  bool contact_point = false;
-  bool contact_gap = false;
-  bool contact_normal = false;
-  bool contact_force = false;
-  bool contact_arc_length = false;
-  bool palm_distance = false;
-  bool target = false;            ///< the scene must have a [target]
-  std::vector<double> samples{};  ///< arc lengths s/L in [0,1] of backbone samples
+  bool tip_position = false;        ///< of the tip, units of L
+  bool tip_angle = false;           ///< of the tip, rad
+  bool bending_energy = false;      ///< half the integral of EI (kappa - kappa0)^2, units of EI0/L
+  bool moments = false;             ///< of the actuators, units of EI0/L
+  bool contact_point = false;       ///< where the rod touches, units of L
+  bool contact_gap = false;         ///< distance of that point to the obstacle, units of L
+  bool contact_normal = false;      ///< unit normal out of the obstacle there
+  bool contact_force = false;       ///< normal force, units of EI0/L^2
+  bool contact_arc_length = false;  ///< where along the rod it touches, units of L
+  bool palm_distance = false;       ///< from the palm to the object's centre, units of L; grasps only
+  bool target = false;              ///< the scene must have a [target]
+  std::vector<double> samples{};    ///< arc lengths s/L in [0,1] of backbone samples
 
+  /// Whether anything of a contact is read.
   bool any_contact() const {
     return contact_point || contact_gap || contact_normal || contact_force || contact_arc_length;
   }
@@ -32,42 +33,43 @@ struct Reads {
 /// A backbone point. Dimensionless; angle in rad; curvature times L.
 template <class T>
 struct BackboneQuantities {
-  T x{};
-  T y{};
-  T angle{};
-  T curvature{};
+  T x{};          ///< units of L
+  T y{};          ///< units of L
+  T angle{};      ///< rad
+  T curvature{};  ///< times L
 };
 
 /// One planned contact. The normal points out of the obstacle.
 template <class T>
 struct ContactQuantities {
-  T x{};
-  T y{};
-  T gap{};
-  T normal_x{};
-  T normal_y{};
-  T force{};
-  T arc_length{};
+  T x{};            ///< of the point, units of L
+  T y{};            ///< of the point, units of L
+  T gap{};          ///< distance to the obstacle, units of L
+  T normal_x{};     ///< unit vector out of the obstacle
+  T normal_y{};     ///< unit vector out of the obstacle
+  T force{};        ///< along the normal on the rod, units of EI0/L^2
+  T arc_length{};   ///< units of L
   T reference_x{};  ///< the obstacle's reference point, a circle's centre (P_o of the paper)
-  T reference_y{};
+  T reference_y{};  ///< likewise
 };
 
 /// What a term may read of one finger; empty or zero where it was not asked for.
 template <class T>
 struct FingerQuantities {
-  BackboneQuantities<T> tip{};
+  BackboneQuantities<T> tip{};                       ///< the rod's end
   std::span<const BackboneQuantities<T>> samples{};  ///< in the order of Reads::samples
+  /// interior ones in order along the rod, then those at the tip
   std::span<const ContactQuantities<T>> contacts{};
-  std::span<const T> moments{};
-  T bending_energy{};
+  std::span<const T> moments{};  ///< one per actuator of the scene, units of EI0/L
+  T bending_energy{};            ///< units of EI0/L
 };
 
 /// The pose asked for, dimensionless.
 struct Target {
-  Vec2 position{};
-  double angle = 0.0;
-  bool has_position = false;
-  bool has_angle = false;
+  Vec2 position{};            ///< of the tip, units of L
+  double angle = 0.0;         ///< of the tip, rad
+  bool has_position = false;  ///< whether a position is asked for
+  bool has_angle = false;     ///< whether an angle is asked for
 };
 
 /// Everything a term may read, dimensionless (model.md section 1). What Reads did not ask for is zero.
@@ -75,15 +77,16 @@ struct Target {
 /// from the object's centre, x along the axis of symmetry; the palm is at x = -palm_distance.
 template <class T>
 struct Quantities {
-  std::span<const FingerQuantities<T>> fingers{};
-  T palm_distance{};
-  Target target{};
+  std::span<const FingerQuantities<T>> fingers{};  ///< one entry
+  T palm_distance{};                               ///< units of L
+  Target target{};                                 ///< what the scene asks for
 };
 
 /// Collects what a term contributes: the cost is  sum of residuals squared + linear part + smooth part.
 template <class T>
 class Contribution {
  public:
+  /// Core's: `residuals` is where residuals are kept; those beyond its end are counted only.
   explicit Contribution(std::span<T> residuals) : residuals_(residuals) {}
 
   /// Adds r^2 to the cost. Backends that know least squares see r itself.
@@ -96,8 +99,11 @@ class Contribution {
   /// Adds any smooth part.
   void smooth(const T& v) { smooth_ += v; }
 
+  /// Residuals added so far.
   std::size_t residual_count() const { return count_; }
+  /// Sum of the linear parts.
   const T& linear_part() const { return linear_; }
+  /// Sum of the smooth parts.
   const T& smooth_part() const { return smooth_; }
 
  private:
@@ -112,11 +118,14 @@ class Contribution {
 class TENDRIL_API ObjectiveTerm {
  public:
   virtual ~ObjectiveTerm();
+  /// What the term is handed. Asked whenever a program is assembled; must not change.
   virtual Reads reads() const = 0;
   /// A number that the term can never go below, whatever it is given; -infinity if there is none.
   /// 0 by default is right for a sum of squares. Core uses it to leave out modes that cannot win.
   virtual double lower_bound() const;
+  /// Adds the term's value at x to `out`. Must not allocate.
   virtual void evaluate(const Quantities<double>& x, Contribution<double>& out) const = 0;
+  /// The same with derivatives along two directions.
   virtual void evaluate(const Quantities<HyperDual>& x, Contribution<HyperDual>& out) const = 0;
 };
 
@@ -128,9 +137,11 @@ class TENDRIL_API ObjectiveTerm {
 template <class Term>
 class ObjectiveBase : public ObjectiveTerm {
  public:
+  /// Calls the template.
   void evaluate(const Quantities<double>& x, Contribution<double>& out) const final {
     static_cast<const Term&> (*this)(x, out);
   }
+  /// Calls the template.
   void evaluate(const Quantities<HyperDual>& x, Contribution<HyperDual>& out) const final {
     static_cast<const Term&> (*this)(x, out);
   }

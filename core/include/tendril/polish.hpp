@@ -17,13 +17,14 @@ struct PolishOptions {
 
 /// Where the polish ended.
 struct PolishReport {
-  bool converged = false;
-  Eigen::VectorXd x;
-  Eigen::VectorXd multipliers, bound_multipliers;  ///< convention of SolverStart
-  double infeasibility = infinity;                 ///< of all rows and bounds
-  double stationarity = infinity;
-  int iterations = 0;
-  const char* reason = "";  ///< why it did not converge
+  bool converged = false;             ///< All first-order conditions hold to the tolerances asked for.
+  Eigen::VectorXd x;                  ///< variable_count() entries
+  Eigen::VectorXd multipliers;        ///< of the rows, convention of SolverStart
+  Eigen::VectorXd bound_multipliers;  ///< of the variables, convention of SolverStart
+  double infeasibility = infinity;    ///< of all rows and bounds
+  double stationarity = infinity;     ///< largest entry of the Lagrangian's gradient
+  int iterations = 0;                 ///< Newton steps taken
+  const char* reason = "";            ///< why it did not converge
 };
 
 /// Newton's method on the first-order conditions with the exact Hessian, on an active set that is corrected until no

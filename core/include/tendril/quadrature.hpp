@@ -17,9 +17,13 @@ class TENDRIL_API Quadrature {
   /// `nodes_per_interval` nodes on each of the intervals that the ascending `breaks` in (0,1) cut [0,1] into.
   explicit Quadrature(int nodes_per_interval, std::span<const double> breaks = {});
 
+  /// Number of nodes.
   int size() const { return static_cast<int>(nodes_.size()); }
+  /// Nodes on each smooth interval.
   int nodes_per_interval() const { return per_interval_; }
+  /// Ascending in (0,1).
   const Eigen::VectorXd& nodes() const { return nodes_; }
+  /// Positive, one per node; they sum to 1.
   const Eigen::VectorXd& weights() const { return weights_; }
 
   /// Weights a with  int_0^sigma F = sum_g a_g F(nodes_g)  for F that is a polynomial of degree below

@@ -13,6 +13,7 @@
 
 namespace tendril {
 
+/// What a component is.
 enum class ComponentKind { coordinates, objective, obstacle, solver };
 
 /// "coordinates", "objective", "obstacle", "solver": also the middle word of a plugin's file name.
@@ -27,10 +28,10 @@ struct Component {
   std::function<std::unique_ptr<Interface>(const Options&)> make;  ///< from checked, dimensionless options
 };
 
-using CoordinateComponent = Component<CoordinateModel>;
-using ObjectiveComponent = Component<ObjectiveTerm>;
-using ObstacleComponent = Component<Obstacle>;
-using SolverComponent = Component<Solver>;
+using CoordinateComponent = Component<CoordinateModel>;  ///< A coordinate model.
+using ObjectiveComponent = Component<ObjectiveTerm>;     ///< An objective term.
+using ObstacleComponent = Component<Obstacle>;           ///< An obstacle shape.
+using SolverComponent = Component<Solver>;               ///< A solver backend.
 
 /// Handed to a plugin while it is loaded; takes its component.
 class TENDRIL_API Registrar {

@@ -11,15 +11,18 @@
 
 namespace tendril {
 
-/// A scene as a user means it, in SI units, before anything is made dimensionless. Every field has the value that holds
-/// when the scene says nothing. Options of components stay raw: their schemas belong to the components.
+// A scene as a user means it, in SI units, before anything is made dimensionless. Every field has the value that holds
+// when the scene says nothing. Options of components stay raw: their schemas belong to the components.
 
+/// What is asked for.
 enum class ProblemKind { pose, trajectory, grasp, execute, estimate };
+/// How contact is planned.
 enum class ContactModeName { ignore, avoid, allow, require };
+/// What becomes of complementarity before a solver sees it (ComplementarityProgram).
 enum class Treatment { penalty, slack, scholtes, fischer_burmeister };
-TENDRIL_API std::string_view to_string(ProblemKind kind);
-TENDRIL_API std::string_view to_string(ContactModeName mode);
-TENDRIL_API std::string_view to_string(Treatment treatment);
+TENDRIL_API std::string_view to_string(ProblemKind kind);      ///< The word that scenes use.
+TENDRIL_API std::string_view to_string(ContactModeName mode);  ///< The word that scenes use.
+TENDRIL_API std::string_view to_string(Treatment treatment);   ///< The word that scenes use.
 
 /// A stretch of the rod with constant properties.
 struct SegmentSpec {
@@ -40,11 +43,11 @@ struct ActuatorSpec {
 
 /// The rod: its segments from the base on, what bends it, and where it is clamped.
 struct TENDRIL_API RodSpec {
-  std::vector<SegmentSpec> segments;  ///< at least one; a uniform rod has one
-  std::vector<ActuatorSpec> actuators;
-  Vec2 base_position{};     ///< m
-  double base_angle = 0.0;  ///< rad
-  double length() const;
+  std::vector<SegmentSpec> segments;    ///< at least one; a uniform rod has one
+  std::vector<ActuatorSpec> actuators;  ///< what bends it; may be empty
+  Vec2 base_position{};                 ///< m
+  double base_angle = 0.0;              ///< rad
+  double length() const;                ///< Sum over the segments, m.
 };
 
 /// What hangs at the tip.
@@ -55,20 +58,21 @@ struct TipLoadSpec {
 
 /// An obstacle: its shape by name, and the options of that shape.
 struct ObstacleSpec {
-  std::string name;   ///< "obstacle 1", ... if not given
-  std::string shape;  ///< an obstacle component
-  RawOptions options{};
+  std::string name;      ///< "obstacle 1", ... if not given
+  std::string shape;     ///< an obstacle component
+  RawOptions options{};  ///< of the shape, not checked yet
 };
 
 /// How contact with obstacles is planned.
 struct ContactSpec {
+  /// whether contact is planned, kept away from, or not looked at
   ContactModeName mode = ContactModeName::allow;
-  double min_force = 0.0;       ///< N
-  double max_force = infinity;  ///< N; 0 means avoid
-  int count = 1;                ///< contacts at most
-  Treatment treatment = Treatment::penalty;
-  double beta = 1.0;     ///< first penalty weight, dimensionless
-  int check_points = 0;  ///< fixed number, without exchange; 0: core chooses and exchanges
+  double min_force = 0.0;                    ///< N
+  double max_force = infinity;               ///< N; 0 means avoid
+  int count = 1;                             ///< contacts at most
+  Treatment treatment = Treatment::penalty;  ///< of complementarity
+  double beta = 1.0;                         ///< first penalty weight, dimensionless
+  int check_points = 0;                      ///< fixed number, without exchange; 0: core chooses and exchanges
 };
 
 /// The pose that the tip should have; either part may be absent.
@@ -79,35 +83,35 @@ struct TargetSpec {
 
 /// Targets in order; for the problem kind "trajectory".
 struct TrajectorySpec {
-  std::vector<TargetSpec> targets;
-  int replan_every = 0;      ///< steps between full plans; 0: only where needed
-  bool cold_starts = false;  ///< plan every target from the scene's own start too, to compare
+  std::vector<TargetSpec> targets;  ///< at least one
+  int replan_every = 0;             ///< steps between full plans; 0: only where needed
+  bool cold_starts = false;         ///< plan every target from the scene's own start too, to compare
 };
 
 /// A term of the objective by name, its weight, and its options.
 struct ObjectiveSpec {
-  std::string plugin;
-  double weight = 1.0;
-  RawOptions options{};
-  SourcePosition position{};
+  std::string plugin;         ///< an objective component
+  double weight = 1.0;        ///< dimensionless, >= 0; 0 leaves the term out
+  RawOptions options{};       ///< of the component, not checked yet
+  SourcePosition position{};  ///< for messages
 };
 
 /// The coordinate model by name, and its options.
 struct CoordinatesSpec {
-  std::string plugin;  ///< whoever makes the scene names one; core knows none
-  bool split_at_contact = true;
-  RawOptions options{};
-  SourcePosition position{};
+  std::string plugin;            ///< whoever makes the scene names one; core knows none
+  bool split_at_contact = true;  ///< each interior contact gets a knot of its own
+  RawOptions options{};          ///< of the component, not checked yet
+  SourcePosition position{};     ///< for messages
 };
 
 /// The solver by name, what is asked of it, and its own options.
 struct SolverSpec {
-  std::string plugin;  ///< likewise
-  double tolerance = 1e-9;
-  double time_limit = 10.0;  ///< s
-  int max_iterations = 500;
-  RawOptions options{};  ///< native names
-  SourcePosition position{};
+  std::string plugin;         ///< likewise
+  double tolerance = 1e-9;    ///< on feasibility and stationarity, dimensionless
+  double time_limit = 10.0;   ///< s
+  int max_iterations = 500;   ///< of one solve
+  RawOptions options{};       ///< native names
+  SourcePosition position{};  ///< for messages
 };
 
 /// A point of the backbone that was measured.
@@ -118,9 +122,9 @@ struct MeasuredPoint {
 
 /// What was measured of a rod in contact with unknown obstacles.
 struct MeasurementSpec {
-  std::vector<MeasuredPoint> points;
-  double noise = 0.0;           ///< m, standard deviation of each coordinate; 0: not known
-  std::vector<double> moments;  ///< N m, one per actuator; empty: not given
+  std::vector<MeasuredPoint> points;  ///< where the backbone was seen
+  double noise = 0.0;                 ///< m, standard deviation of each coordinate; 0: not known
+  std::vector<double> moments;        ///< N m, one per actuator; empty: not given
 };
 
 /// Two mirrored fingers on a palm and the round object between them (model.md section 6, "grasp").
@@ -137,23 +141,23 @@ struct GripperSpec {
 
 /// Everything that a scene file says.
 struct Scene {
-  std::string file;  ///< as named by the user; empty if made in code
-  std::string title;
-  ProblemKind problem = ProblemKind::pose;
-  std::optional<Vec2> gravity;  ///< m/s^2
-  RodSpec rod;
-  CoordinatesSpec coordinates;
-  double start_tip_angle = 0.0;  ///< rad, of a constant-curvature start
-  std::vector<ObstacleSpec> obstacles;
-  ContactSpec contact;
-  TipLoadSpec tip_load;
-  TargetSpec target;
-  MeasurementSpec measurement;
-  TrajectorySpec trajectory;
-  std::optional<GripperSpec> gripper;
-  std::vector<ObjectiveSpec> objectives;
-  SolverSpec solver;
-  QuantityReader read_quantity;  ///< for numbers with units inside raw options; may be empty
+  std::string file;                         ///< as named by the user; empty if made in code
+  std::string title;                        ///< for reports
+  ProblemKind problem = ProblemKind::pose;  ///< what is asked for
+  std::optional<Vec2> gravity;              ///< m/s^2
+  RodSpec rod;                              ///< the rod, from the base on
+  CoordinatesSpec coordinates;              ///< how its shape is described
+  double start_tip_angle = 0.0;             ///< rad, of a constant-curvature start
+  std::vector<ObstacleSpec> obstacles;      ///< in the order of the file
+  ContactSpec contact;                      ///< how contact is planned
+  TipLoadSpec tip_load;                     ///< at the tip
+  TargetSpec target;                        ///< of the tip; may be empty
+  MeasurementSpec measurement;              ///< for an estimate
+  TrajectorySpec trajectory;                ///< for a trajectory
+  std::optional<GripperSpec> gripper;       ///< for a grasp
+  std::vector<ObjectiveSpec> objectives;    ///< their sum is minimized
+  SolverSpec solver;                        ///< who solves the programs
+  QuantityReader read_quantity;             ///< for numbers with units inside raw options; may be empty
 };
 
 }  // namespace tendril

@@ -29,15 +29,15 @@ enum class SolveStatus {
   unsupported,  ///< the backend cannot take this program; message says why
   failed        ///< an exception or an internal error; message says which
 };
-TENDRIL_API std::string_view to_string(SolveStatus status);
+TENDRIL_API std::string_view to_string(SolveStatus status);  ///< The status as results write it.
 
 /// What a backend can do with a program.
 struct SolverCapabilities {
-  bool equalities = true;
-  bool inequalities = true;
-  bool needs_finite_bounds = false;
-  bool uses_hessian = false;
-  bool uses_gradient = true;
+  bool equalities = true;            ///< takes rows with equal bounds
+  bool inequalities = true;          ///< takes other rows
+  bool needs_finite_bounds = false;  ///< every variable must have both bounds
+  bool uses_hessian = false;         ///< it calls hessian()
+  bool uses_gradient = true;         ///< it calls gradient() and jacobian()
 };
 
 /// Where to start. Multipliers are optional; with them a backend that can warm-starts primal and dual.
@@ -45,36 +45,36 @@ struct SolverCapabilities {
 /// ONE sign convention everywhere: the Lagrangian is  f + multipliers^T c + bound_multipliers^T x.  A row at its lower
 /// bound has a multiplier <= 0, at its upper bound >= 0; likewise for the bounds of variables.
 struct SolverStart {
-  Eigen::VectorXd x;
+  Eigen::VectorXd x;                  ///< variable_count() entries
   Eigen::VectorXd multipliers;        ///< empty: unknown
   Eigen::VectorXd bound_multipliers;  ///< empty: unknown
 };
 
 /// Limits that hold for every backend.
 struct SolveControl {
-  double tolerance = 1e-9;   ///< on feasibility and stationarity, dimensionless
-  double time_limit = 10.0;  ///< s of wall time; infinity: none
-  int max_iterations = 500;
+  double tolerance = 1e-9;                  ///< on feasibility and stationarity, dimensionless
+  double time_limit = 10.0;                 ///< s of wall time; infinity: none
+  int max_iterations = 500;                 ///< of the backend
   const std::atomic<bool>* stop = nullptr;  ///< set to true from outside (a signal handler) to end the solve cleanly
 };
 
 /// What a solve gave, judged by core and not by the backend: feasibility and stationarity are computed here, alike for
 /// all.
 struct OptimalityReport {
-  SolveStatus status = SolveStatus::failed;
-  std::string native_status;  ///< the backend's own words
-  std::string message;        ///< what went wrong, if anything; an exception's text with the failing term
-  Eigen::VectorXd x;
-  double cost = 0.0;
+  SolveStatus status = SolveStatus::failed;  ///< how it ended, after core's judgement
+  std::string native_status;                 ///< the backend's own words
+  std::string message;                 ///< what went wrong, if anything; an exception's text with the failing term
+  Eigen::VectorXd x;                   ///< the point found
+  double cost = 0.0;                   ///< of the program at x
   Eigen::VectorXd multipliers;         ///< convention of SolverStart
   Eigen::VectorXd bound_multipliers;   ///< convention of SolverStart
   bool multipliers_recovered = false;  ///< the backend has none; core found them by least squares
   double infeasibility = 0.0;          ///< largest violation of rows and bounds
   double stationarity = 0.0;           ///< largest entry of the Lagrangian's gradient
-  int iterations = 0;
-  EvaluationCounts evaluations;
-  double seconds = 0.0;                                  ///< wall time of the whole solve
-  double seconds_evaluating = 0.0;                       ///< of it, inside the program's callbacks
+  int iterations = 0;                  ///< of the backend
+  EvaluationCounts evaluations;        ///< of the program
+  double seconds = 0.0;                ///< wall time of the whole solve
+  double seconds_evaluating = 0.0;     ///< of it, inside the program's callbacks
   std::map<std::string, std::string> effective_options;  ///< native names
 };
 
@@ -83,7 +83,7 @@ struct OptimalityReport {
 class TENDRIL_API NotFiniteError : public Error {
  public:
   using Error::Error;
-  NotFiniteError(const NotFiniteError&) = default;
+  NotFiniteError(const NotFiniteError&) = default;  ///< As exceptions are.
   ~NotFiniteError() override;
 };
 
@@ -99,7 +99,8 @@ class TENDRIL_API Solver {
   /// infeasible or non-stationary point is `stalled`, a stationary point of the violation is `infeasible`.
   OptimalityReport solve(NonlinearProgram& program, const SolverStart& start, const SolveControl& control);
 
-  virtual std::string name() const = 0;
+  virtual std::string name() const = 0;  ///< As scenes name it.
+  /// What it can do with the options that it was made with.
   virtual SolverCapabilities capabilities() const = 0;
 
  protected:
@@ -108,6 +109,8 @@ class TENDRIL_API Solver {
   /// with `record_exception` and asks its library to stop). NotFiniteError alone may be swallowed.
   class TENDRIL_API Callbacks {
    public:
+    ///@{
+    /// As in NonlinearProgram, checked for finiteness.
     double cost(ConstVectorRef x);
     VectorView gradient(ConstVectorRef x);
     VectorView constraints(ConstVectorRef x);
@@ -117,12 +120,15 @@ class TENDRIL_API Solver {
     MatrixView residual_jacobian(ConstVectorRef x);
     double rest(ConstVectorRef x);
     VectorView rest_gradient(ConstVectorRef x);
+    ///@}
 
+    /// Sizes, bounds and names.
     const NonlinearProgram& program() const { return program_; }
     /// True when the solve must end now: stop asked for, time over, or an exception recorded.
     bool must_stop() const;
     /// Keeps the exception being handled; solve() reports the first one kept. Call inside a catch block.
     void record_exception();
+    /// Whether record_exception() kept one.
     bool has_exception() const { return static_cast<bool>(exception_); }
     /// Wall time left, s; infinity without a limit.
     double seconds_left() const;
@@ -131,9 +137,9 @@ class TENDRIL_API Solver {
 
     /// Violation of the first-order conditions at a point.
     struct Judgement {
-      double infeasibility = infinity;
-      double stationarity = infinity;
-      double gradient_scale = 1.0;  ///< largest entry of the cost's gradient, at least 1
+      double infeasibility = infinity;  ///< largest violation of rows and bounds
+      double stationarity = infinity;   ///< largest entry of the Lagrangian's gradient
+      double gradient_scale = 1.0;      ///< largest entry of the cost's gradient, at least 1
     };
     /// The first-order conditions at x with recovered multipliers, for a backend that doubts its library's word. Throws
     /// like the evaluations above.
@@ -163,24 +169,26 @@ class TENDRIL_API Solver {
 
   /// SolverStart as a backend sees it: inside the bounds. Views without entries: unknown.
   struct Start {
-    VectorView x;
-    VectorView multipliers;
-    VectorView bound_multipliers;
+    VectorView x;                  ///< variable_count() entries
+    VectorView multipliers;        ///< row_count() entries
+    VectorView bound_multipliers;  ///< variable_count() entries
+    /// Whether there are multipliers to start from.
     bool has_multipliers() const { return multipliers.size() + bound_multipliers.size() > 0; }
   };
 
   /// What a backend hands back; status is required. Without x the best point seen counts.
   struct Outcome {
-    SolveStatus status = SolveStatus::failed;
-    std::string native_status{};
-    std::string message{};
-    std::vector<double> x{};
-    std::vector<double> multipliers{};        ///< convention of SolverStart; empty: core recovers them
-    std::vector<double> bound_multipliers{};  ///< convention of SolverStart; empty: core recovers them
-    int iterations = 0;
-    std::map<std::string, std::string> effective_options{};
+    SolveStatus status = SolveStatus::failed;                ///< how it ended
+    std::string native_status{};                             ///< the library's own words
+    std::string message{};                                   ///< for a user, where it did not converge
+    std::vector<double> x{};                                 ///< the point found; empty: the best one seen
+    std::vector<double> multipliers{};                       ///< convention of SolverStart; empty: core recovers them
+    std::vector<double> bound_multipliers{};                 ///< convention of SolverStart; empty: core recovers them
+    int iterations = 0;                                      ///< of the library
+    std::map<std::string, std::string> effective_options{};  ///< native names, for the report
   };
 
+  /// Solves the program from `start` within `control`. Exceptions of `callbacks` may pass; core catches them.
   virtual Outcome do_solve(Callbacks& callbacks, const Start& start, const SolveControl& control) = 0;
   /// Why the backend cannot take this program, in words; empty if it can. The default checks capabilities().
   virtual std::string refusal(const NonlinearProgram& program) const;

@@ -15,32 +15,32 @@ enum class StepMethod {
   subdivided,  ///< over intermediate targets
   failed       ///< not at all; the plan is the nearest one
 };
-TENDRIL_API std::string_view to_string(StepMethod method);
+TENDRIL_API std::string_view to_string(StepMethod method);  ///< The method as results write it.
 
 /// What a plan took.
 struct Effort {
-  int solver_calls = 0;
-  int polishes = 0;
-  EvaluationCounts evaluations;
+  int solver_calls = 0;          ///< runs of the solver
+  int polishes = 0;              ///< runs of Newton on an active set
+  EvaluationCounts evaluations;  ///< of all programs
 };
-TENDRIL_API Effort effort_of(const Plan& plan);
-TENDRIL_API Effort& operator+=(Effort& sum, const Effort& more);
+TENDRIL_API Effort effort_of(const Plan& plan);                   ///< What one plan took, over all its modes.
+TENDRIL_API Effort& operator+=(Effort& sum, const Effort& more);  ///< Adds up.
 
 /// What was planned for one target.
 struct TrajectoryStep {
-  TargetSpec target;
-  Plan plan;
-  StepMethod method = StepMethod::failed;
-  int intermediate = 0;  ///< targets that were put between this one and the one before
-  Effort effort;         ///< of everything planned for this step
-  Effort cold;           ///< of a plan for this target from the scene's own start, if it was asked for
+  TargetSpec target;                       ///< what was asked for
+  Plan plan;                               ///< what was found
+  StepMethod method = StepMethod::failed;  ///< how it was reached
+  int intermediate = 0;                    ///< targets that were put between this one and the one before
+  Effort effort;                           ///< of everything planned for this step
+  Effort cold;  ///< of a plan for this target from the scene's own start, if it was asked for
 };
 
 /// Plans for a row of targets.
 struct TENDRIL_API Trajectory {
   std::vector<TrajectoryStep> steps;  ///< one per target, fewer only if it was interrupted
-  bool interrupted = false;
-  bool solved() const;
+  bool interrupted = false;           ///< stopped from outside
+  bool solved() const;                ///< All targets were planned for, each with a certified plan.
 };
 
 /// How to plan for one target. `start` is null for a plan from the scene's own start. `follow` as in PlanControl.
@@ -56,6 +56,7 @@ struct TrajectoryOptions {
 
 /// Targets between two of a trajectory that may be tried where a step fails: halves of halves, so steps down to 1/64.
 inline constexpr int most_halvings = 6;
+/// Most targets that are put between two before a step counts as failed.
 inline constexpr int most_intermediate = 32;
 
 /// Plans one target after the other, each from the one before (model.md section 6): Newton on the previous active set

@@ -13,7 +13,7 @@ namespace tendril::plugins {
 
 /// A directory in which plugins are looked for.
 struct SearchPlace {
-  std::filesystem::path directory;
+  std::filesystem::path directory;  ///< searched without its subdirectories
   std::string origin;  ///< who named it: "--plugin-dir", "TENDRIL_PLUGIN_PATH", "beside the executable", ...
   /// Directories that are trusted without a look, with all above them. Empty: none.
   std::filesystem::path trusted_above{};
@@ -30,17 +30,18 @@ std::filesystem::path executable_path();
 
 /// What a plugin's file name says: `tendril-<kind>-<name>.so`.
 struct PluginName {
-  ComponentKind kind{};
-  std::string name;
+  ComponentKind kind{};  ///< the middle word
+  std::string name;      ///< as scenes write it
 };
 /// Nothing if the name is not of that form.
 std::optional<PluginName> parse_file_name(std::string_view file_name);
+/// The name of a plugin's file: the reverse of parse_file_name().
 std::string file_name(ComponentKind kind, std::string_view name);
 
 /// A file that is named like a plugin. It has not been opened.
 struct PluginFile {
-  ComponentKind kind{};
-  std::string name;
+  ComponentKind kind{};            ///< from its file's name
+  std::string name;                ///< from its file's name
   std::filesystem::path path;      ///< as found in the search place
   std::filesystem::path resolved;  ///< behind all links; empty for a broken link
   std::string origin;              ///< of its search place
@@ -52,18 +53,18 @@ struct PluginFile {
 /// What the search path offers, read from file names alone: nothing is opened.
 class Catalog {
  public:
-  explicit Catalog(std::span<const SearchPlace> places);
+  explicit Catalog(std::span<const SearchPlace> places);  ///< Searches `places` in order.
 
   /// A search place, and what came of searching it.
   struct Place {
-    SearchPlace place;
-    std::string problem;  ///< why nothing could be taken from it; empty: searched
-    int plugin_count = 0;
+    SearchPlace place;     ///< as it was named
+    std::string problem;   ///< why nothing could be taken from it; empty: searched
+    int plugin_count = 0;  ///< files named like plugins
   };
   /// A library that is not named like a plugin.
   struct Stray {
-    std::filesystem::path path;
-    std::string problem;
+    std::filesystem::path path;  ///< as found
+    std::string problem;         ///< why it is no plugin
   };
 
   /// In the order of search.

@@ -5,6 +5,7 @@
 
 #include "tendril/error.hpp"
 
+/// How plugins are found, opened and asked for components.
 namespace tendril::plugins {
 
 /// Why a plugin cannot be had.
@@ -22,9 +23,12 @@ enum class Failure {
 /// A plugin that is missing, refused or broken. The message names the file or every place tried, and the reason.
 class PluginError : public Error {
  public:
+  /// `message` is the reason too.
   PluginError(Failure failure, const std::string& message) : PluginError(failure, message, message) {}
+  /// `reason` is the message without the file.
   PluginError(Failure failure, const std::string& message, std::string reason)
       : Error(message), failure_(failure), reason_(std::move(reason)) {}
+  /// The kind of failure.
   Failure failure() const { return failure_; }
   /// The reason alone, where the file is named beside it.
   const std::string& reason() const { return reason_; }

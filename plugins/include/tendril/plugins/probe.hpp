@@ -9,8 +9,8 @@ namespace tendril::plugins {
 
 /// How a plugin behaved when it was opened in a process of its own.
 struct ProbeResult {
-  bool loadable = false;
-  std::string problem;  ///< one line or more, if it is not
+  bool loadable = false;  ///< It opened, fits, and registered what its name says.
+  std::string problem;    ///< one line or more, if it is not
 };
 
 /// Opens `file` in a child process, which is `program --probe-plugin FILE`, so that a plugin that aborts or hangs does

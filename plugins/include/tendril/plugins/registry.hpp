@@ -14,6 +14,7 @@
 
 namespace tendril::plugins {
 
+/// A component of any kind.
 using AnyComponent = std::variant<CoordinateComponent, ObjectiveComponent, ObstacleComponent, SolverComponent>;
 
 /// Opens one plugin, compares the handshake, lets it register, and checks what it registered. Throws PluginError. The
@@ -24,20 +25,20 @@ AnyComponent open_plugin(const PluginFile& file);
 /// Hands out components by name and opens a plugin when it is first asked for. Not for concurrent use.
 class Registry {
  public:
-  explicit Registry(Catalog catalog);
+  explicit Registry(Catalog catalog);  ///< Opens nothing yet.
 
   /// Throw PluginError when there is no such plugin or it cannot be opened. References live as long as the registry.
   const CoordinateComponent& coordinates(std::string_view name);
-  const ObjectiveComponent& objective(std::string_view name);
+  const ObjectiveComponent& objective(std::string_view name);  ///< Likewise.
   /// The shapes of core need no plugin, and no plugin replaces them.
   const ObstacleComponent& obstacle(std::string_view name);
-  const SolverComponent& solver(std::string_view name);
+  const SolverComponent& solver(std::string_view name);  ///< Likewise.
 
   /// A plugin that was opened.
   struct Opened {
-    ComponentKind kind{};
-    std::string name;
-    std::filesystem::path file;
+    ComponentKind kind{};        ///< what it is
+    std::string name;            ///< as scenes write it
+    std::filesystem::path file;  ///< where it was found
   };
   /// The plugins opened so far, in order.
   const std::vector<Opened>& opened() const { return opened_; }
@@ -46,6 +47,7 @@ class Registry {
   std::vector<std::string> names(ComponentKind kind) const;
   /// Names of the shapes that core brings along, sorted.
   std::vector<std::string> builtin_obstacles() const;
+  /// What can be asked for, and where it was looked for.
   const Catalog& catalog() const { return catalog_; }
 
  private:
