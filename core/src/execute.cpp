@@ -11,6 +11,7 @@
 #include "tendril/planner.hpp"
 #include "tendril/rod.hpp"
 #include "tendril/scale.hpp"
+#include "tendril/self_overlap.hpp"
 #include "tendril/tolerances.hpp"
 #include "tracker.hpp"
 
@@ -279,6 +280,7 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   plan.contacts = planned_contacts(program, names_, scale_);
   std::erase_if(plan.contacts, [&](const PlannedContact& c) { return !(c.force > tolerance::force * scale_.force()); });
   plan.backbone = sampled_backbone(program, scale_.length);
+  plan.self_overlap = self_overlap(plan.backbone);
 }
 
 }  // namespace

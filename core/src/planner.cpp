@@ -15,6 +15,7 @@
 #include "tendril/execute.hpp"
 #include "tendril/feasibility.hpp"
 #include "tendril/polish.hpp"
+#include "tendril/self_overlap.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril {
@@ -979,6 +980,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   if (d_.target.has_position) plan.target_error = norm(tip - d_.target.position) * length;
   plan.contacts = planned_contacts(program, d_.obstacle_names, d_.scale);
   plan.backbone = sampled_backbone(program, length);
+  plan.self_overlap = self_overlap(plan.backbone);
   if (d_.palm) finish_grasp(d_, program, x, plan);
   plan.seconds_certify = tally_.seconds_certifying;
   return plan;

@@ -78,6 +78,8 @@ class Tracker {
   void choose_nodes();
 
   bool advance();
+  /// A contact handed over a knot may have carried the load past the end, which then lies at the knot itself.
+  bool go_back_to_end();
   std::optional<Step> try_step(const Eigen::VectorXd& tangent, double length);
   std::optional<Eigen::VectorXd> corrected(const Step& step, const Eigen::VectorXd& tangent, double tau);
   /// Every event inside a step; nothing if one was seen but could not be located.

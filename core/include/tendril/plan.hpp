@@ -122,6 +122,8 @@ struct Plan {
   std::vector<LeftOut> left_out;
   std::vector<BackbonePoint> backbone;
   std::vector<BackbonePoint> start_backbone;
+  /// Arc lengths (m) at which the rod first crosses or covers itself, which the model does not forbid (self_overlap()).
+  std::optional<std::pair<double, double>> self_overlap;
   double seconds_assemble = 0.0, seconds_solve = 0.0, seconds_certify = 0.0;
 };
 
