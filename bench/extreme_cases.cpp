@@ -227,10 +227,10 @@ void add_obstacles(List& list) {
   const char* source = "the fine basis under the same loads, which finds the contacts by itself";
   const auto heavy = [](double weight) { return gravity_of(1.0) + unit_rod(weight); };
   for (const double radius : {1e-6, 1e-4, 1e-2}) {
-    ExtremeCase& c = list.plan(
-        group, fmt::format("heavy rod on a circle of radius {} L", radius),
-        heavy(5.0) + circle(0.6, -0.05 - radius, radius) + contact("allow") + target(0.9, -0.3) + weighted(1.0, 0.0),
-        source);
+    ExtremeCase& c = list.plan(group, fmt::format("heavy rod on a circle of radius {} L", radius),
+                               heavy(5.0) + circle(0.6, -0.05 - radius, radius) + contact("require") +
+                                   "min_force = 0.1\n" + target(0.9, -0.3) + weighted(1.0, 0.0),
+                               source);
     c.against_execution = true;
     c.quick = radius == 1e-6;
   }
@@ -323,9 +323,14 @@ void add_contacts(List& list) {
     planned.known = known;
   }
   ExtremeCase& wrapped = list.execution(group, "first reference circle, moment 7", first, {7.0},
-                                        "above 6.667 a point does not hold the rod");
-  wrapped.verdict = "extended";
+                                        "above 6.667 no single point holds the rod");
+  wrapped.spread = true;
   wrapped.quick = true;
+  ExtremeCase& forced = list.plan(group, "first reference circle, moment 7, one contact",
+                                  unit_rod() + actuator(7.0, 7.0) + circle(0.6, 0.3, 0.15) + contact("require") +
+                                      "min_force = 1\n" + start(0.5) + target(0.8, 0.4) + weighted(1.0, 1e-6),
+                                  "above 6.667 no single point holds the rod");
+  forced.spread = true;
   ExtremeCase& lying =
       list.execution(group, "heavy rod on a wall", gravity_of(1.0) + unit_rod(100.0) + wall(-1e-3, 1.0), {},
                      "beam theory: it touches down at (72 h / w)^(1/4) = 0.164 L");

@@ -31,8 +31,10 @@ struct ExtremeCase {
   std::string same_as{};           ///< plans of one family are the same dimensionless plan
   bool against_execution = false;  ///< compared with what the fine basis does under the same moments
   bool overlaps = false;           ///< the rod crosses or covers itself, which has to be reported
-  bool quick = false;              ///< part of the short form
-  double stiffness_least = 1.0;    ///< of all segments, against the first one's: scales what a defect can do
+  /// One point contact cannot be: not solved, or extended, or held by several points each of which is convex.
+  bool spread = false;
+  bool quick = false;            ///< part of the short form
+  double stiffness_least = 1.0;  ///< of all segments, against the first one's: scales what a defect can do
   /// Moments that an execution starts from, itself carried out first; empty: the scene's own start.
   std::vector<double> before{};
 };

@@ -68,9 +68,9 @@ std::string contacts_text(const Plan& plan, const DisplayUnits& units) {
 /// The model lets a rod pass through itself; what cannot be made has to be said.
 std::string overlap_text(const Plan& plan, const DisplayUnits& units) {
   if (!plan.self_overlap) return "";
-  return line("self-overlap", fmt::format("the rod crosses or covers itself: its arc lengths {} and {} meet",
-                                          units.lengths(plan.self_overlap->first),
-                                          units.lengths(plan.self_overlap->second)));
+  return line("self-overlap",
+              fmt::format("the rod crosses or covers itself: its arc lengths {} and {} meet",
+                          units.lengths(plan.self_overlap->first), units.lengths(plan.self_overlap->second)));
 }
 
 std::string certificate_text(const Certificate& certificate) {

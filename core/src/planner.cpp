@@ -96,7 +96,8 @@ class Planner {
 
   StartShape shape_of(const Plan& plan, const Mode& mode) const;
   StartShape start_shape(int index, const Mode& mode) const;
-  /// Where every search ended at an equilibrium that is not stable: what the rod would do under the moments found.
+  /// Where every search ended at an equilibrium that is not stable, or at none: what the rod would do under the moments
+  /// found, or under the least ones.
   void settle();
   /// A start of a grasp. Without a force the row of the balance says nothing about where the contact should be.
   StartShape held(double tip_angle, const Mode& mode) const;
@@ -764,9 +765,17 @@ void Planner::settle() {
       const bool usable = state.best.has_point && !(state.best.certificate.stability > tolerance::stability);
       if (usable && (unstable == nullptr || state.best.objective < unstable->objective)) unstable = &state.best;
     }
-    if (unstable == nullptr) return;
+    const bool nothing =
+        std::none_of(states_.begin(), states_.end(), [](const ModeState& s) { return s.best.has_point; });
+    // Where no search came to any point at all, what the rod does under the least moments shows one.
+    if (unstable == nullptr && !(nothing && attempt == 0)) return;
     std::vector<double> moments;
     for (std::size_t a = 0; a < d_.rod.actuators.size(); ++a) {
+      if (unstable == nullptr) {
+        const Rod::Actuator& actuator = d_.rod.actuators[a];
+        moments.push_back(std::clamp(0.0, actuator.minimum, actuator.maximum) * d_.scale.moment());
+        continue;
+      }
       const int variable = unstable->program->moment_variable(static_cast<int>(a));
       moments.push_back(variable < 0 ? 0.0 : unstable->x[variable] * d_.scale.moment());
     }

@@ -61,12 +61,12 @@ bool Tracker::rebuild() {
   return true;
 }
 
-bool Tracker::resolve(double tolerance) {
+bool Tracker::resolve(double enough) {
   double balance = now_.statics->moment_balance(now_.z);
   int order = order_;
   int pieces = pieces_;
   int misses = 0;
-  while (!(balance <= tolerance)) {
+  while (!(balance <= enough)) {
     const auto* const next = std::find_if(std::begin(orders), std::end(orders), [&](int o) { return o > order_; });
     if (next != std::end(orders)) {
       order_ = *next;
@@ -86,7 +86,7 @@ bool Tracker::resolve(double tolerance) {
     }
     // Near rounding one refinement without gain tells enough. Far above it the shape may not be resolved at all yet: a
     // series gains nothing until it has a few functions per turn, or per boundary layer.
-    if (++misses < (balance <= coarse_balance ? 1 : most_misses) && !must_stop_()) continue;
+    if (++misses < (balance <= tolerance::moment_balance ? 1 : most_misses) && !must_stop_()) continue;
     order_ = order;
     pieces_ = pieces;
     rebuild();
@@ -130,6 +130,7 @@ bool Tracker::begin(const RodState& guess, bool exact) {
     now_ = std::move(*below);
   }
   trouble_.clear();
+  spread_ = false;
   rebuild();
   resolve(coarse_balance);
   return true;
@@ -212,6 +213,7 @@ std::optional<Settled> Tracker::settle(RodState guess, double load) {
         return c.setup.obstacle == worst.obstacle && std::abs(c.s - worst.at.arc_length) < same_place;
       });
       if (own) {
+        spread_ = true;
         trouble_ = text_of("contact spreads: beside the contact at %.4f L the rod lies along the obstacle",
                            worst.at.arc_length);
         return std::nullopt;
@@ -238,6 +240,7 @@ bool Tracker::spreads(double least) {
   for (int k = 0; k < now_.statics->contact_count(); ++k) {
     if (!(now_.z[now_.statics->force_index(k)] > tolerance::force)) continue;
     if (now_.statics->convexity(now_.z, k) > least) continue;
+    spread_ = true;
     trouble_ = text_of(
         "contact spreads at load fraction %.6f: from the point at %.4f L on the rod lies along the obstacle, a point "
         "contact does not hold it",
@@ -325,6 +328,7 @@ bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::
   snaps_.push_back(std::move(jump));
   length_ = 0.02;
   trouble_.clear();
+  spread_ = false;
   return true;
 }
 
