@@ -164,9 +164,14 @@ ExtremeRow fold_row(const ExtremeModel& model, const CoordinateModel& basis, dou
     stable = lean;
   }
   if (!followed || high == 0.0) {
-    row.got = followed ? "no fold" : "the equilibrium could not be followed";
-    row.outcome = Outcome::not_met;
-    row.why = row.got;
+    // A stiffer rod carries the weight by itself: a basis with a higher critical weight has nowhere to fall from.
+    const double upright = column.certifier().stability(column.straight());
+    row.seconds = now() - begin;
+    row.got = followed ? fmt::format("no fold, margin {:.1e} of the upright rod without a moment", upright)
+                       : "the equilibrium could not be followed";
+    row.expected = "no fold where the upright rod is stable by itself";
+    row.outcome = followed && !resolves(basis) && upright > -1e-9 ? Outcome::met : Outcome::not_met;
+    if (row.outcome != Outcome::met) row.why = "no fold was found";
     return row;
   }
   while (high - low > 1e-12 && followed) {

@@ -21,6 +21,8 @@ namespace {
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 /// Long enough for every case by far: who reaches it hangs.
 constexpr double time_limit = 5.0;
+/// Hundreds of coordinates take longer.
+constexpr double long_time_limit = 60.0;
 
 /// A plan or an execution, or why there is none.
 struct Result {
@@ -163,7 +165,7 @@ class Rows {
       for (const ExtremeModel& model : counted_models(registry_, values)) {
         if (extent_.stopped()) return;
         Scene scene = with_model(known.scene, model);
-        scene.solver.time_limit = time_limit;
+        scene.solver.time_limit = long_time_limit;
         ExtremeRow row{c.group, known.name, model.name, scene.solver.plugin, expected_of(c), c.source, "", "",
                        none,    none,       0.0,        Outcome::not_met};
         judge(c, scene, planned(registry_, scene), row);

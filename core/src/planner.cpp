@@ -7,6 +7,7 @@
 
 #include "contact_search.hpp"
 #include "grasp.hpp"
+#include "load_path.hpp"
 #include "plan_report.hpp"
 #include "problem_data.hpp"
 #include "tendril/certificate.hpp"
@@ -30,7 +31,9 @@ constexpr double relaxation_shrink = 1e-2;  ///< ... in these steps
 constexpr double violation_level = -5e-10;  ///< half of the depth that is allowed: a valley below it gets a check point
 constexpr double grazing_level = 1e-6;      ///< a plan this near to an obstacle (in L) leans on a clearance row
 constexpr double contact_neighbourhood =
-    0.02;  ///< no check point this near (in L) to a touching contact's own obstacle
+    0.02;                                ///< no check point this near (in L) to a touching contact's own obstacle
+constexpr double tiny_radius = 1e-3;     ///< (L) an obstacle below it is swollen before a contact with it is searched
+constexpr double swollen_radius = 0.02;  ///< ... to this
 constexpr int most_exchanges = 25;
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
 constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
@@ -106,6 +109,10 @@ class Planner {
   /// From x (any quality) to a decided branch and a point on it. False: no feasible point was found.
   bool find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced);
   bool treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment);
+  /// The same for contacts with obstacles so small that a step of any solver passes over them: they are swollen to a
+  /// size that can be found, and shrink back in steps that Newton follows. False: none is so small, or it was lost.
+  bool swell(ModeState& state, const PoseProgramSpec& spec, const StartShape& shape, Branch forced,
+             PoseProgram& program, Eigen::VectorXd& x);
   OptimalityReport solve(ModeState& state, NonlinearProgram& program, const Eigen::VectorXd& x,
                          const OptimalityReport* warm = nullptr);
   bool sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed);
@@ -261,6 +268,45 @@ OptimalityReport Planner::solve(ModeState& state, NonlinearProgram& program, con
   tally_.seconds_evaluating += report.seconds_evaluating;
   add_counts(tally_.evaluations, report.evaluations);
   return report;
+}
+
+bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartShape& shape, Branch forced,
+                    PoseProgram& program, Eigen::VectorXd& x) {
+  std::vector<std::unique_ptr<ShrunkObstacle>> swollen;
+  std::vector<double> radii;
+  PoseProgramSpec larger = spec;
+  larger.checks.clear();
+  for (const ContactSetup& c : spec.contacts) {
+    const Obstacle*& obstacle = larger.obstacles[static_cast<std::size_t>(c.obstacle)];
+    const double radius = obstacle->smallest_radius();
+    if (!(radius < tiny_radius)) continue;
+    swollen.push_back(std::make_unique<ShrunkObstacle>(*obstacle));
+    radii.push_back(radius);
+    obstacle = swollen.back().get();
+  }
+  if (swollen.empty() || must_stop() || following_) return false;
+  const auto grow_to = [&](double radius) {
+    for (std::size_t i = 0; i < swollen.size(); ++i) swollen[i]->shrink(-std::max(0.0, radius - radii[i]));
+  };
+  const double least = *std::min_element(radii.begin(), radii.end());
+  grow_to(swollen_radius);
+  PoseProgram easier(larger);
+  Eigen::VectorXd at = easier.start_from(shape);
+  if (!find_point(state, easier, at, forced)) return false;
+  for (double radius = swollen_radius; radius > least && !must_stop();) {
+    radius = std::max(least, 0.5 * radius);
+    grow_to(radius);
+    easier.invalidate();
+    ++state.record.polishes;
+    const EvaluationCounts before = easier.counts();
+    const PolishReport p = polish(easier, at, {});
+    add_difference(tally_.outside_solver, easier.counts(), before);
+    if (!(p.converged && p.infeasibility <= tolerance::equilibrium)) return false;
+    at = p.x;
+  }
+  set_branches(program, branches_of(easier));
+  x = at;
+  return true;
 }
 
 bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment) {
@@ -491,7 +537,7 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
       spec.checks = checks;
       PoseProgram program(spec);
       Eigen::VectorXd x = program.start_from(shape);
-      if (!find_point(state, program, x, branch)) break;
+      if (!swell(state, spec, shape, branch, program, x) && !find_point(state, program, x, branch)) break;
       const std::vector<Branch> branches = branches_of(program);
       touching = std::all_of(branches.begin(), branches.end(), [](Branch b) { return b == Branch::touching; });
       if (complete(state, regions, checks, x, branches)) break;
