@@ -1,5 +1,6 @@
 #include "parts.hpp"
 
+#include "extremes.hpp"
 #include "lean.hpp"
 #include "scaling.hpp"
 
@@ -12,6 +13,10 @@ const std::vector<Part>& parts() {
       {"scaling", "How the cost grows with the size of what is asked for",
        [](plugins::Registry& registry, const Extent& extent) {
          return std::vector{scaling_section(registry, extent)};
+       }},
+      {"extremes", "Stiff and extreme cases with known answers",
+       [](plugins::Registry& registry, const Extent& extent) {
+         return std::vector{extremes_section(registry, extent)};
        }},
   };
   return all;

@@ -65,6 +65,14 @@ std::string contacts_text(const Plan& plan, const DisplayUnits& units) {
   return '\n' + grid.text("");
 }
 
+/// The model lets a rod pass through itself; what cannot be made has to be said.
+std::string overlap_text(const Plan& plan, const DisplayUnits& units) {
+  if (!plan.self_overlap) return "";
+  return line("self-overlap",
+              fmt::format("the rod crosses or covers itself: its arc lengths {} and {} meet",
+                          units.lengths(plan.self_overlap->first), units.lengths(plan.self_overlap->second)));
+}
+
 std::string certificate_text(const Certificate& certificate) {
   Grid grid;
   grid.row({"certificate", "value", "required", ""});
@@ -134,7 +142,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
   if (!plan.message.empty()) text += line("", printable(plan.message));
   // Without a shape there is nothing to tell of it.
   const bool has_shape = !plan.backbone.empty();
-  if (has_shape) text += shape_text(plan, units);
+  if (has_shape) text += shape_text(plan, units) + overlap_text(plan, units);
   text += verification_text(plan);
   text += line("coordinates", fmt::format("{}, order {}, {} values{}", plan.coordinates_name, plan.order,
                                           plan.coordinates.size(), plan.split_at_contact ? ", split at contact" : ""));
@@ -167,7 +175,7 @@ std::string execution_report(const Scene& scene, const Execution& execution, con
   text += line("status", std::string(to_string(plan.status)));
   if (!plan.message.empty()) text += line("", printable(plan.message));
   const bool has_shape = !plan.backbone.empty();
-  if (has_shape) text += shape_text(plan, units);
+  if (has_shape) text += shape_text(plan, units) + overlap_text(plan, units);
   text += line("path", fmt::format("load fraction {:.9g} reached in {} steps, {} contacts made or released",
                                    execution.load, execution.steps, execution.contact_changes));
   text += line("basis", fmt::format("{} pieces of {} functions", execution.pieces, plan.order));

@@ -291,6 +291,7 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   json["seconds"] = {{"assemble", number(plan.seconds_assemble)},
                      {"solve", number(plan.seconds_solve)},
                      {"certify", number(plan.seconds_certify)}};
+  if (plan.self_overlap) json["self_overlap"] = {number(plan.self_overlap->first), number(plan.self_overlap->second)};
   json["backbone"] = backbone_json(plan.backbone);
   return json;
 }

@@ -8,7 +8,8 @@
 
 namespace tendril {
 
-Circle::Circle(Vec2 center, double radius) : center_(center), radius_(radius) {
+Circle::Circle(Vec2 center, double radius)
+    : offset_((norm(center) - radius) * (norm(center) + radius)), center_(center), radius_(radius) {
   if (!(radius > 0.0) || !std::isfinite(radius)) throw Error("a circle needs a positive, finite radius");
 }
 
@@ -21,7 +22,7 @@ SurfacePoint Circle::at(Vec2 point) const {
   // Every direction is normal at the centre; the curvature of the level set through it is without bound.
   if (!(square > 0.0)) return {distance - radius_, {0.0, 1.0}, 0.0, 0.0};
   const double inverse = distance * (1.0 / square);  // root and quotient do not wait for each other
-  return {distance - radius_, inverse * out, inverse, 0.0};
+  return {surface_distance(point, distance), inverse * out, inverse, 0.0};
 }
 
 void Circle::bounding_box(Vec2& low, Vec2& high) const {

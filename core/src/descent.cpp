@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tendril/tolerances.hpp"
+
 namespace tendril {
 namespace {
 
@@ -12,10 +14,12 @@ constexpr int order = 6;                                       ///< functions pe
 constexpr int pieces_per_rod = 8;                              ///< at least
 constexpr int checks_per_rod = 160;                            ///< at least, per obstacle
 constexpr double first_stiffness = 1e4, last_stiffness = 1e7;  ///< of the penalty, energy per length squared
-constexpr double longest_step = 0.25;  ///< of the trust region, in the metric of the bending energy
-constexpr int most_steps = 600;        ///< per stiffness
-constexpr double flat = 1e-9;          ///< gradient in that metric at which a round ends
-constexpr double downward = -1e-7;     ///< a lower eigenvalue is a way down
+constexpr double longest_step = 0.25;   ///< of the trust region, in the metric of the bending energy
+constexpr int most_steps = 600;         ///< per stiffness
+constexpr double flat = 1e-9;           ///< gradient in that metric at which a round ends
+constexpr double downward = -1e-7;      ///< a lower eigenvalue is a way down
+constexpr double rigid_enough = 1e-10;  ///< depth of a check point (L) below which multipliers hold it
+constexpr int most_rounds = 40;         ///< of multipliers
 
 class Valley {
  public:
@@ -25,6 +29,7 @@ class Valley {
         program_(std::make_unique<PoseProgram>(spec())) {
     const Chain& chain = program_->chain();
     n_ = chain.coordinate_count();
+    held_ = Eigen::VectorXd::Zero(program_->layout().checks);
     x_ = Eigen::VectorXd::Zero(program_->variable_count());
     for (int a = 0; a < static_cast<int>(path.rod().actuators.size()); ++a) {
       x_[program_->moment_variable(a)] = path.moment(static_cast<std::size_t>(a), path.load());
@@ -59,7 +64,7 @@ class Valley {
     const Eigen::VectorXd rows = program_->constraints(x);
     double sum = potential(x);
     for (int i = 0; i < program_->layout().checks; ++i) {
-      const double depth = std::min(0.0, rows[program_->layout().first_check + i]);
+      const double depth = std::min(0.0, rows[program_->layout().first_check + i] - held_[i] / stiffness);
       sum += 0.5 * stiffness * depth * depth;
     }
     return sum;
@@ -75,10 +80,11 @@ class Valley {
     bool touches = false;
     for (int i = 0; i < at.checks; ++i) {
       const int row = at.first_check + i;
-      if (!(rows[row] < 0.0)) continue;
+      const double depth = rows[row] - held_[i] / stiffness;
+      if (!(depth < 0.0)) continue;
       touches = true;
       const Eigen::VectorXd slope = jacobian.row(row).transpose();
-      multipliers[row] = stiffness * rows[row];
+      multipliers[row] = stiffness * depth;
       g += multipliers[row] * slope;
       h += stiffness * slope * slope.transpose();
     }
@@ -86,6 +92,40 @@ class Valley {
     gradient = scale_.transpose() * g;
     hessian = scale_.transpose() * (0.5 * (h + h.transpose())) * scale_;
   }
+
+  /// Hands the penalty's forces over to the multipliers; returns what was wrong with them: depth, or force at a gap.
+  double hold(double stiffness) {
+    const Eigen::VectorXd rows = program_->constraints(x_);
+    double worst = 0.0;
+    for (int i = 0; i < program_->layout().checks; ++i) {
+      const double gap = rows[program_->layout().first_check + i];
+      worst = std::max(worst, std::abs(std::min(gap, held_[i] / stiffness)));
+      held_[i] = std::max(0.0, held_[i] - stiffness * gap);
+    }
+    return worst;
+  }
+
+  double depth() {
+    const PoseProgram::Layout& at = program_->layout();
+    if (at.checks == 0) return 0.0;
+    return std::max(0.0, -Eigen::VectorXd(program_->constraints(x_)).segment(at.first_check, at.checks).minCoeff());
+  }
+
+  std::vector<PressedPoint> points() const {
+    const Chain& chain = program_->chain();
+    std::vector<PressedPoint> all;
+    int station = -1;
+    for (int i = 0; i < program_->layout().checks; ++i) {
+      const CheckPoint& c = program_->spec().checks[static_cast<std::size_t>(i)];
+      station =
+          i > 0 && program_->spec().checks[static_cast<std::size_t>(i) - 1].obstacle != c.obstacle ? 0 : station + 1;
+      if (!(held_[i] > tolerance::force)) continue;
+      const bool tip = c.piece == chain.piece_count() - 1 && c.sigma == 1.0;
+      all.push_back({c.obstacle, station, chain.start0()[c.piece] + c.sigma * chain.length0()[c.piece], held_[i], tip});
+    }
+    return all;
+  }
+  const std::shared_ptr<const LegendreBasis>& basis() const { return basis_; }
 
   void move(const Eigen::VectorXd& step) { x_.head(n_) += scale_ * step; }
   int size() const { return n_; }
@@ -189,6 +229,7 @@ class Valley {
   std::unique_ptr<PoseProgram> program_;
   int n_ = 0;
   Eigen::VectorXd x_;
+  Eigen::VectorXd held_;  ///< forces of the check points that the penalty does not have to bring up
   Eigen::MatrixXd scale_;
 };
 
@@ -214,7 +255,7 @@ Eigen::VectorXd trust_step(const Eigen::VectorXd& slopes, const Eigen::VectorXd&
 }  // namespace
 
 Descent descend(const LoadPath& path, const std::function<double(double)>& curvature,
-                const std::function<bool()>& must_stop) {
+                const std::function<bool()>& must_stop, bool rigid) {
   Descent result;
   Valley valley(path);
   valley.start(curvature);
@@ -222,7 +263,7 @@ Descent descend(const LoadPath& path, const std::function<double(double)>& curva
   Eigen::MatrixXd hessian;
   double stiffness = first_stiffness;
   double radius = 0.1;
-  for (;; stiffness *= 10.0) {
+  for (int round = 0;;) {
     bool settled = false;
     for (int step = 0; step < most_steps && !settled; ++step) {
       if (must_stop()) {
@@ -266,8 +307,19 @@ Descent descend(const LoadPath& path, const std::function<double(double)>& curva
       result.reason = "the way down does not end";
       return result;
     }
-    if (stiffness >= last_stiffness) break;
+    result.gradient = gradient.norm();
+    if (stiffness < last_stiffness) {
+      stiffness *= 10.0;
+      continue;
+    }
+    // The multipliers of a stiff penalty converge by a digit or more per round.
+    if (!rigid || valley.hold(stiffness) <= rigid_enough || ++round >= most_rounds) break;
   }
+  if (rigid) {
+    result.points = valley.points();
+    result.depth = valley.depth();
+  }
+  result.basis = valley.basis();
   result.converged = true;
   result.shape = valley.shape();
   result.runs = valley.runs(stiffness);

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,19 +16,33 @@ struct PressedRun {
   double from = 0.0, to = 0.0;
 };
 
+/// One check point that presses.
+struct PressedPoint {
+  int obstacle = 0;
+  int station = 0;  ///< counted along the rod, per obstacle: neighbours differ by one
+  double s = 0.0, force = 0.0;
+  bool at_tip = false;
+};
+
 struct Descent {
   bool converged = false;
   const char* reason = "";  ///< why not
   Shape shape;
   std::vector<PressedRun> runs;
   double energy = 0.0;
+  /// With rigid obstacles: every check point that presses, and what is left of the softness.
+  std::vector<PressedPoint> points;
+  std::shared_ptr<const LegendreBasis> basis;
+  double depth = 0.0;     ///< of any check point
+  double gradient = 0.0;  ///< of the Lagrangian, in the metric of the bending energy
 };
 
 /// Walks downhill from a shape that is no stable equilibrium to one that is, at the loads of `path` as they stand:
 /// minimizes Pi plus an exterior penalty for d(P(s)) >= 0 by a trust-region Newton method whose steps are short, so
 /// that the valley found is the one below the start. The penalty stiffens in rounds; what is left of its softness is
-/// for Newton's method on point contacts to remove.
+/// for Newton's method on point contacts to remove, or, with `rigid`, for an augmented Lagrangian: then the check
+/// points stay outside, and their multipliers are the force that is distributed along the rod.
 Descent descend(const LoadPath& path, const std::function<double(double)>& curvature,
-                const std::function<bool()>& must_stop);
+                const std::function<bool()>& must_stop, bool rigid = false);
 
 }  // namespace tendril

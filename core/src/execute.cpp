@@ -12,6 +12,7 @@
 #include "tendril/planner.hpp"
 #include "tendril/rod.hpp"
 #include "tendril/scale.hpp"
+#include "tendril/self_overlap.hpp"
 #include "tendril/tolerances.hpp"
 #include "tracker.hpp"
 
@@ -22,6 +23,8 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 
 /// A start nearer to an obstacle's core than this (in L) lies on neither side of it.
 constexpr double core_side = 1e-6;
+/// Load fraction by which a rod that lies along an obstacle is carried on at a time.
+constexpr double longest_load_step = 0.1;
 
 /// Moments that hold a constant curvature against the rod's own stiffness, and what they leave over: one more actuator
 /// per stretch whose moment fades as the loads grow.
@@ -95,6 +98,9 @@ class Executor {
   RodState start_state() const;
   bool grow_overlapped(LoadPath& path, const RodState& start) const;
   void report(Tracker& tracker, bool arrived, Execution& out);
+  /// From where no point contact holds the rod to the final loads, with a run of contacts that stands for the stretch
+  /// along which it lies.
+  void lie(LoadPath& path, Tracker& tracker, Execution& out);
   Snap to_si(TrackedSnap& snap, const LoadPath& path) const;
 
   const Scene& scene_;
@@ -197,11 +203,93 @@ Execution Executor::run() {
   }
   for (TrackedSnap& snap : tracker.snaps()) out.snaps.push_back(to_si(snap, path));
   report(tracker, arrived, out);
+  if (!arrived && tracker.spread() && tracker.current().statics != nullptr && !must_stop()) lie(path, tracker, out);
   out.result.start_backbone = control_.start != nullptr
                                   ? control_.start->backbone
                                   : outline(constant_curvature(scene_.start_tip_angle), rod_, scale_.length);
   out.result.seconds_solve = now() - begin - out.result.seconds_certify;
   return out;
+}
+
+void Executor::lie(LoadPath& path, Tracker& tracker, Execution& out) {
+  Settled& end = tracker.current();
+  const double from = end.z[end.statics->size()];
+  const int steps = std::max(1, static_cast<int>(std::ceil((1.0 - from) / longest_load_step)));
+  std::function<double(double)> curvature = end.statics->state(end.z).curvature;
+  Descent down;
+  for (int i = 1; i <= steps; ++i) {
+    path.apply(i == steps ? 1.0 : from + (1.0 - from) * i / steps);
+    down = descend(
+        path, curvature, [this] { return must_stop(); }, i == steps);
+    if (!down.converged) return;
+    curvature = [shape = down.shape](double s) { return shape.curvature(s); };
+  }
+  Statics statics(path, down.basis, {}, suggested_nodes(down.basis->function_count(), 4.0));
+  const Eigen::VectorXd z = statics.point({curvature, {}, 1.0});
+  const PoseProgram& program = statics.at(z);
+  Curve curve(program.chain().curve_tables());
+  curve.follow(program.backbone());
+  const std::vector<PressedPoint>& points = down.points;
+  const auto lies = [&](std::size_t i) {
+    const auto beside = [&](std::size_t a, std::size_t b) {
+      return points[a].obstacle == points[b].obstacle && points[b].station - points[a].station <= 2;
+    };
+    return (i > 0 && beside(i - 1, i)) || (i + 1 < points.size() && beside(i, i + 1));
+  };
+  std::vector<PlannedContact> contacts;
+  const std::span<const double> no_knots;
+  double first = 1.0;
+  double last = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const PressedPoint& p = points[i];
+    const auto o = static_cast<std::size_t>(p.obstacle);
+    const int j = p.at_tip ? program.chain().piece_count() - 1 : program.chain().piece_at(p.s, no_knots);
+    const double from_start = p.s - program.chain().start(j, no_knots);
+    const Vec2 point = curve.position(j, std::clamp(from_start / program.chain().length(j, no_knots), 0.0, 1.0));
+    const SurfacePoint surface = path.obstacles()[o]->at(point);
+    PlannedContact c;
+    c.obstacle = p.obstacle;
+    c.obstacle_name = names_[o];
+    c.at_tip = p.at_tip;
+    c.arc_length = p.s * scale_.length;
+    c.point = scale_.length * point;
+    c.normal = surface.normal;
+    c.force = p.force * scale_.force();
+    c.gap = surface.distance * scale_.length;
+    c.extended = lies(i);
+    contacts.push_back(c);
+    if (!c.extended) continue;
+    first = std::min(first, p.s);
+    last = std::max(last, p.s);
+  }
+  // Beyond the place where it spread the rod may stand on points again; how it came to that is not known.
+  if (!(last > first)) return;
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "; carried on to the final loads: between %.4f L and %.4f L the rod lies on check points, a run of "
+                "contacts that stands for a distributed force",
+                first, last);
+  Plan& plan = out.result;
+  plan.contacts = std::move(contacts);
+  plan.message += text;
+  plan.certificate = {};
+  plan.certificate.equilibrium = down.gradient;
+  plan.certificate.penetration = 0.0;
+  for (const Obstacle* o : path.obstacles()) {
+    plan.certificate.penetration = std::max(plan.certificate.penetration, certified_depth(curve, *o));
+  }
+  plan.certificate.failures = {plan.message};
+  plan.order = program.chain().functions();
+  out.pieces = program.chain().piece_count();
+  out.load = 1.0;
+  plan.coordinates.assign(z.data(), z.data() + statics.coordinates());
+  const Vec2 tip = program.backbone().tip();
+  plan.tip_x = tip.x * scale_.length;
+  plan.tip_y = tip.y * scale_.length;
+  plan.tip_angle = program.backbone().tip_angle();
+  if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
+  plan.backbone = sampled_backbone(program, scale_.length);
+  plan.self_overlap = self_overlap(plan.backbone);
 }
 
 Snap Executor::to_si(TrackedSnap& snap, const LoadPath& path) const {
@@ -280,6 +368,7 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   plan.contacts = planned_contacts(program, names_, scale_);
   std::erase_if(plan.contacts, [&](const PlannedContact& c) { return !(c.force > tolerance::force * scale_.force()); });
   plan.backbone = sampled_backbone(program, scale_.length);
+  plan.self_overlap = self_overlap(plan.backbone);
 }
 
 }  // namespace

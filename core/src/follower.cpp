@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "check_points.hpp"
+#include "tendril/self_overlap.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril {
@@ -94,6 +95,7 @@ void Follower::write(Plan& plan, double begin, double certifying, const Evaluati
   }
   planned_contacts(program_, d.obstacle_names, d.scale, plan.contacts);
   sampler_.sample(program_, length, plan.backbone);
+  plan.self_overlap = self_overlap(plan.backbone);
   plan.certificate = certificate_;
 
   plan.solver_name = d.scene.solver.plugin;

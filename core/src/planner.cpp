@@ -10,6 +10,7 @@
 #include "earlier_plan.hpp"
 #include "follower.hpp"
 #include "grasp.hpp"
+#include "load_path.hpp"
 #include "plan_report.hpp"
 #include "problem_data.hpp"
 #include "tendril/certificate.hpp"
@@ -18,6 +19,7 @@
 #include "tendril/execute.hpp"
 #include "tendril/feasibility.hpp"
 #include "tendril/polish.hpp"
+#include "tendril/self_overlap.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril {
@@ -29,6 +31,8 @@ constexpr double penalty_cap = 1e4;         ///< largest beta
 constexpr double relaxation_first = 1e-1;   ///< eps of Scholtes and Fischer-Burmeister ...
 constexpr double relaxation_last = 1e-8;    ///< ... ends here ...
 constexpr double relaxation_shrink = 1e-2;  ///< ... in these steps
+constexpr double tiny_radius = 1e-3;     ///< (L) an obstacle below it is swollen before a contact with it is searched
+constexpr double swollen_radius = 0.02;  ///< ... to this
 constexpr int most_exchanges = 25;
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
 constexpr int most_pieces_away = 3;   ///< of an unsplit rod, from where the start comes nearest to the obstacle
@@ -97,7 +101,8 @@ class Planner {
   }
 
   StartShape start_shape(int index, const Mode& mode) const;
-  /// Where every search ended at an equilibrium that is not stable: what the rod would do under the moments found.
+  /// Where every search ended at an equilibrium that is not stable, or at none: what the rod would do under the moments
+  /// found, or under the least ones.
   void settle();
   /// A start of a grasp. Without a force the row of the balance says nothing about where the contact should be.
   StartShape held(double tip_angle, const Mode& mode) const;
@@ -114,6 +119,10 @@ class Planner {
   /// From x (any quality) to a decided branch and a point on it. False: no feasible point was found.
   bool find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced);
   bool treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment);
+  /// The same for contacts with obstacles so small that a step of any solver passes over them: they are swollen to a
+  /// size that can be found, and shrink back in steps that Newton follows. False: none is so small, or it was lost.
+  bool swell(ModeState& state, const PoseProgramSpec& spec, const StartShape& shape, Branch forced,
+             PoseProgram& program, Eigen::VectorXd& x);
   OptimalityReport solve(ModeState& state, NonlinearProgram& program, const Eigen::VectorXd& x,
                          const OptimalityReport* warm = nullptr);
   bool sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed);
@@ -249,6 +258,45 @@ OptimalityReport Planner::solve(ModeState& state, NonlinearProgram& program, con
   tally_.seconds_evaluating += report.seconds_evaluating;
   add_counts(tally_.evaluations, report.evaluations);
   return report;
+}
+
+bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartShape& shape, Branch forced,
+                    PoseProgram& program, Eigen::VectorXd& x) {
+  std::vector<std::unique_ptr<ShrunkObstacle>> swollen;
+  std::vector<double> radii;
+  PoseProgramSpec larger = spec;
+  larger.checks.clear();
+  for (const ContactSetup& c : spec.contacts) {
+    const Obstacle*& obstacle = larger.obstacles[static_cast<std::size_t>(c.obstacle)];
+    const double radius = obstacle->smallest_radius();
+    if (!(radius < tiny_radius)) continue;
+    swollen.push_back(std::make_unique<ShrunkObstacle>(*obstacle));
+    radii.push_back(radius);
+    obstacle = swollen.back().get();
+  }
+  if (swollen.empty() || must_stop() || following_) return false;
+  const auto grow_to = [&](double radius) {
+    for (std::size_t i = 0; i < swollen.size(); ++i) swollen[i]->shrink(-std::max(0.0, radius - radii[i]));
+  };
+  const double least = *std::min_element(radii.begin(), radii.end());
+  grow_to(swollen_radius);
+  PoseProgram easier(larger);
+  Eigen::VectorXd at = easier.start_from(shape);
+  if (!find_point(state, easier, at, forced)) return false;
+  for (double radius = swollen_radius; radius > least && !must_stop();) {
+    radius = std::max(least, 0.5 * radius);
+    grow_to(radius);
+    easier.invalidate();
+    ++state.record.polishes;
+    const EvaluationCounts before = easier.counts();
+    const PolishReport p = polish(easier, at, {});
+    add_difference(tally_.outside_solver, easier.counts(), before);
+    if (!(p.converged && p.infeasibility <= tolerance::equilibrium)) return false;
+    at = p.x;
+  }
+  set_branches(program, branches_of(easier));
+  x = at;
+  return true;
 }
 
 bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment) {
@@ -446,7 +494,7 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
       spec.checks = checks;
       PoseProgram program(spec);
       Eigen::VectorXd x = program.start_from(shape);
-      if (!find_point(state, program, x, branch)) break;
+      if (!swell(state, spec, shape, branch, program, x) && !find_point(state, program, x, branch)) break;
       const std::vector<Branch> branches = branches_of(program);
       touching = std::all_of(branches.begin(), branches.end(), [](Branch b) { return b == Branch::touching; });
       if (complete(state, regions, checks, x, branches)) break;
@@ -658,9 +706,17 @@ void Planner::settle() {
       const bool usable = state.best.has_point && !(state.best.certificate.stability > tolerance::stability);
       if (usable && (unstable == nullptr || state.best.objective < unstable->objective)) unstable = &state.best;
     }
-    if (unstable == nullptr) return;
+    const bool nothing =
+        std::none_of(states_.begin(), states_.end(), [](const ModeState& s) { return s.best.has_point; });
+    // Where no search came to any point at all, what the rod does under the least moments shows one.
+    if (unstable == nullptr && !(nothing && attempt == 0)) return;
     std::vector<double> moments;
     for (std::size_t a = 0; a < d_.rod.actuators.size(); ++a) {
+      if (unstable == nullptr) {
+        const Rod::Actuator& actuator = d_.rod.actuators[a];
+        moments.push_back(std::clamp(0.0, actuator.minimum, actuator.maximum) * d_.scale.moment());
+        continue;
+      }
       const int variable = unstable->program->moment_variable(static_cast<int>(a));
       moments.push_back(variable < 0 ? 0.0 : unstable->x[variable] * d_.scale.moment());
     }
@@ -926,6 +982,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   if (d_.target.has_position) plan.target_error = norm(tip - d_.target.position) * length;
   plan.contacts = planned_contacts(program, d_.obstacle_names, d_.scale);
   plan.backbone = sampled_backbone(program, length);
+  plan.self_overlap = self_overlap(plan.backbone);
   if (d_.palm) finish_grasp(d_, program, x, plan);
   plan.seconds_certify = tally_.seconds_certifying;
   return plan;

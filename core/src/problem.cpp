@@ -103,6 +103,7 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
   bool reads_contact_place = false;
   std::string place_reader;
   bool reads_moments = false;
+  double largest_weight = 0.0;
   for (std::size_t i = 0; i < scene.objectives.size(); ++i) {
     const ObjectiveSpec& objective = scene.objectives[i];
     if (!needs_term(objective)) {
@@ -132,7 +133,7 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
       reads_contact_place = true;
       place_reader = term.name;
     }
-    d.objective_scale = std::max(d.objective_scale, objective.weight);
+    largest_weight = std::max(largest_weight, objective.weight);
     d.terms.push_back(term);
   }
   if (grasp && !reads_moments) {
@@ -140,6 +141,8 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
                      "a grasp needs an objective that weighs the moments: with the contact "
                      "force at its limit and no force along the axis there is still a whole family of grasps");
   }
+  // Only ratios of weights mean anything: the largest is 1, however small or large all of them are.
+  if (largest_weight > 0.0) d.objective_scale = largest_weight;
   for (PoseProgramTerm& t : d.terms) {
     t.weight /= d.objective_scale;
     d.objective_bound += t.weight * t.term->lower_bound();

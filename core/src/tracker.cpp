@@ -34,7 +34,8 @@ bool Tracker::follow() {
       return false;
     }
     if (spreads(0.0)) return false;
-    if (!advance()) {
+    const bool passed = now_.z[now_.statics->size()] > 1.0;
+    if (!(passed ? go_back_to_end() : advance())) {
       pinched();
       return false;
     }
@@ -43,6 +44,37 @@ bool Tracker::follow() {
       return false;
     }
   }
+  return true;
+}
+
+bool Tracker::go_back_to_end() {
+  constexpr double at_knot = 1e-10;  // (L) as short as a piece may be
+  Eigen::VectorXd z = now_.z;
+  const Statics::NewtonResult here = now_.statics->solve_at_load(z, 1.0, at_knot);
+  if (!here.converged && here.leaning >= 0) {
+    RodState state = now_.statics->state(now_.z);
+    PointContact& c = state.contacts[static_cast<std::size_t>(here.leaning)];
+    const std::vector<double> knots = path_.rod().fixed_knots();
+    const int region = c.setup.region + (here.upward ? 1 : -1);
+    if (region >= 0 && region + 1 < static_cast<int>(knots.size())) {
+      c.s = knots[static_cast<std::size_t>(here.upward ? region : region + 1)] +
+            (here.upward ? 0.1 : -0.1) * knot_distance;
+      c.setup.region = region;
+      std::unique_ptr<Statics> beside = make(state.contacts);
+      z = beside->point(state);
+      if (beside->solve_at_load(z, 1.0, at_knot).converged) {
+        now_ = {std::move(beside), std::move(z)};
+        done_ = true;
+        return true;
+      }
+    }
+  }
+  if (!here.converged) {
+    trouble_ = "the final loads could not be reached from just beyond them";
+    return false;
+  }
+  now_.z = z;
+  done_ = true;
   return true;
 }
 

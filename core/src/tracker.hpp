@@ -45,6 +45,8 @@ class Tracker {
   void refine_fully();
 
   const std::string& trouble() const { return trouble_; }
+  /// The trouble is that the rod came to lie along an obstacle, where no point contact holds it.
+  bool spread() const { return spread_; }
   Settled& current() { return now_; }
   std::vector<TrackedSnap>& snaps() { return snaps_; }
   int steps() const { return steps_; }
@@ -73,11 +75,13 @@ class Tracker {
   /// Newton at fixed load with contacts added and released until nothing is violated.
   std::optional<Settled> settle(RodState guess, double load);
   bool rebuild();  ///< on the basis as it is set now
-  bool resolve(double tolerance);
+  bool resolve(double enough);
   bool coarse() const;
   void choose_nodes();
 
   bool advance();
+  /// A contact handed over a knot may have carried the load past the end, which then lies at the knot itself.
+  bool go_back_to_end();
   std::optional<Step> try_step(const Eigen::VectorXd& tangent, double length);
   std::optional<Eigen::VectorXd> corrected(const Step& step, const Eigen::VectorXd& tangent, double tau);
   /// Every event inside a step; nothing if one was seen but could not be located.
@@ -107,6 +111,7 @@ class Tracker {
   Settled now_;
   std::vector<TrackedSnap> snaps_;
   std::string trouble_;
+  bool spread_ = false;
   double length_ = 0.05;  ///< of the next step
   int order_ = 12, pieces_ = 1, nodes_ = 30;
   int steps_ = 0, contact_changes_ = 0;

@@ -7,8 +7,10 @@
 namespace tendril {
 namespace {
 
-constexpr double glancing = 1e-3;       ///< passing by within so much of a rod's motion is not looked into (L)
-constexpr double interpolation = 1e-6;  ///< depth between the ends of a step that the cubic may be wrong by (L)
+constexpr double glancing = 1e-3;       ///< passing by within so much of a rod's motion is not looked into (L) ...
+constexpr double interpolation = 1e-6;  ///< depth between the ends of a step that the cubic may be wrong by (L) ...
+/// ... but within these shares of an obstacle's radius, where that is less, down to the least of them (L).
+constexpr double glancing_share = 0.5, interpolation_share = 0.1, least_share = 1e-8;
 
 /// The cubic through both ends of a step with their tangents.
 Eigen::VectorXd between(const Eigen::VectorXd& first, const Eigen::VectorXd& first_rate, const Eigen::VectorXd& last,
@@ -205,6 +207,13 @@ bool Tracker::passes_through(const Step& step, const Eigen::VectorXd& tangent, d
     }
     return d;
   };
+  std::vector<double> fine(closed.size());
+  std::vector<double> deep(closed.size());
+  for (std::size_t o = 0; o < closed.size(); ++o) {
+    const double radius = path_.obstacles()[o]->smallest_radius();
+    fine[o] = std::clamp(glancing_share * radius, least_share, glancing);
+    deep[o] = std::clamp(interpolation_share * radius, least_share, interpolation);
+  }
   struct Span {
     double from, to;
     std::vector<double> at_from, at_to;
@@ -217,11 +226,15 @@ bool Tracker::passes_through(const Step& step, const Eigen::VectorXd& tangent, d
     spans.pop_back();
     const double moved = motion * (span.to - span.from);
     bool near = false;
-    for (std::size_t o = 0; o < closed.size(); ++o) near = near || span.at_from[o] + span.at_to[o] < moved;
-    if (!near || moved < glancing) continue;
+    for (std::size_t o = 0; o < closed.size(); ++o) {
+      near = near || (span.at_from[o] + span.at_to[o] < moved && moved >= fine[o]);
+    }
+    if (!near) continue;
     const double middle = 0.5 * (span.from + span.to);
     const std::vector<double> d = distances(middle);
-    if (*std::min_element(d.begin(), d.end()) < -interpolation) return true;
+    for (std::size_t o = 0; o < closed.size(); ++o) {
+      if (d[o] < -deep[o]) return true;
+    }
     spans.push_back({middle, span.to, d, span.at_to});
     spans.push_back({span.from, middle, span.at_from, d});
   }

@@ -12,6 +12,7 @@ constexpr double coarse_balance = 1e-7;  ///< defect of the moment balance at wh
 constexpr double fine_balance = 1e-11;   ///< ... and below which it is fine enough at the end and at folds
 constexpr int orders[] = {12, 16, 22, 30, 40};
 constexpr int most_pieces = 16;
+constexpr int most_misses = 5;  ///< refinements in a row that gain nothing before the best basis is kept
 constexpr int most_repairs = 40;
 constexpr double pull = -1e-10;      ///< a force below it would have to pull
 constexpr double past_knot = 2e-6;   ///< where a contact that slid over a knot starts on the other side
@@ -60,11 +61,12 @@ bool Tracker::rebuild() {
   return true;
 }
 
-bool Tracker::resolve(double tolerance) {
+bool Tracker::resolve(double enough) {
   double balance = now_.statics->moment_balance(now_.z);
-  while (!(balance <= tolerance)) {
-    const int order = order_;
-    const int pieces = pieces_;
+  int order = order_;
+  int pieces = pieces_;
+  int misses = 0;
+  while (!(balance <= enough)) {
     const auto* const next = std::find_if(std::begin(orders), std::end(orders), [&](int o) { return o > order_; });
     if (next != std::end(orders)) {
       order_ = *next;
@@ -72,18 +74,23 @@ bool Tracker::resolve(double tolerance) {
       pieces_ *= 2;
       order_ = orders[1];
     } else {
-      return false;
+      misses = most_misses;
     }
-    const bool built = rebuild();
-    const double finer = built ? now_.statics->moment_balance(now_.z) : infinity;
-    if (!built || finer > 0.5 * balance) {
-      // Rounding, not resolution: the smaller basis is as good.
-      order_ = order;
-      pieces_ = pieces;
-      rebuild();
-      return false;
+    const double finer = misses < most_misses && rebuild() ? now_.statics->moment_balance(now_.z) : infinity;
+    if (finer <= 0.5 * balance) {
+      balance = finer;
+      order = order_;
+      pieces = pieces_;
+      misses = 0;
+      continue;
     }
-    balance = finer;
+    // Near rounding one refinement without gain tells enough. Far above it the shape may not be resolved at all yet: a
+    // series gains nothing until it has a few functions per turn, or per boundary layer.
+    if (++misses < (balance <= tolerance::moment_balance ? 1 : most_misses) && !must_stop_()) continue;
+    order_ = order;
+    pieces_ = pieces;
+    rebuild();
+    return false;
   }
   return true;
 }
@@ -123,6 +130,7 @@ bool Tracker::begin(const RodState& guess, bool exact) {
     now_ = std::move(*below);
   }
   trouble_.clear();
+  spread_ = false;
   rebuild();
   resolve(coarse_balance);
   return true;
@@ -205,6 +213,7 @@ std::optional<Settled> Tracker::settle(RodState guess, double load) {
         return c.setup.obstacle == worst.obstacle && std::abs(c.s - worst.at.arc_length) < same_place;
       });
       if (own) {
+        spread_ = true;
         trouble_ = text_of("contact spreads: beside the contact at %.4f L the rod lies along the obstacle",
                            worst.at.arc_length);
         return std::nullopt;
@@ -231,6 +240,7 @@ bool Tracker::spreads(double least) {
   for (int k = 0; k < now_.statics->contact_count(); ++k) {
     if (!(now_.z[now_.statics->force_index(k)] > tolerance::force)) continue;
     if (now_.statics->convexity(now_.z, k) > least) continue;
+    spread_ = true;
     trouble_ = text_of(
         "contact spreads at load fraction %.6f: from the point at %.4f L on the rod lies along the obstacle, a point "
         "contact does not hold it",
@@ -318,6 +328,7 @@ bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::
   snaps_.push_back(std::move(jump));
   length_ = 0.02;
   trouble_.clear();
+  spread_ = false;
   return true;
 }
 

@@ -291,5 +291,17 @@ TEST(ShapeOptions, RefuseWhatIsNoConvexPolygon) {
   expect_refused("polygon", {{"vertices", {3.0}}, {"rounding", {0.1}}}, "a list of at least 3 points [x, y] in m");
 }
 
+// The distance to a circle of radius R whose top is at the origin is y + x^2 / (2 R) - ..., to the last digits of y.
+TEST(Circle, FarLargerThanTheRodItKeepsItsDigits) {
+  constexpr double radius = 1e4;
+  const Circle circle({0.0, -radius}, radius);
+  for (const double y : {1e-9, 1e-6, 1e-3}) {
+    EXPECT_NEAR(circle.at({0.0, y}).distance, y, 1e-15 + 4e-16 * y);
+    const double x = 0.5;
+    const double exact = (x * x + y * y + 2.0 * y * radius) / (std::hypot(x, y + radius) + radius);
+    EXPECT_NEAR(circle.at({x, y}).distance, exact, 1e-15);
+  }
+}
+
 }  // namespace
 }  // namespace tendril

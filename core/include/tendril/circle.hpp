@@ -20,6 +20,15 @@ class TENDRIL_API Circle : public Obstacle {
   void outline(std::span<Vec2> points, Vec2 low, Vec2 high) const override;
 
  private:
+  /// Of a point at this distance from the centre. Far larger than the rod, the circle is nearly a wall: the difference
+  /// of two large numbers would leave few digits of it.
+  double surface_distance(Vec2 point, double from_center) const {
+    if (radius_ < large) return from_center - radius_;
+    return (dot(point, point) - 2.0 * dot(point, center_) + offset_) / (from_center + radius_);
+  }
+
+  static constexpr double large = 8.0;  ///< L
+  double offset_;                       ///< |center|^2 - radius^2
   Vec2 center_;
   double radius_;
 };

@@ -55,7 +55,7 @@ struct ExecuteControl {
 struct Execution {
   Plan result;              ///< the state reached
   std::vector<Snap> snaps;  ///< in the order in which they happened
-  double load = 0.0;        ///< load fraction reached; 1 unless the status says why not
+  double load = 0.0;        ///< load fraction reached; 1 unless the message says why not
   int steps = 0;            ///< along the path
   int contact_changes = 0;  ///< contacts made and released on the way
   int pieces = 0;           ///< of the fine basis at the end

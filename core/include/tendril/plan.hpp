@@ -129,6 +129,8 @@ struct Plan {
   std::vector<BackbonePoint> backbone;  ///< of the plan, from the base on
   /// of the shape that the search started from; empty for a grasp
   std::vector<BackbonePoint> start_backbone;
+  /// Arc lengths (m) at which the rod first crosses or covers itself, which the model does not forbid (self_overlap()).
+  std::optional<std::pair<double, double>> self_overlap;
   double seconds_assemble = 0.0;  ///< wall time to make the problem
   double seconds_solve = 0.0;     ///< of everything after that but the certificates
   double seconds_certify = 0.0;   ///< of the certificates

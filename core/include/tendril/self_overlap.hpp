@@ -1,0 +1,17 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "tendril/export.hpp"
+#include "tendril/plan.hpp"
+
+namespace tendril {
+
+/// Where a backbone crosses or covers itself first, seen from the base: both arc lengths in m, the smaller one first. A
+/// planar rod cannot do that; the model does not forbid it. `backbone`: samples in order along the rod, as plans hold
+/// them; between two of them the rod is taken as straight.
+TENDRIL_API std::optional<std::pair<double, double>> self_overlap(std::span<const BackbonePoint> backbone);
+
+}  // namespace tendril
