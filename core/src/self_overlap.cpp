@@ -38,6 +38,10 @@ std::optional<std::pair<double, double>> meeting(Vec2 a, Vec2 b, Vec2 c, Vec2 d)
 }  // namespace
 
 std::optional<std::pair<double, double>> self_overlap(std::span<const BackbonePoint> backbone) {
+  // A curve whose tangent turns by less than half a turn moves on along some direction all the time.
+  const auto by_angle = [](const BackbonePoint& a, const BackbonePoint& b) { return a[3] < b[3]; };
+  const auto [least, most] = std::minmax_element(backbone.begin(), backbone.end(), by_angle);
+  if (least == backbone.end() || (*most)[3] - (*least)[3] < 3.0) return std::nullopt;
   const auto point = [&](std::size_t i) { return Vec2{backbone[i][1], backbone[i][2]}; };
   const auto arc = [&](std::size_t i, double t) { return backbone[i][0] + t * (backbone[i + 1][0] - backbone[i][0]); };
   for (std::size_t later = 2; later + 1 < backbone.size(); ++later) {
