@@ -34,6 +34,7 @@ constexpr double contact_neighbourhood =
     0.02;                                ///< no check point this near (in L) to a touching contact's own obstacle
 constexpr double tiny_radius = 1e-3;     ///< (L) an obstacle below it is swollen before a contact with it is searched
 constexpr double swollen_radius = 0.02;  ///< ... to this
+constexpr double slowest_shrinking = 0.95;  ///< per step on the way back, before it is given up
 constexpr int most_exchanges = 25;
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
 constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
@@ -293,16 +294,22 @@ bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartSh
   PoseProgram easier(larger);
   Eigen::VectorXd at = easier.start_from(shape);
   if (!find_point(state, easier, at, forced)) return false;
+  double share = 0.5;
   for (double radius = swollen_radius; radius > least && !must_stop();) {
-    radius = std::max(least, 0.5 * radius);
-    grow_to(radius);
+    const double next = std::max(least, share * radius);
+    grow_to(next);
     easier.invalidate();
     ++state.record.polishes;
     const EvaluationCounts before = easier.counts();
     const PolishReport p = polish(easier, at, {});
     add_difference(tally_.outside_solver, easier.counts(), before);
-    if (!(p.converged && p.infeasibility <= tolerance::equilibrium)) return false;
-    at = p.x;
+    if (p.converged && p.infeasibility <= tolerance::equilibrium) {
+      at = p.x;
+      radius = next;
+      continue;
+    }
+    share = std::sqrt(share);
+    if (share > slowest_shrinking) return false;
   }
   set_branches(program, branches_of(easier));
   x = at;
