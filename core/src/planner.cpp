@@ -31,10 +31,10 @@ constexpr double relaxation_shrink = 1e-2;  ///< ... in these steps
 constexpr double violation_level = -5e-10;  ///< half of the depth that is allowed: a valley below it gets a check point
 constexpr double grazing_level = 1e-6;      ///< a plan this near to an obstacle (in L) leans on a clearance row
 constexpr double contact_neighbourhood =
-    0.02;                                ///< no check point this near (in L) to a touching contact's own obstacle
-constexpr double tiny_radius = 1e-3;     ///< (L) an obstacle below it is swollen before a contact with it is searched
-constexpr double swollen_radius = 0.02;  ///< ... to this
-constexpr double slowest_shrinking = 0.95;  ///< per step on the way back, before it is given up
+    0.02;                             ///< no check point this near (in L) to a touching contact's own obstacle
+constexpr double tiny_radius = 1e-3;  ///< (L) an obstacle below it is swollen before a contact with it is searched
+constexpr double swollen_radii[] = {0.02, 0.1, 0.005};  ///< ... to the first of these that works
+constexpr double slowest_shrinking = 0.95;              ///< per step on the way back, before it is given up
 constexpr int most_exchanges = 25;
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
 constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
@@ -290,10 +290,19 @@ bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartSh
     for (std::size_t i = 0; i < swollen.size(); ++i) swollen[i]->shrink(-std::max(0.0, radius - radii[i]));
   };
   const double least = *std::min_element(radii.begin(), radii.end());
-  grow_to(swollen_radius);
+  grow_to(swollen_radii[0]);
   PoseProgram easier(larger);
-  Eigen::VectorXd at = easier.start_from(shape);
-  if (!find_point(state, easier, at, forced)) return false;
+  Eigen::VectorXd at;
+  double swollen_radius = 0.0;
+  for (const double radius : swollen_radii) {
+    grow_to(radius);
+    easier.invalidate();
+    at = easier.start_from(shape);
+    if (!find_point(state, easier, at, forced)) continue;
+    swollen_radius = radius;
+    break;
+  }
+  if (swollen_radius == 0.0) return false;
   double share = 0.5;
   for (double radius = swollen_radius; radius > least && !must_stop();) {
     const double next = std::max(least, share * radius);
