@@ -19,6 +19,7 @@ constexpr int most_steps = 600;         ///< per stiffness
 constexpr double flat = 1e-9;           ///< gradient in that metric at which a round ends
 constexpr double downward = -1e-7;      ///< a lower eigenvalue is a way down
 constexpr double rigid_enough = 1e-10;  ///< depth of a check point (L) below which multipliers hold it
+constexpr double lying = 1e-5;          ///< distance (L) that a rod which lies along an obstacle does not exceed
 constexpr int most_rounds = 40;         ///< of multipliers
 
 class Valley {
@@ -111,17 +112,20 @@ class Valley {
     return std::max(0.0, -Eigen::VectorXd(program_->constraints(x_)).segment(at.first_check, at.checks).minCoeff());
   }
 
-  std::vector<PressedPoint> points() const {
+  std::vector<PressedPoint> points() {
     const Chain& chain = program_->chain();
+    const Eigen::VectorXd rows = program_->constraints(x_);
     std::vector<PressedPoint> all;
-    int station = -1;
+    double farthest = infinity;
     for (int i = 0; i < program_->layout().checks; ++i) {
       const CheckPoint& c = program_->spec().checks[static_cast<std::size_t>(i)];
-      station =
-          i > 0 && program_->spec().checks[static_cast<std::size_t>(i) - 1].obstacle != c.obstacle ? 0 : station + 1;
+      if (!all.empty() && all.back().obstacle != c.obstacle) farthest = infinity;
+      farthest = std::max(farthest, rows[program_->layout().first_check + i]);
       if (!(held_[i] > tolerance::force)) continue;
       const bool tip = c.piece == chain.piece_count() - 1 && c.sigma == 1.0;
-      all.push_back({c.obstacle, station, chain.start0()[c.piece] + c.sigma * chain.length0()[c.piece], held_[i], tip});
+      const double s = chain.start0()[c.piece] + c.sigma * chain.length0()[c.piece];
+      all.push_back({c.obstacle, farthest < lying, s, held_[i], tip});
+      farthest = 0.0;
     }
     return all;
   }

@@ -19,7 +19,7 @@ struct PressedRun {
 /// One check point that presses.
 struct PressedPoint {
   int obstacle = 0;
-  int station = 0;  ///< counted along the rod, per obstacle: neighbours differ by one
+  bool joined = false;  ///< to the point before it: in between the rod does not leave the obstacle
   double s = 0.0, force = 0.0;
   bool at_tip = false;
 };

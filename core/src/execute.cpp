@@ -230,12 +230,7 @@ void Executor::lie(LoadPath& path, Tracker& tracker, Execution& out) {
   Curve curve(program.chain().curve_tables());
   curve.follow(program.backbone());
   const std::vector<PressedPoint>& points = down.points;
-  const auto lies = [&](std::size_t i) {
-    const auto beside = [&](std::size_t a, std::size_t b) {
-      return points[a].obstacle == points[b].obstacle && points[b].station - points[a].station <= 2;
-    };
-    return (i > 0 && beside(i - 1, i)) || (i + 1 < points.size() && beside(i, i + 1));
-  };
+  const auto lies = [&](std::size_t i) { return points[i].joined || (i + 1 < points.size() && points[i + 1].joined); };
   std::vector<PlannedContact> contacts;
   const std::span<const double> no_knots;
   double first = 1.0;

@@ -31,8 +31,9 @@ constexpr double penalty_cap = 1e4;         ///< largest beta
 constexpr double relaxation_first = 1e-1;   ///< eps of Scholtes and Fischer-Burmeister ...
 constexpr double relaxation_last = 1e-8;    ///< ... ends here ...
 constexpr double relaxation_shrink = 1e-2;  ///< ... in these steps
-constexpr double tiny_radius = 1e-3;     ///< (L) an obstacle below it is swollen before a contact with it is searched
-constexpr double swollen_radius = 0.02;  ///< ... to this
+constexpr double tiny_radius = 1e-3;  ///< (L) an obstacle below it is swollen before a contact with it is searched
+constexpr double swollen_radii[] = {0.02, 0.1, 0.005};  ///< ... to the first of these that works
+constexpr double slowest_shrinking = 0.95;              ///< per step on the way back, before it is given up
 constexpr int most_exchanges = 25;
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
 constexpr int most_pieces_away = 3;   ///< of an unsplit rod, from where the start comes nearest to the obstacle
@@ -279,20 +280,35 @@ bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartSh
     for (std::size_t i = 0; i < swollen.size(); ++i) swollen[i]->shrink(-std::max(0.0, radius - radii[i]));
   };
   const double least = *std::min_element(radii.begin(), radii.end());
-  grow_to(swollen_radius);
+  grow_to(swollen_radii[0]);
   PoseProgram easier(larger);
-  Eigen::VectorXd at = easier.start_from(shape);
-  if (!find_point(state, easier, at, forced)) return false;
-  for (double radius = swollen_radius; radius > least && !must_stop();) {
-    radius = std::max(least, 0.5 * radius);
+  Eigen::VectorXd at;
+  double swollen_radius = 0.0;
+  for (const double radius : swollen_radii) {
     grow_to(radius);
+    easier.invalidate();
+    at = easier.start_from(shape);
+    if (!find_point(state, easier, at, forced)) continue;
+    swollen_radius = radius;
+    break;
+  }
+  if (swollen_radius == 0.0) return false;
+  double share = 0.5;
+  for (double radius = swollen_radius; radius > least && !must_stop();) {
+    const double next = std::max(least, share * radius);
+    grow_to(next);
     easier.invalidate();
     ++state.record.polishes;
     const EvaluationCounts before = easier.counts();
     const PolishReport p = polish(easier, at, {});
     add_difference(tally_.outside_solver, easier.counts(), before);
-    if (!(p.converged && p.infeasibility <= tolerance::equilibrium)) return false;
-    at = p.x;
+    if (p.converged && p.infeasibility <= tolerance::equilibrium) {
+      at = p.x;
+      radius = next;
+      continue;
+    }
+    share = std::sqrt(share);
+    if (share > slowest_shrinking) return false;
   }
   set_branches(program, branches_of(easier));
   x = at;

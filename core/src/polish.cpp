@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "tendril/multipliers.hpp"
@@ -156,6 +157,15 @@ class Polisher::Newton {
     return r;
   }
 
+  /// What a unit roundoff of every variable can change in a row: beside an obstacle of radius r the normal turns by 1/r
+  /// times what the point moves, so that no step gets below that.
+  double rounding(const std::vector<int>& active) {
+    const MatrixView jacobian = program_.jacobian(x_);
+    double largest = 0.0;
+    for (const int i : active) largest = std::max(largest, jacobian.row(i).cwiseAbs().dot(x_.cwiseAbs().transpose()));
+    return std::numeric_limits<double>::epsilon() * largest;
+  }
+
   /// Newton on the current active set. False: no convergence.
   bool newton() {
     pin_bounds();
@@ -227,7 +237,8 @@ class Polisher::Newton {
       }
       if (!accepted) {
         // At the floor of rounding a Newton step cannot make things better.
-        if (now.rows <= 10.0 * options_.row_tolerance && now.slope <= 100.0 * options_.slope_tolerance) return true;
+        const double floor = std::max(10.0 * options_.row_tolerance, rounding(active));
+        if (now.rows <= floor && now.slope <= 100.0 * options_.slope_tolerance) return true;
         report_.reason = "Newton steps do not reduce the residual";
         return false;
       }

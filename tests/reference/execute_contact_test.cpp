@@ -72,7 +72,7 @@ TEST(ExecuteContact, AHeavyRodLiesAlongAWall) {
   ASSERT_GT(e.result.contacts.size(), 50U);
   double carried = 0.0;
   for (const PlannedContact& c : e.result.contacts) {
-    EXPECT_TRUE(c.extended);
+    EXPECT_TRUE(c.extended) << c.arc_length << ", force " << c.force;
     EXPECT_NEAR(c.gap, 0.0, 1e-9);
     carried += c.force;
   }
