@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 
@@ -23,8 +25,10 @@ constexpr double contact_limit = 2e-9;
 constexpr double closest_point_limit = 2e-8;
 constexpr double bounds_limit = 2e-9;
 constexpr double data = 1e-11;
-/// (L) The plan's points are sampled from the same coordinates.
+/// (L, rad) The tip, which every rule integrates whole.
 constexpr double shape_limit = 1e-9;
+/// (L) Between nodes a sample stands on the interpolating polynomial of the plan's own rule.
+constexpr double sample_limit = 1e-6;
 /// Differences of the equilibrium leave about 1e-7 of its scale in the margin.
 constexpr double margin_limit = 1e-4;
 /// (EI/L^2) A contact with less force does not hold the rod.
@@ -180,6 +184,14 @@ struct Stretch {
   double from, to, stiffness, weight, rest;
 };
 
+/// Places along the rod are data too (model.md section 1). Unrounded ones would differ by 1e-12, and the curvature of a
+/// short piece by that over its length.
+double rounded(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.11e", value);
+  return std::strtod(text.data(), nullptr);
+}
+
 /// The rod of a scene, by definitions of its own.
 struct Loaded {
   std::vector<Stretch> segments;
@@ -196,7 +208,7 @@ struct Loaded {
     const double g = scene.gravity ? norm(*scene.gravity) : 0.0;
     if (g > 0.0) gravity = (1.0 / g) * *scene.gravity;
     for (const SegmentSpec& s : scene.rod.segments) {
-      const double to = at + s.length / length;
+      const double to = rounded(at + s.length / length);
       const double weight = s.linear_density * g * length / unit_force;
       segments.push_back({at, to, s.bending_stiffness / stiffness, weight, s.rest_curvature * length});
       loads += weight * (to - at) + std::abs(segments.back().rest) * segments.back().stiffness;
@@ -204,7 +216,8 @@ struct Loaded {
     }
     for (std::size_t a = 0; a < scene.rod.actuators.size(); ++a) {
       const ActuatorSpec& spec = scene.rod.actuators[a];
-      actuators.push_back({spec.from / length, spec.to / length, plan.moments.at(a) / (unit_force * length)});
+      actuators.push_back(
+          {rounded(spec.from / length), rounded(spec.to / length), plan.moments.at(a) / (unit_force * length)});
       loads += std::abs(actuators.back().moment);
     }
     base = (1.0 / length) * scene.rod.base_position;
@@ -311,10 +324,10 @@ class Judge {
   double gap(std::size_t body, Vec2 at, Vec2& normal) const {
     return bodies_[body].distance(at, normal) - bodies_[body].radius;
   }
-  /// Arc length near `s` where the distance to a body is least: there tangent . normal = 0.
-  double closest(const Eigen::VectorXd& q, std::size_t body, double s) const;
-  /// Residual of the equilibrium with contacts at `s` of each, which hold the rod along the obstacle's normal there;
-  /// `pull`: what a unit force of each does.
+  /// Tangent . normal, the slope of the distance along the rod.
+  double slope(const Eigen::VectorXd& q, std::size_t body, double s) const;
+  /// Residual of the equilibrium with contacts at arc lengths `s`, which hold the rod along the obstacle's normal
+  /// there; `pull`: what a unit force of each does.
   Eigen::VectorXd residual(const Eigen::VectorXd& q, const std::vector<double>& s, Eigen::MatrixXd& pull) const;
   void contacts(PlanCheck& check, double tolerance);
   double penetration(const Grid& g);
@@ -441,27 +454,11 @@ Judge::Point Judge::point(const Eigen::VectorXd& q, double s) const {
   return p;
 }
 
-double Judge::closest(const Eigen::VectorXd& q, std::size_t body, double s) const {
-  const auto slope = [&](double at) {
-    const Point p = point(q, at);
-    Vec2 normal{};
-    gap(body, p.at, normal);
-    return std::cos(p.angle) * normal.x + std::sin(p.angle) * normal.y;
-  };
-  // Secant steps: the slope is nearly linear that near.
-  double a = s;
-  double fa = slope(a);
-  double b = s + 1e-6;
-  double fb = slope(b);
-  for (int i = 0; i < 30 && fb != fa && std::abs(fb) > 1e-15; ++i) {
-    const double next = std::clamp(b - fb * (b - a) / (fb - fa), s - 0.01, s + 0.01);
-    a = b;
-    fa = fb;
-    b = next;
-    if (std::abs(b - a) < 1e-14) break;
-    fb = slope(b);
-  }
-  return b;
+double Judge::slope(const Eigen::VectorXd& q, std::size_t body, double s) const {
+  const Point p = point(q, s);
+  Vec2 normal{};
+  gap(body, p.at, normal);
+  return std::cos(p.angle) * normal.x + std::sin(p.angle) * normal.y;
 }
 
 Eigen::VectorXd Judge::residual(const Eigen::VectorXd& q, const std::vector<double>& s, Eigen::MatrixXd& pull) const {
@@ -563,13 +560,6 @@ double Judge::margin() const {
   const Eigen::Index n = q_.size();
   std::vector<double> s;
   for (const Touch& touch : touches_) s.push_back(touch.s);
-  const auto followed = [&](const Eigen::VectorXd& q) {
-    std::vector<double> where = s;
-    for (std::size_t k = 0; k < touches_.size(); ++k) {
-      if (!touches_[k].at_tip && touches_[k].force > pressing) where[k] = closest(q, touches_[k].body, s[k]);
-    }
-    return where;
-  };
   Eigen::MatrixXd pull;
   residual(q_, s, pull);
   std::vector<Eigen::Index> holding;
@@ -588,12 +578,28 @@ double Judge::margin() const {
   Eigen::MatrixXd second(n, n);
   Eigen::MatrixXd unused;
   constexpr double step = 1e-5;
+  Eigen::MatrixXd slides(n, static_cast<Eigen::Index>(touches_.size()));
   for (Eigen::Index i = 0; i < n; ++i) {
     Eigen::VectorXd more = q_;
     Eigen::VectorXd less = q_;
     more[i] += step;
     less[i] -= step;
-    second.col(i) = (residual(more, followed(more), unused) - residual(less, followed(less), unused)) / (2.0 * step);
+    second.col(i) = (residual(more, s, unused) - residual(less, s, unused)) / (2.0 * step);
+    for (std::size_t k = 0; k < touches_.size(); ++k) {
+      slides(i, static_cast<Eigen::Index>(k)) =
+          (slope(more, touches_[k].body, s[k]) - slope(less, touches_[k].body, s[k])) / (2.0 * step);
+    }
+  }
+  // A contact inside the rod slides along as the rod moves. Where the curvature jumps, the side with less sliding
+  // counts.
+  for (const Eigen::Index k : holding) {
+    const Touch& touch = touches_[static_cast<std::size_t>(k)];
+    if (touch.at_tip) continue;
+    constexpr double side = 1e-6;
+    const double here = slope(q_, touch.body, touch.s);
+    const double convexity =
+        std::max(slope(q_, touch.body, touch.s + side) - here, here - slope(q_, touch.body, touch.s - side)) / side;
+    second += (touch.force / convexity) * slides.col(k) * slides.col(k).transpose();
   }
   Eigen::VectorXd stiffness(n);
   for (std::size_t j = 0; j < pieces_.size(); ++j) {
@@ -651,11 +657,15 @@ PlanCheck Judge::judge() {
   limits(check);
   check.shape = norm(g.tip - Vec2{plan_.tip_x / length_, plan_.tip_y / length_});
   check.shape = std::max(check.shape, std::abs(g.tip_angle - plan_.tip_angle));
+  if (!(check.shape <= shape_limit)) check.defects.push_back(fmt::format("the tip is off by {:.2e}", check.shape));
   for (const BackbonePoint& sample : plan_.backbone) {
     const Point p = point(q_, std::clamp(sample[0] / length_, 0.0, 1.0));
-    check.shape = std::max(check.shape, norm(p.at - Vec2{sample[1] / length_, sample[2] / length_}));
+    const double off = norm(p.at - Vec2{sample[1] / length_, sample[2] / length_});
+    if (!(off <= sample_limit)) {
+      check.defects.push_back(fmt::format("the backbone is off by {:.2e}", off));
+      break;
+    }
   }
-  if (!(check.shape <= shape_limit)) check.defects.push_back(fmt::format("another shape by {:.2e}", check.shape));
   if (plan_.target_error) {
     const double error = norm(g.tip - (1.0 / length_) * *scene_.target.position);
     if (!(std::abs(error - *plan_.target_error / length_) <= shape_limit + data * error)) {

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <tuple>
 
@@ -34,9 +35,12 @@ constexpr int most_exchanges = 25;
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
 constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
 constexpr int most_starts = 5;            ///< per mode, before a program may be called infeasible
+constexpr int further_starts = 4;         ///< per mode, where all of these led to no plan
+constexpr int most_restorations = 200;    ///< steps
 constexpr int most_settlings = 3;         ///< executions of unstable plans, for a stable shape to start from
 constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
 constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
+constexpr double bends = 1.0;             ///< a load (EI/L^2) above this decides how the rod hangs
 constexpr double beats = 1e-12;           ///< an objective must be lower by this to win
 constexpr double at_limit = 1e-9;         ///< a variable this near to its limit stands at it, in reports
 constexpr double at_knot = 1e-7;          ///< (in L) a contact this near to the end of its stretch leans against it
@@ -95,6 +99,12 @@ class Planner {
 
   StartShape shape_of(const Plan& plan, const Mode& mode) const;
   StartShape start_shape(int index, const Mode& mode) const;
+  /// The rod without moments as its loads pull it: along them but for a bend next to the clamp.
+  StartShape hanging(bool long_way) const;
+  /// Where no plan was found: more starts, then every assignment of contacts if there are not too many.
+  void search_further(int starts, const std::vector<std::size_t>& order);
+  /// Every mode that could be had ended where its violation is stationary.
+  bool all_infeasible() const;
   /// Where every search ended at an equilibrium that is not stable: what the rod would do under the moments found.
   void settle();
   /// A start of a grasp. Without a force the row of the balance says nothing about where the contact should be.
@@ -149,8 +159,9 @@ class Planner {
   Tally tally_;
   std::vector<ModeState> states_;
   int winner_ = -1;
-  bool have_plan_ = false;  ///< some mode is certified
-  bool following_ = false;  ///< only Newton may move points
+  bool have_plan_ = false;               ///< some mode is certified
+  bool following_ = false;               ///< only Newton may move points
+  bool every_assignment_tried_ = false;  ///< although they are too many to begin with
 };
 
 void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
@@ -183,6 +194,13 @@ std::vector<Branch> branches_of(const PoseProgram& program) {
 
 void set_branches(PoseProgram& program, const std::vector<Branch>& branches) {
   for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, branches[static_cast<std::size_t>(k)]);
+}
+
+/// All that pulls at the rod.
+Vec2 load_of(const Rod& rod) {
+  double weight = rod.payload;
+  for (const Rod::Segment& s : rod.segments) weight += s.weight * (s.to - s.from);
+  return weight * rod.gravity + rod.tip_force;
 }
 
 /// Shape, moments and contacts of an earlier result, as far as `mode` has them.
@@ -223,15 +241,36 @@ StartShape Planner::start_shape(int index, const Mode& mode) const {
   if (index == 0) return d_.palm ? held(d_.scene.start_tip_angle, mode) : d_.scene_start();
   const double own = d_.scene.start_tip_angle;
   const double spread = std::max(0.8, std::abs(own));
-  const double angles[] = {own,
-                           -own - (own == 0.0 ? 0.4 : 0.0),
-                           own + spread,
-                           own - spread,
-                           0.25 * own + 0.1,
-                           own + 2.0 * spread,
-                           own - 2.0 * spread};
-  const double angle = angles[std::min(index, 6)];
+  const double angles[most_starts + further_starts - 2] = {own,
+                                                           -own - (own == 0.0 ? 0.4 : 0.0),
+                                                           own + spread,
+                                                           own - spread,
+                                                           0.25 * own + 0.1,
+                                                           own + 2.0 * spread,
+                                                           own - 2.0 * spread};
+  if (index >= most_starts && !d_.palm) {
+    if (index < most_starts + 2) return hanging(index > most_starts);
+    index -= 2;
+  }
+  const double angle = angles[std::min(index, most_starts + further_starts - 3)];
   return d_.palm ? held(angle, mode) : constant_curvature(angle);
+}
+
+StartShape Planner::hanging(bool long_way) const {
+  const Vec2 load = load_of(d_.rod);
+  const Vec2 along{std::cos(d_.rod.base_angle), std::sin(d_.rod.base_angle)};
+  double turn = std::atan2(cross(along, load), dot(along, load));
+  if (long_way) turn -= std::copysign(2.0 * std::numbers::pi, turn);
+  // Next to the clamp a rod under tension bends within 1/sqrt(tension).
+  const double width = 1.0 / std::sqrt(std::max(norm(load), bends));
+  const double peak = turn / (width * (1.0 - std::exp(-1.0 / width)));
+  StartShape shape;
+  shape.curvature = [peak, width](double s) { return peak * std::exp(-s / width); };
+  shape.moments.assign(d_.rod.actuators.size(), 0.0);
+  for (std::size_t a = 0; a < shape.moments.size(); ++a) {
+    shape.moments[a] = std::clamp(0.0, d_.rod.actuators[a].minimum, d_.rod.actuators[a].maximum);
+  }
+  return shape;
 }
 
 StartShape Planner::held(double tip_angle, const Mode& mode) const {
@@ -306,7 +345,9 @@ bool Planner::sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   const auto counted_polish = [&](const Eigen::VectorXd& from) {
     ++state.record.polishes;
     const EvaluationCounts before = program.counts();
-    PolishReport report = polish(program, from, {});
+    PolishOptions options;
+    options.stop = [this] { return must_stop(); };
+    PolishReport report = polish(program, from, {}, options);
     add_difference(tally_.outside_solver, program.counts(), before);
     return report;
   };
@@ -359,7 +400,8 @@ bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd
 bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
   if (must_stop() || following_ || !x.allFinite()) return false;
   const EvaluationCounts before = program.counts();
-  const FeasibilityReport f = restore_feasibility(program, x, restored);
+  const FeasibilityReport f =
+      restore_feasibility(program, x, restored, most_restorations, [this] { return must_stop(); });
   add_difference(tally_.outside_solver, program.counts(), before);
   if (f.feasible) {
     const OptimalityReport r = solve(state, program, f.x);
@@ -817,8 +859,40 @@ Plan Planner::run() {
     for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
     if (!d_.enumerated) grow();
   }
+  search_further(starts, order);
   settle();
   return report(states_, winner_);
+}
+
+bool Planner::all_infeasible() const {
+  return std::all_of(states_.begin(), states_.end(), [&](const ModeState& state) {
+    return !modes_[static_cast<std::size_t>(state.mode)].skip.empty() ||
+           (!state.best.has_point && state.stationary_violations >= most_starts);
+  });
+}
+
+void Planner::search_further(int starts, const std::vector<std::size_t>& order) {
+  if (d_.palm) return;
+  const bool loaded = norm(load_of(d_.rod)) > bends;
+  for (int round = starts; round < starts + further_starts && winner_ < 0 && !must_stop(); ++round) {
+    // What hangs there is worth two starts more even where the others say that nothing can be had.
+    const bool hangs = round < starts + 2;
+    if (hangs ? !loaded : all_infeasible()) continue;
+    for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
+    if (!d_.enumerated) grow();
+  }
+  if (d_.enumerated || winner_ >= 0) return;
+  const std::vector<ContactSetup> slots =
+      contact_slots(static_cast<int>(d_.rod.fixed_knots().size()) - 1, d_.contact_obstacles);
+  const auto every = every_assignment(slots, d_.scene.contact.count, most_enumerated_at_last);
+  if (!every) return;
+  for (int round = 0; round < most_starts && winner_ < 0 && !must_stop(); ++round) {
+    for (const std::vector<ContactSetup>& contacts : *every) {
+      ModeState& state = states_[state_of(contacts)];
+      if (state.starts_used <= round) consider(state, start_shape(round, modes_[static_cast<std::size_t>(state.mode)]));
+    }
+  }
+  every_assignment_tried_ = !must_stop();
 }
 
 /// Where the violation was least, and which limits stood in the way.
@@ -912,18 +986,11 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
     plan.message = "the time limit of " + std::to_string(d_.scene.solver.time_limit) +
                    " s was reached before a plan was certified";
   } else {
-    bool all_infeasible = true;
-    int proofs = 0;
-    for (const ModeState& state : states) {
-      if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty()) {
-        ++proofs;
-        continue;
-      }
-      all_infeasible = all_infeasible && !state.best.has_point && state.stationary_violations >= most_starts;
-    }
-    const bool by_bound = proofs == static_cast<int>(states.size());
+    const bool by_bound = std::all_of(states.begin(), states.end(), [&](const ModeState& state) {
+      return !modes_[static_cast<std::size_t>(state.mode)].skip.empty();
+    });
     // A search that is no enumeration proves nothing; but a contact out of reach stays out of reach beside others.
-    if (all_infeasible && (d_.enumerated || by_bound)) {
+    if (all_infeasible() && (d_.enumerated || every_assignment_tried_ || by_bound)) {
       plan.status = PlanStatus::infeasible;
       plan.message = by_bound
                          ? "infeasible by a bound: " + (d_.palm ? modes_.back() : modes_.front()).skip
@@ -948,7 +1015,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
         for (const ModeState& state : states) {
           if (!state.trouble.empty()) plan.message = state.record.mode + ": " + state.trouble;
         }
-        if (!d_.enumerated) {
+        if (!d_.enumerated && !every_assignment_tried_) {
           plan.message = "no plan in the " + std::to_string(states.size()) +
                          " assignments of contacts that were tried; others may have one; the last: " + plan.message;
         }

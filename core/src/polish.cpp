@@ -170,6 +170,10 @@ class Polisher {
         report_.reason = "too many steps";
         return false;
       }
+      if (options_.stop && options_.stop()) {
+        report_.reason = "stopped";
+        return false;
+      }
       // The order matters: hessian() moves the program to x.
       const MatrixView hessian = program_.hessian(x_, 1.0, y_);
       const MatrixView jacobian = program_.jacobian(x_);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "tendril/nonlinear_program.hpp"
 
 namespace tendril {
@@ -11,6 +13,7 @@ struct PolishOptions {
   double row_tolerance = 1e-12;  ///< active rows are solved to this (dimensionless; equilibrium must reach 1e-9)
   double slope_tolerance = 1e-10;  ///< gradient of the Lagrangian, relative to 1 + largest multiplier
   int max_iterations = 40;         ///< Newton steps, over all active sets
+  std::function<bool()> stop{};    ///< asked before every step; true: give up
 };
 
 /// Where the polish ended.
