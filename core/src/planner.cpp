@@ -36,6 +36,7 @@ constexpr int most_retries = 3;  ///< of a start whose check points let the rod 
 constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
 constexpr int most_starts = 5;            ///< per mode, before a program may be called infeasible
 constexpr int further_starts = 4;         ///< per mode, where all of these led to no plan
+constexpr double most_of_time = 0.4;      ///< of what is left, for one solve: there are other ways if it gets stuck
 constexpr int most_restorations = 200;    ///< steps
 constexpr int most_settlings = 3;         ///< executions of unstable plans, for a stable shape to start from
 constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
@@ -92,7 +93,7 @@ class Planner {
     SolveControl c;
     c.tolerance = d_.scene.solver.tolerance;
     c.max_iterations = d_.scene.solver.max_iterations;
-    c.time_limit = std::max(1e-3, deadline_ - now());
+    c.time_limit = std::max(1e-3, most_of_time * (deadline_ - now()));
     c.stop = control_.stop;
     return c;
   }
@@ -489,6 +490,11 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
   build();
   bool sharp = sharpen(state, *c.program, x, true);
   if (!sharp && following_) return false;
+  // What is only nearly feasible is feasible, or a place where the violation is stationary.
+  if (!sharp && infeasibility(*c.program, x) > restored) {
+    sharp = recover(state, *c.program, x);
+    if (!sharp && infeasibility(*c.program, x) > restored) return true;
+  }
   for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
     if (!x.allFinite() || !exchange(*c.program, x, *c.certifier, checks, violation_level)) break;
     every_check.insert(every_check.end(), checks.begin(), checks.end());
