@@ -599,6 +599,7 @@ double Judge::margin() const {
     const double here = slope(q_, touch.body, touch.s);
     const double convexity =
         std::max(slope(q_, touch.body, touch.s + side) - here, here - slope(q_, touch.body, touch.s - side)) / side;
+    if (!(convexity > 0.0)) return -infinity;
     second += (touch.force / convexity) * slides.col(k) * slides.col(k).transpose();
   }
   Eigen::VectorXd stiffness(n);

@@ -35,8 +35,9 @@ constexpr int most_exchanges = 25;
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
 constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
 constexpr int most_starts = 5;            ///< per mode, before a program may be called infeasible
-constexpr int further_starts = 4;         ///< per mode, where all of these led to no plan
+constexpr int further_starts = 2;         ///< per mode, where all of these led to no plan
 constexpr double most_of_time = 0.4;      ///< of what is left, for one solve: there are other ways if it gets stuck
+constexpr double little_time = 0.7;       ///< of the time limit: with less left and no plan, the search hurries
 constexpr int most_restorations = 200;    ///< steps
 constexpr int most_settlings = 3;         ///< executions of unstable plans, for a stable shape to start from
 constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
@@ -89,6 +90,8 @@ class Planner {
   };
 
   bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
+  /// So much time has gone without a plan that what is left has to be enough for all that was not tried.
+  bool hurried() const { return !have_plan_ && deadline_ - now() < little_time * d_.scene.solver.time_limit; }
   SolveControl limits() const {
     SolveControl c;
     c.tolerance = d_.scene.solver.tolerance;
@@ -100,6 +103,8 @@ class Planner {
 
   StartShape shape_of(const Plan& plan, const Mode& mode) const;
   StartShape start_shape(int index, const Mode& mode) const;
+  /// Loads decide how the rod hangs.
+  bool loaded() const;
   /// The rod without moments as its loads pull it: along them but for a bend next to the clamp.
   StartShape hanging(bool long_way) const;
   /// Where no plan was found: more starts, then every assignment of contacts if there are not too many.
@@ -112,6 +117,8 @@ class Planner {
   StartShape held(double tip_angle, const Mode& mode) const;
   void try_start(ModeState& state, const StartShape& shape);
   void attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions);
+  /// Remembers which term is not finite at x, for the report.
+  void note_unfit_term(PoseProgram& program, const Eigen::VectorXd& x);
   /// From x (any quality) to a decided branch and a point on it. False: no feasible point was found.
   bool find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced);
   bool treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment);
@@ -120,6 +127,8 @@ class Planner {
   bool sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed);
   /// From a point that violates rows to one that does not, if there is one near; counts those where there is none.
   bool restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
+  /// A quick look where time is short: the violation has a stationary point near x, and no solver is asked.
+  bool nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x);
   /// After a check point moved and neither polish nor solver followed: reduces the violation alone, then tries both
   /// again.
   bool recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
@@ -161,6 +170,7 @@ class Planner {
   std::vector<ModeState> states_;
   int winner_ = -1;
   bool have_plan_ = false;               ///< some mode is certified
+  std::string unfit_;                    ///< a term that gave no number, in words
   bool following_ = false;               ///< only Newton may move points
   bool every_assignment_tried_ = false;  ///< although they are too many to begin with
 };
@@ -240,22 +250,24 @@ StartShape Planner::start_shape(int index, const Mode& mode) const {
     index -= grasp_starts;
   }
   if (index == 0) return d_.palm ? held(d_.scene.start_tip_angle, mode) : d_.scene_start();
-  const double own = d_.scene.start_tip_angle;
-  const double spread = std::max(0.8, std::abs(own));
-  const double angles[most_starts + further_starts - 2] = {own,
-                                                           -own - (own == 0.0 ? 0.4 : 0.0),
-                                                           own + spread,
-                                                           own - spread,
-                                                           0.25 * own + 0.1,
-                                                           own + 2.0 * spread,
-                                                           own - 2.0 * spread};
-  if (index >= most_starts && !d_.palm) {
-    if (index < most_starts + 2) return hanging(index > most_starts);
+  if (loaded() && index > 0) {
+    if (index <= 2) return hanging(index == 2);
     index -= 2;
   }
-  const double angle = angles[std::min(index, most_starts + further_starts - 3)];
+  const double own = d_.scene.start_tip_angle;
+  const double spread = std::max(0.8, std::abs(own));
+  const double angles[most_starts + further_starts] = {own,
+                                                       -own - (own == 0.0 ? 0.4 : 0.0),
+                                                       own + spread,
+                                                       own - spread,
+                                                       0.25 * own + 0.1,
+                                                       own + 2.0 * spread,
+                                                       own - 2.0 * spread};
+  const double angle = angles[std::min(index, most_starts + further_starts - 1)];
   return d_.palm ? held(angle, mode) : constant_curvature(angle);
 }
+
+bool Planner::loaded() const { return !d_.palm && norm(load_of(d_.rod)) > bends; }
 
 StartShape Planner::hanging(bool long_way) const {
   const Vec2 load = load_of(d_.rod);
@@ -423,6 +435,16 @@ bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   return false;
 }
 
+bool Planner::nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x) {
+  const EvaluationCounts before = program.counts();
+  const FeasibilityReport f =
+      restore_feasibility(program, x, restored, most_restorations, [this] { return must_stop(); });
+  add_difference(tally_.outside_solver, program.counts(), before);
+  if (!f.stationary_violation) return false;
+  ++state.stationary_violations;
+  return true;
+}
+
 bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
   return restore(state, program, x) && sharpen(state, program, x, true);
 }
@@ -518,11 +540,23 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
   c.x = x;
   c.solver = state.last;
   c.objective = c.program->cost(x);
+  if (!std::isfinite(c.objective)) {
+    note_unfit_term(*c.program, x);
+    return true;
+  }
   c.has_point = true;
   const bool better = !state.best.has_point || (c.certified() && !state.best.certified()) ||
                       (c.certified() == state.best.certified() && c.objective < state.best.objective - beats);
   if (better) state.best = std::move(c);
   return true;
+}
+
+void Planner::note_unfit_term(PoseProgram& program, const Eigen::VectorXd& x) {
+  program.cost(x);
+  for (std::size_t i = 0; i < d_.terms.size(); ++i) {
+    if (std::isfinite(program.term_value(static_cast<int>(i)))) continue;
+    unfit_ = "objective '" + d_.terms[i].name + "' gives a number that is not finite";
+  }
 }
 
 void Planner::attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions) {
@@ -537,7 +571,11 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
       spec.checks = checks;
       PoseProgram program(spec);
       Eigen::VectorXd x = program.start_from(shape);
-      if (!find_point(state, program, x, branch)) break;
+      if (hurried() && state.starts_used > 1 && nothing_near(state, program, x)) break;
+      if (!find_point(state, program, x, branch)) {
+        if (state.last.status == SolveStatus::not_finite) note_unfit_term(program, x);
+        break;
+      }
       const std::vector<Branch> branches = branches_of(program);
       touching = std::all_of(branches.begin(), branches.end(), [](Branch b) { return b == Branch::touching; });
       if (complete(state, regions, checks, x, branches)) break;
@@ -550,7 +588,9 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
   // A contact that the treatment let go, or could not decide: the branch that touches is a program of its own. It is
   // part of the one just searched, so where that has nothing feasible and a plan is at hand, it is not searched again.
   const bool hopeless = have_plan_ && !state.best.has_point && state.stationary_violations > stationary_before;
-  const bool missing = !mode.contacts.empty() && !required && !hopeless && (!touching || !state.best.certified());
+  const bool out_of_time = hurried() && state.starts_used > 1 && state.stationary_violations > stationary_before;
+  const bool missing =
+      !mode.contacts.empty() && !required && !hopeless && !out_of_time && (!touching || !state.best.certified());
   if (missing && !must_stop()) search(Branch::touching);
 }
 
@@ -879,11 +919,7 @@ bool Planner::all_infeasible() const {
 
 void Planner::search_further(int starts, const std::vector<std::size_t>& order) {
   if (d_.palm) return;
-  const bool loaded = norm(load_of(d_.rod)) > bends;
-  for (int round = starts; round < starts + further_starts && winner_ < 0 && !must_stop(); ++round) {
-    // What hangs there is worth two starts more even where the others say that nothing can be had.
-    const bool hangs = round < starts + 2;
-    if (hangs ? !loaded : all_infeasible()) continue;
+  for (int round = starts; round < starts + further_starts && winner_ < 0 && !all_infeasible(); ++round) {
     for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
     if (!d_.enumerated) grow();
   }
@@ -1016,7 +1052,9 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
       const bool refused =
           last == SolveStatus::unsupported || last == SolveStatus::failed || last == SolveStatus::not_finite;
       plan.status = diverged ? PlanStatus::diverged : refused ? PlanStatus::failed : PlanStatus::not_converged;
-      plan.message = !plan.solver.message.empty() ? plan.solver.message : "no mode led to a plan";
+      plan.message = !unfit_.empty()                ? unfit_
+                     : !plan.solver.message.empty() ? plan.solver.message
+                                                    : "no mode led to a plan";
       if (!refused) {
         for (const ModeState& state : states) {
           if (!state.trouble.empty()) plan.message = state.record.mode + ": " + state.trouble;
