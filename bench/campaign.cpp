@@ -139,7 +139,7 @@ std::vector<CampaignCase> run_campaign(const CampaignSetup& setup) {
   return cases;
 }
 
-bool acceptable(const std::vector<CampaignCase>& cases) {
+bool acceptable(const CampaignSetup& setup, const std::vector<CampaignCase>& cases) {
   std::map<std::string, std::pair<int, int>> counts;  // all, met
   for (const CampaignCase& c : cases) {
     if (c.grave) return false;
@@ -147,7 +147,7 @@ bool acceptable(const std::vector<CampaignCase>& cases) {
     if (c.met) ++counts[c.solver].second;
   }
   return std::all_of(counts.begin(), counts.end(),
-                     [](const auto& entry) { return entry.second.second >= campaign_share * entry.second.first; });
+                     [](const auto& entry) { return entry.second.second >= setup.share * entry.second.first; });
 }
 
 Section campaign_section(const CampaignSetup& setup, const std::vector<CampaignCase>& cases) {
@@ -163,7 +163,7 @@ Section campaign_section(const CampaignSetup& setup, const std::vector<CampaignC
       "the scene is infeasible by a bound or from the stated number of starts. At least {} % have to be met; a crash, "
       "a "
       "hang, a plan that is not confirmed, or a time limit missed by more than 10 % is never allowed.",
-      setup.first, setup.last, setup.time_limit, 100.0 * campaign_share));
+      setup.first, setup.last, setup.time_limit, 100.0 * setup.share));
 
   Table counts{"campaign_counts",
                "Outcomes",

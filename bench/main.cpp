@@ -29,7 +29,7 @@ struct Arguments {
   bool treatments = false;
   std::string seeds = "1:1000";
   int jobs = 1;
-  double time_limit = 10.0;
+  double time_limit = 10.0, share = 0.995;
   bool one = false, print_scene = false;
   bench::Extent extent;
 };
@@ -150,11 +150,12 @@ int campaign(const Arguments& arguments) {
   }
   setup.jobs = arguments.jobs;
   setup.time_limit = arguments.time_limit;
+  setup.share = arguments.share;
   setup.plugin_directories = arguments.plugin_directories;
   setup.stop = arguments.extent.stop;
   const std::vector<bench::CampaignCase> cases = bench::run_campaign(setup);
   const int shown = show(arguments, {bench::campaign_section(setup, cases)});
-  return shown != 0 || !bench::acceptable(cases) ? 1 : 0;
+  return shown != 0 || !bench::acceptable(setup, cases) ? 1 : 0;
 }
 
 int run(int argc, char** argv) {
@@ -215,6 +216,8 @@ int run(int argc, char** argv) {
   campaign_command->add_option("--jobs", arguments.jobs, "Processes at a time")->check(CLI::Range(1, 1024));
   campaign_command->add_option("--time-limit", arguments.time_limit, "Seconds for one plan")
       ->check(CLI::Range(1e-3, 1e6));
+  campaign_command->add_option("--share", arguments.share, "Share of the cases that have to be met")
+      ->check(CLI::Range(0.0, 1.0));
   campaign_command->add_flag("--one", arguments.one, "Plans the first seed in this process: one line of JSON");
   campaign_command->add_flag("--print-scene", arguments.print_scene, "Prints the scenes instead of planning them");
   try {
