@@ -147,7 +147,7 @@ bool acceptable(const CampaignSetup& setup, const std::vector<CampaignCase>& cas
     if (c.met) ++counts[c.solver].second;
   }
   return std::all_of(counts.begin(), counts.end(),
-                     [](const auto& entry) { return entry.second.second >= setup.share * entry.second.first; });
+                     [&setup](const auto& entry) { return entry.second.second >= setup.share * entry.second.first; });
 }
 
 Section campaign_section(const CampaignSetup& setup, const std::vector<CampaignCase>& cases) {

@@ -1043,7 +1043,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
     } else if (shown >= 0) {
       const Certificate& c = states[static_cast<std::size_t>(shown)].best.certificate;
       const bool only_unstable =
-          c.failures.size() == 1 && c.contact_convexity > 0.0 && !(c.stability > tolerance::stability);
+          c.failures.size() == 1 && c.contact_convexity > tolerance::convexity && !(c.stability > tolerance::stability);
       plan.status = only_unstable ? PlanStatus::unstable : PlanStatus::not_converged;
       plan.message = c.failures.empty() ? "no plan" : c.failures.front();
     } else {
