@@ -2,10 +2,15 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <tuple>
+#include <utility>
 
+#include "campaign.hpp"
 #include "parts.hpp"
+#include "random_scene.hpp"
 #include "report.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/interrupt.hpp"
@@ -22,6 +27,10 @@ struct Arguments {
   std::string targets_x, targets_y, output, report, against;
   int starts = 0;
   bool treatments = false;
+  std::string seeds = "1:1000";
+  int jobs = 1;
+  double time_limit = 10.0, share = 0.995;
+  bool one = false, print_scene = false;
   bench::Extent extent;
 };
 
@@ -108,6 +117,47 @@ int report(const Arguments& arguments) {
   return bench::write_report(registry, how) ? 0 : 1;
 }
 
+/// "A:B", both included.
+std::pair<std::uint64_t, std::uint64_t> read_seeds(const std::string& text) {
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
+  char rest = 0;
+  unsigned long long a = 0;
+  unsigned long long b = 0;
+  if (std::sscanf(text.c_str(), "%llu:%llu%c", &a, &b, &rest) == 2) {
+    first = a;
+    last = b;
+  }
+  if (first == 0 || last < first) throw Error("--seeds " + text + ": expected FIRST:LAST, for instance 1:1000");
+  return {first, last};
+}
+
+int campaign(const Arguments& arguments) {
+  bench::CampaignSetup setup;
+  std::tie(setup.first, setup.last) = read_seeds(arguments.seeds);
+  setup.solvers = arguments.solvers;
+  if (arguments.print_scene) {
+    for (std::uint64_t seed = setup.first; seed <= setup.last; ++seed) {
+      const bench::RandomScene scene = bench::random_scene(seed, setup.solvers.front(), arguments.time_limit);
+      fmt::print("# seed {}: {}\n{}", seed, scene.summary, scene.text);
+    }
+    return 0;
+  }
+  if (arguments.one) {
+    plugins::Registry registry = registry_of(arguments);
+    fmt::print("{}\n", bench::campaign_line(registry, setup.first, setup.solvers.front(), arguments.time_limit));
+    return 0;
+  }
+  setup.jobs = arguments.jobs;
+  setup.time_limit = arguments.time_limit;
+  setup.share = arguments.share;
+  setup.plugin_directories = arguments.plugin_directories;
+  setup.stop = arguments.extent.stop;
+  const std::vector<bench::CampaignCase> cases = bench::run_campaign(setup);
+  const int shown = show(arguments, {bench::campaign_section(setup, cases)});
+  return shown != 0 || !bench::acceptable(setup, cases) ? 1 : 0;
+}
+
 int run(int argc, char** argv) {
   CLI::App program("Compares what tendril is made of by error, effort and success.", "tendril-bench");
   program.require_subcommand(1);
@@ -134,6 +184,8 @@ int run(int argc, char** argv) {
       output(command("solvers", "Every solver, algorithm and treatment of complementarity on the same programs"));
   std::vector<const CLI::App*> part_commands;
   for (const bench::Part& part : bench::parts()) part_commands.push_back(output(command(part.name, part.description)));
+  CLI::App* campaign_command =
+      output(command("campaign", "Random scenes, every plan checked: nothing may crash, hang or lie"));
   CLI::App* report_command = command("report", "All of these as one page, with a recommendation");
 
   solvers_command->add_option("SCENE", arguments.extent.scenes,
@@ -156,12 +208,25 @@ int run(int argc, char** argv) {
   report_command->add_option("SCENE", arguments.extent.scenes,
                              "Scene files (TOML) to put to the solvers, too, each with its own target");
   report_command->add_option("--against", arguments.against, "Directory of another report to compare with");
+  campaign_command->add_option("--seeds", arguments.seeds, "First and last seed, FIRST:LAST");
+  campaign_command->add_option("--solver", arguments.solvers, "Solver to plan with; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->required();
+  campaign_command->add_option("--jobs", arguments.jobs, "Processes at a time")->check(CLI::Range(1, 1024));
+  campaign_command->add_option("--time-limit", arguments.time_limit, "Seconds for one plan")
+      ->check(CLI::Range(1e-3, 1e6));
+  campaign_command->add_option("--share", arguments.share, "Share of the cases that have to be met")
+      ->check(CLI::Range(0.0, 1.0));
+  campaign_command->add_flag("--one", arguments.one, "Plans the first seed in this process: one line of JSON");
+  campaign_command->add_flag("--print-scene", arguments.print_scene, "Prints the scenes instead of planning them");
   try {
     program.parse(argc, argv);
     const app::InterruptGuard interrupt;
     arguments.extent.stop = &app::InterruptGuard::flag();
     if (accuracy_command->parsed()) return accuracy(arguments);
     if (solvers_command->parsed()) return solvers(arguments);
+    if (campaign_command->parsed()) return campaign(arguments);
     for (std::size_t i = 0; i < part_commands.size(); ++i) {
       if (!part_commands[i]->parsed()) continue;
       plugins::Registry registry = registry_of(arguments);

@@ -45,6 +45,14 @@ if(TENDRIL_SANITIZERS)
   endif()
 endif()
 
+if(TENDRIL_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    message(FATAL_ERROR "TENDRIL_FUZZ needs clang, whose libFuzzer drives the readers")
+  endif()
+  # Tells the fuzzer which branches an input took; only the fuzzers themselves link its main().
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
+
 if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   find_program(TENDRIL_CCACHE ccache)
   mark_as_advanced(TENDRIL_CCACHE)

@@ -46,15 +46,19 @@ void synchronize(const fs::path& path) {
 
 std::string read_input(const fs::path& path, const std::string& what) {
   const std::string name = what + " '" + path.string() + "'";
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  // Opening a pipe would wait for somebody to write into it.
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file.valid()) throw InputError("cannot open " + name + ": " + reason(errno));
   struct stat status {};
   if (::fstat(file.get(), &status) != 0) throw InputError("cannot read " + name + ": " + reason(errno));
   if (S_ISDIR(status.st_mode)) throw InputError("cannot read " + name + ": it is a directory, expected a file");
+  if (S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode)) {
+    throw InputError("cannot read " + name + ": it is a pipe, expected a file");
+  }
   const std::string too_large = name + " is larger than 4 MiB, the most that is read";
   if (S_ISREG(status.st_mode) && static_cast<std::size_t>(status.st_size) > largest_input) throw InputError(too_large);
 
-  // The size of a pipe or device is not known beforehand, so the limit is kept while reading as well.
+  // The size of a device is not known beforehand, so the limit is kept while reading as well.
   std::string text;
   std::string block(std::size_t{1} << 16, '\0');
   while (true) {

@@ -381,7 +381,7 @@ void Certifier::certify(PoseProgram& judged, ConstVectorRef x, Certificate& c, c
     const bool at_tip = d.spec.contacts[static_cast<std::size_t>(k)].at_tip;
     c.closest_point = std::max(c.closest_point, at_tip ? std::max(0.0, slope) : std::abs(slope));
     c.contact_convexity = std::min(c.contact_convexity, d.convexity(k));
-    spreads = spreads || !(d.convexity(k) > 0.0);
+    spreads = spreads || !(d.convexity(k) > tolerance::convexity);
   }
   c.moment_balance = d.moment_balance(x);
   c.stability = spreads ? -infinity : d.margin(x);

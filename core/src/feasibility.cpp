@@ -17,7 +17,7 @@ void violations(const VectorView& c, const NonlinearProgram& program, Eigen::Vec
 }  // namespace
 
 FeasibilityReport restore_feasibility(NonlinearProgram& program, ConstVectorRef start, double tolerance,
-                                      int max_iterations) {
+                                      int max_iterations, const std::function<bool()>& stop) {
   FeasibilityReport report;
   const int n = program.variable_count();
   Eigen::VectorXd x = start.cwiseMax(program.lower()).cwiseMin(program.upper());
@@ -26,7 +26,7 @@ FeasibilityReport restore_feasibility(NonlinearProgram& program, ConstVectorRef 
   double damping = 1e-3;
   double merit = v.squaredNorm();
   for (; report.iterations < max_iterations && std::isfinite(merit); ++report.iterations) {
-    if (v.size() == 0 || v.cwiseAbs().maxCoeff() <= tolerance) break;
+    if (v.size() == 0 || v.cwiseAbs().maxCoeff() <= tolerance || (stop && stop())) break;
     const Eigen::MatrixXd jacobian = program.jacobian(x);
     Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(n, n);
     Eigen::VectorXd slope = Eigen::VectorXd::Zero(n);

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <tuple>
 
@@ -40,9 +41,14 @@ constexpr int most_pieces_away = 3;   ///< of an unsplit rod, from where the sta
 constexpr int least_iterations = 10;  ///< that a solve of a grasp is thought to take
 constexpr int patience = 8;  ///< of a grasp with a plan: iterations of a solve, in those of the slowest that converged
 constexpr int most_starts = 5;            ///< per mode, before a program may be called infeasible
+constexpr int further_starts = 2;         ///< per mode, where all of these led to no plan
+constexpr double most_of_time = 0.4;      ///< of what is left, for one solve: there are other ways if it gets stuck
+constexpr double little_time = 0.7;       ///< of the time limit: with less left and no plan, the search hurries
+constexpr int most_restorations = 200;    ///< steps
 constexpr int most_settlings = 3;         ///< executions of unstable plans, for a stable shape to start from
 constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
 constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
+constexpr double bends = 1.0;             ///< a load (EI/L^2) above this decides how the rod hangs
 constexpr double beats = 1e-12;           ///< an objective must be lower by this to win
 constexpr double at_limit = 1e-9;         ///< a variable this near to its limit stands at it, in reports
 
@@ -90,18 +96,28 @@ class Planner {
   };
 
   bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
+  /// So much time has gone without a plan that what is left has to be enough for all that was not tried.
+  bool hurried() const { return !have_plan_ && deadline_ - now() < little_time * d_.scene.solver.time_limit; }
   SolveControl limits() const {
     SolveControl c;
     c.tolerance = d_.scene.solver.tolerance;
     c.max_iterations = d_.scene.solver.max_iterations;
     // Programs of a grasp differ little: a search that takes many times as long as others took ends nowhere.
     if (balanced_by_row() && have_plan_) c.max_iterations = std::min(c.max_iterations, patience * slowest_converged_);
-    c.time_limit = std::max(1e-3, deadline_ - now());
+    c.time_limit = std::max(1e-3, most_of_time * (deadline_ - now()));
     c.stop = control_.stop;
     return c;
   }
 
   StartShape start_shape(int index, const Mode& mode) const;
+  /// Loads decide how the rod hangs.
+  bool loaded() const;
+  /// The rod without moments as its loads pull it: along them but for a bend next to the clamp.
+  StartShape hanging(bool long_way) const;
+  /// Where no plan was found: more starts, then every assignment of contacts if there are not too many.
+  void search_further(int starts, const std::vector<std::size_t>& order);
+  /// Every mode that could be had ended where its violation is stationary.
+  bool all_infeasible() const;
   /// Where every search ended at an equilibrium that is not stable, or at none: what the rod would do under the moments
   /// found, or under the least ones.
   void settle();
@@ -117,6 +133,8 @@ class Planner {
   bool promising(PoseProgramSpec spec, const std::vector<CheckPoint>& checks, const StartShape& shape);
   void try_start(ModeState& state, const StartShape& shape);
   void attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions);
+  /// Remembers which term is not finite at x, for the report.
+  void note_unfit_term(PoseProgram& program, const Eigen::VectorXd& x);
   /// From x (any quality) to a decided branch and a point on it. False: no feasible point was found.
   bool find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced);
   bool treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment);
@@ -129,6 +147,8 @@ class Planner {
   bool sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed);
   /// From a point that violates rows to one that does not, if there is one near; counts those where there is none.
   bool restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
+  /// A quick look where time is short: the violation has a stationary point near x, and no solver is asked.
+  bool nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x);
   /// After a check point moved and neither polish nor solver followed: reduces the violation alone, then tries both
   /// again.
   bool recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
@@ -146,6 +166,8 @@ class Planner {
   void grow();
   std::size_t state_of(const std::vector<ContactSetup>& contacts);
   std::vector<std::size_t> parents(int contacts) const;
+  /// Rounds of search().
+  int starts() const { return most_starts + (control_.start != nullptr ? 1 : 0) + (d_.palm ? 1 : 0); }
   static bool all_press(const ModeState& state) {
     const PoseProgram::Layout& at = state.best.program->layout();
     return at.forces == 0 || state.best.x.segment(at.first_force, at.forces).minCoeff() > tolerance::force;
@@ -169,6 +191,8 @@ class Planner {
   bool following_ = false;                    ///< only Newton may move points
   double balanced_objective_ = infinity;      ///< scaled, of start_from_balance()
   bool deferring_ = false;                    ///< starts of a grasp that do not look promising wait for the others
+  std::string unfit_;                         ///< a term that gave no number, in words
+  bool every_assignment_tried_ = false;       ///< although they are too many to begin with
 };
 
 void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
@@ -199,14 +223,15 @@ std::vector<Branch> branches_of(const PoseProgram& program) {
   return branches;
 }
 
-/// Of rows, the largest.
-double violation(PoseProgram& program, const Eigen::VectorXd& x) {
-  const VectorView c = program.constraints(x);
-  return std::max(0.0, std::max((c - program.row_upper()).maxCoeff(), (program.row_lower() - c).maxCoeff()));
-}
-
 void set_branches(PoseProgram& program, const std::vector<Branch>& branches) {
   for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, branches[static_cast<std::size_t>(k)]);
+}
+
+/// All that pulls at the rod.
+Vec2 load_of(const Rod& rod) {
+  double weight = rod.payload;
+  for (const Rod::Segment& s : rod.segments) weight += s.weight * (s.to - s.from);
+  return weight * rod.gravity + rod.tip_force;
 }
 
 StartShape Planner::start_shape(int index, const Mode& mode) const {
@@ -220,17 +245,40 @@ StartShape Planner::start_shape(int index, const Mode& mode) const {
     index -= grasp_starts;
   }
   if (index == 0) return d_.palm ? held(d_.scene.start_tip_angle, mode) : d_.scene_start();
+  if (loaded() && index > 0) {
+    if (index <= 2) return hanging(index == 2);
+    index -= 2;
+  }
   const double own = d_.scene.start_tip_angle;
   const double spread = std::max(0.8, std::abs(own));
-  const double angles[] = {own,
-                           -own - (own == 0.0 ? 0.4 : 0.0),
-                           own + spread,
-                           own - spread,
-                           0.25 * own + 0.1,
-                           own + 2.0 * spread,
-                           own - 2.0 * spread};
-  const double angle = angles[std::min(index, 6)];
+  const double angles[most_starts + further_starts] = {own,
+                                                       -own - (own == 0.0 ? 0.4 : 0.0),
+                                                       own + spread,
+                                                       own - spread,
+                                                       0.25 * own + 0.1,
+                                                       own + 2.0 * spread,
+                                                       own - 2.0 * spread};
+  const double angle = angles[std::min(index, most_starts + further_starts - 1)];
   return d_.palm ? held(angle, mode) : constant_curvature(angle);
+}
+
+bool Planner::loaded() const { return !d_.palm && norm(load_of(d_.rod)) > bends; }
+
+StartShape Planner::hanging(bool long_way) const {
+  const Vec2 load = load_of(d_.rod);
+  const Vec2 along{std::cos(d_.rod.base_angle), std::sin(d_.rod.base_angle)};
+  double turn = std::atan2(cross(along, load), dot(along, load));
+  if (long_way) turn -= std::copysign(2.0 * std::numbers::pi, turn);
+  // Next to the clamp a rod under tension bends within 1/sqrt(tension).
+  const double width = 1.0 / std::sqrt(std::max(norm(load), bends));
+  const double peak = turn / (width * (1.0 - std::exp(-1.0 / width)));
+  StartShape shape;
+  shape.curvature = [peak, width](double s) { return peak * std::exp(-s / width); };
+  shape.moments.assign(d_.rod.actuators.size(), 0.0);
+  for (std::size_t a = 0; a < shape.moments.size(); ++a) {
+    shape.moments[a] = std::clamp(0.0, d_.rod.actuators[a].minimum, d_.rod.actuators[a].maximum);
+  }
+  return shape;
 }
 
 StartShape Planner::held(double tip_angle, const Mode& mode) const {
@@ -360,7 +408,9 @@ bool Planner::sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   const auto counted_polish = [&](const Eigen::VectorXd& from) {
     ++state.record.polishes;
     const EvaluationCounts before = program.counts();
-    PolishReport report = polish(program, from, {});
+    PolishOptions options;
+    options.stop = [this] { return must_stop(); };
+    PolishReport report = polish(program, from, {}, options);
     add_difference(tally_.outside_solver, program.counts(), before);
     return report;
   };
@@ -413,7 +463,8 @@ bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd
 bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
   if (must_stop() || following_ || !x.allFinite()) return false;
   const EvaluationCounts before = program.counts();
-  const FeasibilityReport f = restore_feasibility(program, x, restored);
+  const FeasibilityReport f =
+      restore_feasibility(program, x, restored, most_restorations, [this] { return must_stop(); });
   add_difference(tally_.outside_solver, program.counts(), before);
   if (f.feasible) {
     const OptimalityReport r = solve(state, program, f.x);
@@ -432,6 +483,16 @@ bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
                 f.stationary_violation ? ", stationary" : "");
   state.trouble = text;
   return false;
+}
+
+bool Planner::nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x) {
+  const EvaluationCounts before = program.counts();
+  const FeasibilityReport f =
+      restore_feasibility(program, x, restored, most_restorations, [this] { return must_stop(); });
+  add_difference(tally_.outside_solver, program.counts(), before);
+  if (!f.stationary_violation) return false;
+  ++state.stationary_violations;
+  return true;
 }
 
 bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
@@ -455,11 +516,10 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
   build();
   bool sharp = sharpen(state, *c.program, x, true);
   if (!sharp && following_) return false;
-  if (!sharp && x.allFinite() && violation(*c.program, x) > restored) {
-    // Near to feasible may be as near as it gets: then there is no point at all.
-    const int before = state.stationary_violations;
+  // What is only nearly feasible is feasible, or a place where the violation is stationary: then there is no point.
+  if (!sharp && x.allFinite() && infeasibility(*c.program, x) > restored) {
     sharp = recover(state, *c.program, x);
-    if (!sharp && state.stationary_violations > before) return true;
+    if (!sharp && infeasibility(*c.program, x) > restored) return true;
   }
   for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
     if (!x.allFinite() || !exchange_checks(*c.program, x, *c.certifier, checks, violation_level)) break;
@@ -484,11 +544,23 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
   c.x = x;
   c.solver = state.last;
   c.objective = c.program->cost(x);
+  if (!std::isfinite(c.objective)) {
+    note_unfit_term(*c.program, x);
+    return true;
+  }
   c.has_point = true;
   const bool better = !state.best.has_point || (c.certified() && !state.best.certified()) ||
                       (c.certified() == state.best.certified() && c.objective < state.best.objective - beats);
   if (better) state.best = std::move(c);
   return true;
+}
+
+void Planner::note_unfit_term(PoseProgram& program, const Eigen::VectorXd& x) {
+  program.cost(x);
+  for (std::size_t i = 0; i < d_.terms.size(); ++i) {
+    if (std::isfinite(program.term_value(static_cast<int>(i)))) continue;
+    unfit_ = "objective '" + d_.terms[i].name + "' gives a number that is not finite";
+  }
 }
 
 void Planner::attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions) {
@@ -510,7 +582,11 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
       spec.checks = checks;
       PoseProgram program(spec);
       Eigen::VectorXd x = program.start_from(shape);
-      if (!swell(state, spec, shape, branch, program, x) && !find_point(state, program, x, branch)) break;
+      if (hurried() && state.starts_used > 1 && nothing_near(state, program, x)) break;
+      if (!swell(state, spec, shape, branch, program, x) && !find_point(state, program, x, branch)) {
+        if (state.last.status == SolveStatus::not_finite) note_unfit_term(program, x);
+        break;
+      }
       const std::vector<Branch> branches = branches_of(program);
       touching = std::all_of(branches.begin(), branches.end(), [](Branch b) { return b == Branch::touching; });
       if (complete(state, regions, checks, x, branches)) break;
@@ -523,7 +599,9 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
   // A contact that the treatment let go, or could not decide: the branch that touches is a program of its own. It is
   // part of the one just searched, so where that has nothing feasible and a plan is at hand, it is not searched again.
   const bool hopeless = have_plan_ && !state.best.has_point && state.stationary_violations > stationary_before;
-  const bool missing = !mode.contacts.empty() && !required && !hopeless && (!touching || !state.best.certified());
+  const bool out_of_time = hurried() && state.starts_used > 1 && state.stationary_violations > stationary_before;
+  const bool missing =
+      !mode.contacts.empty() && !required && !hopeless && !out_of_time && (!touching || !state.best.certified());
   if (missing && !must_stop()) search(Branch::touching);
 }
 
@@ -778,14 +856,14 @@ Plan Planner::run() {
   if (winner_ >= 0) return report(states_, winner_);
   if (d_.palm && !d_.palm->balance) start_from_balance(order);
   search(order);
+  search_further(starts(), order);
   settle();
   return report(states_, winner_);
 }
 
 void Planner::search(const std::vector<std::size_t>& order) {
   const int earlier = control_.start != nullptr ? 1 : 0;
-  const int starts = most_starts + earlier + (d_.palm ? 1 : 0);
-  for (int round = 0; round < starts && !must_stop(); ++round) {
+  for (int round = 0; round < starts() && !must_stop(); ++round) {
     // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
     // families with several valleys of the effort; what follows its own starts is no equilibrium.
     if (winner_ >= 0 && (balanced_by_row() ? round >= earlier + grasp_starts : round > 0 && !d_.palm)) break;
@@ -829,6 +907,33 @@ void Planner::start_from_balance(const std::vector<std::size_t>& order) {
   winner_ = -1;
   have_plan_ = false;
   consider(states_[static_cast<std::size_t>(mode)], shape);
+}
+
+bool Planner::all_infeasible() const {
+  return std::all_of(states_.begin(), states_.end(), [&](const ModeState& state) {
+    return !modes_[static_cast<std::size_t>(state.mode)].skip.empty() ||
+           (!state.best.has_point && state.stationary_violations >= most_starts);
+  });
+}
+
+void Planner::search_further(int starts, const std::vector<std::size_t>& order) {
+  if (d_.palm) return;
+  for (int round = starts; round < starts + further_starts && winner_ < 0 && !all_infeasible(); ++round) {
+    for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
+    if (!d_.enumerated) grow();
+  }
+  if (d_.enumerated || winner_ >= 0) return;
+  const std::vector<ContactSetup> slots =
+      contact_slots(static_cast<int>(d_.rod.fixed_knots().size()) - 1, d_.contact_obstacles);
+  const auto every = every_assignment(slots, d_.scene.contact.count, most_enumerated_at_last);
+  if (!every) return;
+  for (int round = 0; round < most_starts && winner_ < 0 && !must_stop(); ++round) {
+    for (const std::vector<ContactSetup>& contacts : *every) {
+      ModeState& state = states_[state_of(contacts)];
+      if (state.starts_used <= round) consider(state, start_shape(round, modes_[static_cast<std::size_t>(state.mode)]));
+    }
+  }
+  every_assignment_tried_ = !must_stop();
 }
 
 /// Where the violation was least, and which limits stood in the way.
@@ -931,18 +1036,11 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
     plan.message = "the time limit of " + std::to_string(d_.scene.solver.time_limit) +
                    " s was reached before a plan was certified";
   } else {
-    bool all_infeasible = true;
-    int proofs = 0;
-    for (const ModeState& state : states) {
-      if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty()) {
-        ++proofs;
-        continue;
-      }
-      all_infeasible = all_infeasible && !state.best.has_point && state.stationary_violations >= most_starts;
-    }
-    const bool by_bound = proofs == static_cast<int>(states.size());
+    const bool by_bound = std::all_of(states.begin(), states.end(), [&](const ModeState& state) {
+      return !modes_[static_cast<std::size_t>(state.mode)].skip.empty();
+    });
     // A search that is no enumeration proves nothing; but a contact out of reach stays out of reach beside others.
-    if (all_infeasible && (d_.enumerated || by_bound)) {
+    if (all_infeasible() && (d_.enumerated || every_assignment_tried_ || by_bound)) {
       plan.status = PlanStatus::infeasible;
       plan.message = by_bound
                          ? "infeasible by a bound: " + (d_.palm ? modes_.back() : modes_.front()).skip
@@ -953,7 +1051,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
     } else if (shown >= 0) {
       const Certificate& c = states[static_cast<std::size_t>(shown)].best.certificate;
       const bool only_unstable =
-          c.failures.size() == 1 && c.contact_convexity > 0.0 && !(c.stability > tolerance::stability);
+          c.failures.size() == 1 && c.contact_convexity > tolerance::convexity && !(c.stability > tolerance::stability);
       plan.status = only_unstable ? PlanStatus::unstable : PlanStatus::not_converged;
       plan.message = c.failures.empty() ? "no plan" : c.failures.front();
     } else {
@@ -962,12 +1060,14 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
       const bool refused =
           last == SolveStatus::unsupported || last == SolveStatus::failed || last == SolveStatus::not_finite;
       plan.status = diverged ? PlanStatus::diverged : refused ? PlanStatus::failed : PlanStatus::not_converged;
-      plan.message = !plan.solver.message.empty() ? plan.solver.message : "no mode led to a plan";
+      plan.message = !unfit_.empty()                ? unfit_
+                     : !plan.solver.message.empty() ? plan.solver.message
+                                                    : "no mode led to a plan";
       if (!refused) {
         for (const ModeState& state : states) {
           if (!state.trouble.empty()) plan.message = state.record.mode + ": " + state.trouble;
         }
-        if (!d_.enumerated) {
+        if (!d_.enumerated && !every_assignment_tried_) {
           plan.message = "no plan in the " + std::to_string(states.size()) +
                          " assignments of contacts that were tried; others may have one; the last: " + plan.message;
         }
@@ -997,7 +1097,12 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.tip_angle = program.backbone().tip_angle();
   if (d_.target.has_position) plan.target_error = norm(tip - d_.target.position) * length;
   plan.contacts = planned_contacts(program, d_.obstacle_names, d_.scale);
-  plan.backbone = sampled_backbone(program, length);
+  // Between nodes the samples stand on an interpolating polynomial: a finer rule than the rows need.
+  PoseProgramSpec finer = program.spec();
+  finer.nodes *= 2;
+  PoseProgram sampler(finer);
+  sampler.constraints(x);
+  plan.backbone = sampled_backbone(sampler, length);
   plan.self_overlap = self_overlap(plan.backbone);
   if (d_.palm) finish_grasp(d_, program, x, plan);
   plan.seconds_certify = tally_.seconds_certifying;

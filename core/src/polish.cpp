@@ -159,10 +159,14 @@ class Polisher::Newton {
 
   /// What a unit roundoff of every variable can change in a row: beside an obstacle of radius r the normal turns by 1/r
   /// times what the point moves, so that no step gets below that.
-  double rounding(const std::vector<int>& active) {
-    const MatrixView jacobian = program_.jacobian(x_);
+  double rounding() {
+    const MatrixView jacobian = program_->jacobian(x_);
     double largest = 0.0;
-    for (const int i : active) largest = std::max(largest, jacobian.row(i).cwiseAbs().dot(x_.cwiseAbs().transpose()));
+    for (const int i : active_) {
+      double sum = 0.0;
+      for (Eigen::Index v = 0; v < x_.size(); ++v) sum += std::abs(jacobian(i, v) * x_[v]);
+      largest = std::max(largest, sum);
+    }
     return std::numeric_limits<double>::epsilon() * largest;
   }
 
@@ -186,6 +190,10 @@ class Polisher::Newton {
     while (now.rows > options_.row_tolerance || now.slope > options_.slope_tolerance) {
       if (report_.iterations++ >= options_.max_iterations) {
         report_.reason = "too many steps";
+        return false;
+      }
+      if (options_.stop && options_.stop()) {
+        report_.reason = "stopped";
         return false;
       }
       // The order matters: hessian() moves the program to x.
@@ -237,7 +245,7 @@ class Polisher::Newton {
       }
       if (!accepted) {
         // At the floor of rounding a Newton step cannot make things better.
-        const double floor = std::max(10.0 * options_.row_tolerance, rounding(active));
+        const double floor = std::max(10.0 * options_.row_tolerance, rounding());
         if (now.rows <= floor && now.slope <= 100.0 * options_.slope_tolerance) return true;
         report_.reason = "Newton steps do not reduce the residual";
         return false;

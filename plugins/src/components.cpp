@@ -1,5 +1,9 @@
 #include "tendril/plugins/components.hpp"
 
+#include <utility>
+
+#include "use_guard.hpp"
+
 namespace tendril::plugins {
 
 namespace {
@@ -13,6 +17,18 @@ void run(const Located& at, const std::string& path, const std::function<void()>
 }
 
 std::string numbered(const char* table, std::size_t i) { return std::string(table) + '[' + std::to_string(i) + ']'; }
+
+/// What came from a plugin is guarded in use; what core brings along needs no guard.
+template <class Interface>
+std::unique_ptr<Interface> guarded_if_opened(const Registry& registry, ComponentKind kind, const std::string& name,
+                                             std::unique_ptr<Interface> made) {
+  for (const Registry::Opened& opened : registry.opened()) {
+    if (opened.kind != kind || opened.name != name) continue;
+    return guarded(std::move(made),
+                   std::string(to_string(kind)) + " plugin '" + name + "' (" + opened.file.string() + ")");
+  }
+  return made;
+}
 
 /// Makes components of one scene, each with its options resolved.
 struct Maker {
@@ -33,8 +49,10 @@ std::vector<std::unique_ptr<Obstacle>> make_obstacles(Registry& registry, const 
   std::vector<std::unique_ptr<Obstacle>> made;
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const ObstacleSpec& spec = scene.obstacles[i];
-    run(at, numbered("obstacle", i),
-        [&] { made.push_back(make(registry.obstacle(spec.shape), spec.options, "obstacle shape")); });
+    run(at, numbered("obstacle", i), [&] {
+      made.push_back(guarded_if_opened(registry, ComponentKind::obstacle, spec.shape,
+                                       make(registry.obstacle(spec.shape), spec.options, "obstacle shape")));
+    });
   }
   return made;
 }
@@ -43,8 +61,9 @@ Components make_components(Registry& registry, const Scene& scene, const Located
   const Maker make{scene};
   Components made;
   run(at, "coordinates", [&] {
-    made.coordinates =
-        make(registry.coordinates(scene.coordinates.plugin), scene.coordinates.options, "coordinates plugin");
+    made.coordinates = guarded_if_opened(
+        registry, ComponentKind::coordinates, scene.coordinates.plugin,
+        make(registry.coordinates(scene.coordinates.plugin), scene.coordinates.options, "coordinates plugin"));
   });
   if (needs_obstacles(scene)) made.obstacles = make_obstacles(registry, scene, at);
   for (std::size_t i = 0; i < scene.objectives.size(); ++i) {
@@ -53,8 +72,10 @@ Components make_components(Registry& registry, const Scene& scene, const Located
       made.terms.push_back(nullptr);
       continue;
     }
-    run(at, numbered("objective", i),
-        [&] { made.terms.push_back(make(registry.objective(spec.plugin), spec.options, "objective plugin")); });
+    run(at, numbered("objective", i), [&] {
+      made.terms.push_back(guarded_if_opened(registry, ComponentKind::objective, spec.plugin,
+                                             make(registry.objective(spec.plugin), spec.options, "objective plugin")));
+    });
   }
   const SolverComponent* solver = nullptr;
   run(at, "solver", [&] { solver = &registry.solver(scene.solver.plugin); });

@@ -33,6 +33,13 @@ extern "C" void tendril_on_crash_while_opening(int signal_number) {
   }
 }
 
+/// A plugin that calls exit() must not look like a program that had nothing more to say.
+void on_exit_while_opening() {
+  if (text.load() == nullptr) return;
+  say();
+  ::_exit(2);
+}
+
 [[noreturn]] void on_terminate() {
   say();
   if (terminate_before) terminate_before();
@@ -45,6 +52,8 @@ OpeningGuard::OpeningGuard(const std::filesystem::path& library)
     : message_("tendril: the plugin " + library.string() + " ended the program while it was being opened\n"),
       terminate_before_(std::set_terminate(on_terminate)) {
   terminate_before = terminate_before_;
+  static const bool registered = std::atexit(on_exit_while_opening) == 0;
+  static_cast<void>(registered);
   text_size = message_.size();
   text = message_.c_str();
   struct sigaction action {};

@@ -101,7 +101,12 @@ class NloptSolver final : public Solver {
     bool halves_step = false;
     bool limit_met = false;
     bool circles = false;  ///< it asked for one point again and again
+    int searched = 0;      ///< values since the last gradient
+    bool stuck = false;
   };
+
+  /// SLSQP's line search can go on for ever where rounding hides all progress. No search takes so many values.
+  static constexpr int longest_search = 1000;
 
   /// After so many shortened steps in a row there is nothing finite to step to.
   static constexpr int shortenings = 30;
@@ -123,6 +128,12 @@ class NloptSolver final : public Solver {
       const int iterations = run.uses_gradient ? run.gradients - 1 : run.evaluations / (static_cast<int>(n) + 1);
       if (iterations > run.iteration_limit) {
         run.limit_met = true;
+        nlopt_force_stop(run.opt);
+        return HUGE_VAL;
+      }
+      run.searched = gradient != nullptr ? 0 : run.searched + 1;
+      if (run.halves_step && run.searched > longest_search) {
+        run.stuck = true;
         nlopt_force_stop(run.opt);
         return HUGE_VAL;
       }
@@ -298,7 +309,7 @@ class NloptSolver final : public Solver {
 
   SolveStatus status_of(nlopt_result result, const Run& run) const {
     if (run.limit_met) return SolveStatus::iteration_limit;
-    if (run.circles) return SolveStatus::stalled;
+    if (run.circles || run.stuck) return SolveStatus::stalled;
     switch (result) {
       case NLOPT_SUCCESS:
       case NLOPT_STOPVAL_REACHED:
@@ -436,6 +447,8 @@ class NloptSolver final : public Solver {
       double cost = 0.0;
       run.repeats = 0;
       run.circles = false;
+      run.stuck = false;
+      run.searched = 0;
       const nlopt_result result = nlopt_optimize(opt.get(), outcome.x.data(), &cost);
       outcome.native_status = words(result);
       outcome.status = status_of(result, run);

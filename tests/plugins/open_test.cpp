@@ -144,6 +144,12 @@ TEST(OpenPlugin, AnotherEigenAlignmentIsTold) {
   expect_says(error.what(), {"Eigen alignment in bytes: 64, this program: 16"});
 }
 
+TEST(OpenPlugin, AnotherSanitizerIsTold) {
+  const PluginError error = failure_of_fixture("other_sanitizer");
+  EXPECT_EQ(error.failure(), Failure::other_interface);
+  expect_says(error.what(), {"sanitizers", "build both with the same -fsanitize"});
+}
+
 TEST(OpenPlugin, ALaterCoreIsTold) {
   const PluginError error = failure_of_fixture("later_core");
   EXPECT_EQ(error.failure(), Failure::other_interface);
@@ -205,6 +211,12 @@ TEST(OpenPlugin, AFactoryThatReturnsNothingIsTold) {
 TEST(OpenPluginDeathTest, ACrashNamesTheLibrary) {
   EXPECT_DEATH(Registry(catalog_of({fixture_directory("aborts_at_load")})).objective("aborts_at_load"),
                "tendril-objective-aborts_at_load.so ended the program while it was being opened");
+}
+
+TEST(OpenPluginDeathTest, AnExitNamesTheLibrary) {
+  EXPECT_EXIT(Registry(catalog_of({fixture_directory("calls_exit")})).objective("calls_exit"),
+              testing::ExitedWithCode(2),
+              "tendril-objective-calls_exit.so ended the program while it was being opened");
 }
 
 }  // namespace

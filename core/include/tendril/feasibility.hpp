@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+
 #include "tendril/nonlinear_program.hpp"
 
 namespace tendril {
@@ -15,8 +17,9 @@ struct FeasibilityReport {
 };
 
 /// Reduces the violation of rows and bounds alone, by a projected Levenberg-Marquardt method with exact Jacobians. It
-/// decides between "the solver failed" and "nothing feasible is near".
+/// decides between "the solver failed" and "nothing feasible is near". `stop` is asked before every step; true: give
+/// up.
 TENDRIL_API FeasibilityReport restore_feasibility(NonlinearProgram& program, ConstVectorRef x, double tolerance,
-                                                  int max_iterations = 200);
+                                                  int max_iterations = 200, const std::function<bool()>& stop = {});
 
 }  // namespace tendril

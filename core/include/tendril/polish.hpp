@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "tendril/nonlinear_program.hpp"
@@ -13,6 +14,7 @@ struct PolishOptions {
   double row_tolerance = 1e-12;  ///< active rows are solved to this (dimensionless; equilibrium must reach 1e-9)
   double slope_tolerance = 1e-10;  ///< gradient of the Lagrangian, relative to 1 + largest multiplier
   int max_iterations = 40;         ///< Newton steps, over all active sets
+  std::function<bool()> stop{};    ///< asked before every step; true: give up
 };
 
 /// Where the polish ended.

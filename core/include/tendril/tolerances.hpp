@@ -12,8 +12,11 @@ inline constexpr double complementarity = 1e-9;  ///< min(gap, force)
 inline constexpr double closest_point = 1e-8;    ///< tangent . normal
 inline constexpr double stationarity = 1e-6;     ///< gradient of the Lagrangian of the tightened program
 inline constexpr double stability = 1e-6;        ///< least margin
-inline constexpr double quadrature = 1e-10;      ///< change of a row when the rule is doubled; more means more nodes
-inline constexpr double force = 1e-9;            ///< a contact with less force does not hold the rod
+/// Least d_ss of a contact with force (model.md section 7). A rod that lies straight along a flat side has 0 and some
+/// 1e-14 of rounding, which is no point contact either.
+inline constexpr double convexity = 1e-9;
+inline constexpr double quadrature = 1e-10;  ///< change of a row when the rule is doubled; more means more nodes
+inline constexpr double force = 1e-9;        ///< a contact with less force does not hold the rod
 /// Tip of a plan against tip of its execution. What a coarse basis leaves out stays below it (three arcs per rod: up to
 /// 3e-2 on the braced arm); another equilibrium branch lies beyond it. A plan that loses or gains a contact is refused
 /// whatever the distance.

@@ -36,5 +36,8 @@ std::string description_json(const Scene& scene, const Description& description,
 /// or belongs to another rod; `what` the file is to be, for messages. Contacts with obstacles that the scene does not
 /// have are left out.
 Plan read_start(const std::filesystem::path& path, const Scene& scene, const std::string& what = "start");
+/// The same from the text of a file; `file` is its name, for messages.
+Plan parse_start(const std::string& text, const std::string& file, const Scene& scene,
+                 const std::string& what = "start");
 
 }  // namespace tendril::app

@@ -1,0 +1,150 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "tendril/app/files.hpp"
+#include "tendril/app/input_error.hpp"
+#include "tendril/app/result.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Reads members of a JSON value that anybody may have written.
+class Reader {
+ public:
+  Reader(const Json& json, std::string file, std::string path)
+      : json_(json), file_(std::move(file)), path_(std::move(path)) {}
+
+  [[noreturn]] void fail(const std::string& expected) const {
+    throw InputError(fmt::format("{}: found {} at '{}', expected {}", file_, json_.type_name(),
+                                 path_.empty() ? "/" : path_, expected));
+  }
+  Reader member(const std::string& name) const {
+    const auto found = json_.is_object() ? json_.find(name) : json_.end();
+    if (!json_.is_object() || found == json_.end()) {
+      throw InputError(
+          fmt::format("{}: '{}/{}' is missing, expected a result of 'tendril plan --json'", file_, path_, name));
+    }
+    return {*found, file_, path_ + '/' + name};
+  }
+  bool has(const std::string& name) const { return json_.is_object() && json_.contains(name); }
+  double real() const {
+    if (!json_.is_number()) fail("a number");
+    const double value = json_.get<double>();
+    if (!std::isfinite(value)) fail("a finite number");
+    return value;
+  }
+  int whole(int minimum, int maximum) const {
+    const double value = real();
+    if (value < minimum || value > maximum || value != std::floor(value))
+      fail(fmt::format("a whole number from {} to {}", minimum, maximum));
+    return static_cast<int>(value);
+  }
+  bool truth() const {
+    if (!json_.is_boolean()) fail("true or false");
+    return json_.get<bool>();
+  }
+  std::string text() const {
+    if (!json_.is_string()) fail("text");
+    return json_.get<std::string>();
+  }
+  std::vector<Reader> list() const {
+    if (!json_.is_array()) fail("a list");
+    std::vector<Reader> entries;
+    for (std::size_t i = 0; i < json_.size(); ++i) entries.push_back({json_[i], file_, fmt::format("{}/{}", path_, i)});
+    return entries;
+  }
+  std::vector<double> reals() const {
+    std::vector<double> values;
+    for (const Reader& entry : list()) values.push_back(entry.real());
+    return values;
+  }
+  Vec2 point() const {
+    const std::vector<double> values = reals();
+    if (values.size() != 2) fail("a list of two numbers");
+    return {values[0], values[1]};
+  }
+
+ private:
+  const Json& json_;
+  std::string file_;
+  std::string path_;
+};
+
+void read_contacts(const Reader& root, const Scene& scene, Plan& plan) {
+  for (const Reader& entry : root.member("contacts").list()) {
+    PlannedContact contact;
+    contact.obstacle_name = entry.member("obstacle").text();
+    const auto obstacle = std::find_if(scene.obstacles.begin(), scene.obstacles.end(),
+                                       [&](const ObstacleSpec& o) { return o.name == contact.obstacle_name; });
+    contact.arc_length = entry.member("arc_length").real();
+    contact.point = entry.member("point").point();
+    contact.normal = entry.member("normal").point();
+    contact.force = entry.member("force").real();
+    contact.gap = entry.member("gap").real();
+    if (entry.has("at_tip")) contact.at_tip = entry.member("at_tip").truth();
+    if (obstacle == scene.obstacles.end()) continue;
+    if (contact.arc_length < 0.0 || contact.arc_length > scene.rod.length() * (1.0 + 1e-9)) {
+      entry.member("arc_length").fail("an arc length on the rod");
+    }
+    contact.obstacle = static_cast<int>(obstacle - scene.obstacles.begin());
+    plan.contacts.push_back(std::move(contact));
+  }
+}
+
+void read_backbone(const Reader& root, const Scene& scene, Plan& plan) {
+  const double length = scene.rod.length();
+  for (const Reader& entry : root.member("backbone").list()) {
+    const std::vector<double> values = entry.reals();
+    if (values.size() != 5) entry.fail("five numbers: s, x, y, angle, curvature");
+    if (!plan.backbone.empty() && values[0] < plan.backbone.back()[0]) entry.fail("arc lengths in ascending order");
+    plan.backbone.push_back({values[0], values[1], values[2], values[3], values[4]});
+  }
+  // A plan for another rod is no start: its shape would have to be stretched.
+  const bool spans = plan.backbone.size() >= 2 && std::abs(plan.backbone.front()[0]) <= 1e-9 * length &&
+                     std::abs(plan.backbone.back()[0] - length) <= 1e-9 * length;
+  if (!spans) root.member("backbone").fail(fmt::format("a backbone from 0 to the rod's length, {} m", length));
+}
+
+}  // namespace
+
+Plan read_start(const std::filesystem::path& path, const Scene& scene, const std::string& what) {
+  return parse_start(read_input(path, what), path.string(), scene, what);
+}
+
+Plan parse_start(const std::string& text, const std::string& file, const Scene& scene, const std::string& what) {
+  const Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded())
+    throw InputError(what + " '" + file + "' is not JSON, expected a result of 'tendril plan --json'");
+  const Reader root(json, file, "");
+  if (const int schema = root.member("schema").whole(0, 1'000'000); schema != 1) {
+    throw InputError(fmt::format("{}: found schema {}, expected 1", file, schema));
+  }
+  Plan plan;
+  const Reader coordinates = root.member("coordinates");
+  plan.coordinates_name = coordinates.member("name").text();
+  plan.order = coordinates.member("order").whole(0, 1'000'000);
+  plan.split_at_contact = coordinates.member("split_at_contact").truth();
+  plan.coordinates = coordinates.member("values").reals();
+  plan.moments = root.member("moments").reals();
+  if (plan.moments.size() != scene.rod.actuators.size()) {
+    throw InputError(fmt::format("{}: found {} moments, expected one for each of the scene's {} actuators", file,
+                                 plan.moments.size(), scene.rod.actuators.size()));
+  }
+  const Reader tip = root.member("tip");
+  plan.tip_x = tip.member("x").real();
+  plan.tip_y = tip.member("y").real();
+  plan.tip_angle = tip.member("angle").real();
+  if (scene.gripper) plan.grasp.emplace().palm_distance = root.member("palm_distance").real();
+  read_contacts(root, scene, plan);
+  read_backbone(root, scene, plan);
+  return plan;
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,104 @@
+// Plugins that misbehave in use: the command names the plugin, never calls the plan solved, and ends as it should.
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <nlohmann/json.hpp>
+
+#include "../app/command.hpp"
+
+namespace tendril::app {
+namespace {
+
+using test::brace_with;
+using test::CommandRun;
+using test::scene_path;
+using test::TemporaryDirectory;
+using test::tendril;
+
+CommandRun plan(const std::string& scene, std::vector<std::string> more = {}) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.write("s.toml", scene);
+  more.insert(more.begin(), {"plan", file, "--json", "--plugin-dir", HOSTILE_PLUGINS});
+  return tendril(more);
+}
+
+/// Told on standard error with exit code 2, or in the message of a plan that is not solved.
+void expect_blamed(const CommandRun& run, const std::string& plugin, const std::string& part) {
+  EXPECT_TRUE(run.exit_code == 1 || run.exit_code == 2) << run.exit_code << run.err;
+  std::string said = run.err;
+  if (run.exit_code == 1) {
+    const nlohmann::json result = nlohmann::json::parse(run.out);
+    EXPECT_NE(result["status"], "solved");
+    said = result["message"].get<std::string>();
+  }
+  EXPECT_NE(said.find(plugin), std::string::npos) << said;
+  EXPECT_NE(said.find(part), std::string::npos) << said;
+  EXPECT_EQ(said.find("internal error"), std::string::npos) << said;
+}
+
+std::string with_term(const std::string& term) { return brace_with("\"actuation_effort\"", '"' + term + '"'); }
+
+std::string with_shape(const std::string& shape) {
+  return brace_with("shape = \"circle\"\ncenter = [\"60 mm\", \"0 mm\"]\nradius = \"8 mm\"",
+                    "shape = \"" + shape + '"');
+}
+
+TEST(HostileObjective, ThatThrowsIsNamed) {
+  expect_blamed(plan(with_term("throwing_term")), "objective plugin 'throwing_term'", "the sensor is gone");
+}
+
+TEST(HostileObjective, ThatGivesNoNumberIsNamed) { expect_blamed(plan(with_term("nan_term")), "nan_term", "finite"); }
+
+TEST(HostileObstacle, ThatMisbehavesIsNamed) {
+  expect_blamed(plan(with_shape("throwing_shape")), "obstacle plugin 'throwing_shape'", "the map is gone");
+  expect_blamed(plan(with_shape("nan_shape")), "obstacle plugin 'nan_shape'", "not finite");
+  expect_blamed(plan(with_shape("long_normal")), "obstacle plugin 'long_normal'", "no unit vector");
+  expect_blamed(plan(with_shape("negative_radius")), "obstacle plugin 'negative_radius'",
+                "smallest_radius() is not positive");
+}
+
+// A shape of core cannot be replaced: the flawed circle on the path is never opened.
+TEST(HostileObstacle, NamedLikeAShapeOfCoreIsNotUsed) {
+  const CommandRun run = tendril({"plan", scene_path("brace.toml"), "--json", "--plugin-dir", HOSTILE_PLUGINS});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST(HostileCoordinates, ThatMisbehaveAreNamed) {
+  const auto with = [](const std::string& name) {
+    return plan(brace_with("\"legendre\"\norder = 6", '"' + name + '"'));
+  };
+  expect_blamed(with("no_function"), "coordinates plugin 'no_function'", "function_count() is 0");
+  expect_blamed(with("throwing_basis"), "coordinates plugin 'throwing_basis'", "no basis today");
+  expect_blamed(with("nan_basis"), "coordinates plugin 'nan_basis'", "not finite");
+  expect_blamed(with("negative_part"), "coordinates plugin 'negative_part'", "not positive");
+}
+
+// What such a solver returns is not believed. Newton's method may find a plan all the same; then the certificate holds.
+TEST(HostileSolver, IsNeverBelieved) {
+  const std::string scene = brace_with("Brace on a peg", "Brace");
+  for (const char* name : {"throwing_solver", "short_solver", "nan_solver"}) {
+    const CommandRun run = plan(scene, {"--solver", name});
+    ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 1) << name << run.err;
+    const nlohmann::json result = nlohmann::json::parse(run.out);
+    const std::string status = result["solver"]["status"];
+    EXPECT_TRUE(status == "failed" || status == "not_finite") << name << result["solver"];
+    const bool solved = result["status"] == "solved";
+    EXPECT_EQ(run.exit_code == 0, solved) << name;
+    EXPECT_EQ(result["certificate"]["failures"].empty(), solved) << name;
+  }
+}
+
+TEST(HostileDirectory, ThatAnybodyCanChangeIsRefused) {
+  const TemporaryDirectory directory;
+  const std::string file = "tendril-solver-nan_solver.so";
+  std::filesystem::copy_file(std::filesystem::path(HOSTILE_PLUGINS) / file, directory.path() / file);
+  ASSERT_EQ(::chmod(directory.path().c_str(), 0777), 0);
+  const CommandRun run =
+      tendril({"plan", scene_path("brace.toml"), "--plugin-dir", directory.path().string(), "--solver", "nan_solver"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("refused, because others could have changed it"), std::string::npos) << run.err;
+}
+
+}  // namespace
+}  // namespace tendril::app
