@@ -36,8 +36,9 @@ TEST(SelfOverlap, MoreThanATurnDoes) {
 }
 
 TEST(SelfOverlap, CrossingChordsMeetWhereTheyCross) {
+  // Along x, up, and back down across the first chord: the tangent turns by more than half a turn.
   const std::vector<BackbonePoint> loop{
-      {0.0, 0.0, 0.0, 0.0, 0.0}, {1.0, 1.0, 0.0, 0.0, 0.0}, {2.0, 1.0, 1.0, 0.0, 0.0}, {4.0, 0.5, -1.0, 0.0, 0.0}};
+      {0.0, 0.0, 0.0, 0.0, 0.0}, {1.0, 1.0, 0.0, 0.8, 0.0}, {2.0, 1.0, 1.0, 3.2, 0.0}, {4.0, 0.5, -1.0, 4.5, 0.0}};
   const auto met = self_overlap(loop);
   ASSERT_TRUE(met);
   EXPECT_NEAR(met->first, 0.75, 1e-12);

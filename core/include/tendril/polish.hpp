@@ -36,8 +36,8 @@ struct PolishReport {
 class TENDRIL_API Polisher {
  public:
   Polisher();
-  Polisher(Polisher&&) noexcept;
-  Polisher& operator=(Polisher&&) noexcept;
+  Polisher(Polisher&&) noexcept;             ///< the other may then only be assigned to or destroyed
+  Polisher& operator=(Polisher&&) noexcept;  ///< likewise
   ~Polisher();
 
   /// `multipliers` may be empty: they are fitted at x. The report is this object's, until the next run.
