@@ -129,6 +129,7 @@ std::vector<CampaignCase> run_campaign(const CampaignSetup& setup) {
     }
   };
   std::vector<std::thread> threads;
+  threads.reserve(static_cast<std::size_t>(setup.jobs));
   for (int i = 0; i < setup.jobs; ++i) threads.emplace_back(work);
   for (std::thread& thread : threads) thread.join();
   const auto rank = [&](const CampaignCase& c) {

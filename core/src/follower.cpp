@@ -29,10 +29,10 @@ std::unique_ptr<Follower> Follower::from(Problem::Data& problem, const Plan& pla
   if (!point) return nullptr;
   PoseProgramSpec spec = problem.spec(point->mode, point->regions, problem.nodes);
   spec.checks = point->checks;
-  return std::unique_ptr<Follower>(new Follower(problem, std::move(*point), std::move(spec)));
+  return std::unique_ptr<Follower>(new Follower(problem, std::move(*point), spec));
 }
 
-Follower::Follower(Problem::Data& problem, FollowedPoint point, PoseProgramSpec spec)
+Follower::Follower(Problem::Data& problem, FollowedPoint point, const PoseProgramSpec& spec)
     : problem_(problem), point_(std::move(point)), program_(spec), certifier_(spec), sampler_(program_.chain()) {
   for (int k = 0; k < program_.layout().forces; ++k) program_.set_branch(k, Branch::touching);
 }

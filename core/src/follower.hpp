@@ -28,7 +28,7 @@ class Follower {
   bool step(Plan& plan);
 
  private:
-  Follower(Problem::Data& problem, FollowedPoint point, PoseProgramSpec spec);
+  Follower(Problem::Data& problem, FollowedPoint point, const PoseProgramSpec& spec);
   void write(Plan& plan, double begin, double certifying, const EvaluationCounts& before);
 
   Problem::Data& problem_;
