@@ -35,11 +35,12 @@ double real(const Json& json, const char* key) {
   return json.contains(key) && json[key].is_number() ? json[key].get<double>() : std::nan("");
 }
 
-CampaignCase run_case(const CampaignSetup& setup, const std::string& solver, std::uint64_t seed) {
+CampaignCase run_case(const CampaignSetup& setup, const std::set<std::string>& plugins, const std::string& solver,
+                      std::uint64_t seed) {
   CampaignCase result;
   result.seed = seed;
   result.solver = solver;
-  result.summary = random_scene(seed, solver, setup.time_limit).summary;
+  result.summary = random_scene(seed, solver, setup.time_limit, plugins).summary;
   std::vector<std::string> arguments{"campaign", "--seeds",      fmt::format("{0}:{0}", seed),        "--solver",
                                      solver,     "--time-limit", fmt::format("{}", setup.time_limit), "--one"};
   for (const std::string& directory : setup.plugin_directories) {
@@ -79,9 +80,17 @@ CampaignCase run_case(const CampaignSetup& setup, const std::string& solver, std
 
 }  // namespace
 
+std::set<std::string> names_at_hand(const plugins::Registry& registry) {
+  std::set<std::string> names;
+  for (const ComponentKind kind : {ComponentKind::coordinates, ComponentKind::objective}) {
+    for (const std::string& name : registry.names(kind)) names.insert(name);
+  }
+  return names;
+}
+
 std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const std::string& solver,
                           double time_limit) {
-  const RandomScene random = random_scene(seed, solver, time_limit);
+  const RandomScene random = random_scene(seed, solver, time_limit, names_at_hand(registry));
   const Scene scene = scene_from_text(random.text, fmt::format("seed {}", seed), registry);
   if (scene.solver.plugin != solver) throw Error("the solver '" + solver + "' was not found");
   Problem problem(scene, plugins::make_components(registry, scene));
@@ -109,6 +118,9 @@ std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const
 
 std::vector<CampaignCase> run_campaign(const CampaignSetup& setup) {
   std::vector<CampaignCase> cases;
+  const std::vector<std::filesystem::path> places(setup.plugin_directories.begin(), setup.plugin_directories.end());
+  const plugins::Registry registry(plugins::Catalog(plugins::search_places(places)));
+  const std::set<std::string> plugins = names_at_hand(registry);
   std::mutex mutex;
   std::size_t next = 0;
   const std::size_t seeds = setup.last - setup.first + 1;
@@ -120,7 +132,7 @@ std::vector<CampaignCase> run_campaign(const CampaignSetup& setup) {
         if (next == seeds * setup.solvers.size() || (setup.stop != nullptr && setup.stop->load())) return;
         index = next++;
       }
-      CampaignCase result = run_case(setup, setup.solvers[index / seeds], setup.first + index % seeds);
+      CampaignCase result = run_case(setup, plugins, setup.solvers[index / seeds], setup.first + index % seeds);
       const std::lock_guard lock(mutex);
       if (!result.met) {
         fmt::print(stderr, "{} seed {}: {}: {}\n", result.solver, result.seed, result.verdict, result.reason);

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,9 @@ struct CampaignCase {
   double objective = 0.0;
   double equilibrium = 0.0, penetration = 0.0, margin = 0.0;  ///< of the check
 };
+
+/// Coordinate models and objectives that random_scene() may draw.
+std::set<std::string> names_at_hand(const plugins::Registry& registry);
 
 /// Plans the scene of one seed, checks the plan, and returns one line of JSON. Throws where the scene cannot be used.
 std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const std::string& solver,

@@ -137,8 +137,9 @@ int campaign(const Arguments& arguments) {
   std::tie(setup.first, setup.last) = read_seeds(arguments.seeds);
   setup.solvers = arguments.solvers;
   if (arguments.print_scene) {
+    const std::set<std::string> names = bench::names_at_hand(registry_of(arguments));
     for (std::uint64_t seed = setup.first; seed <= setup.last; ++seed) {
-      const bench::RandomScene scene = bench::random_scene(seed, setup.solvers.front(), arguments.time_limit);
+      const bench::RandomScene scene = bench::random_scene(seed, setup.solvers.front(), arguments.time_limit, names);
       fmt::print("# seed {}: {}\n{}", seed, scene.summary, scene.text);
     }
     return 0;

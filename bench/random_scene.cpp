@@ -66,8 +66,8 @@ struct Shape {
 
 class Drawer {
  public:
-  Drawer(std::uint64_t seed, std::string solver, double time_limit)
-      : dice_(seed), solver_(std::move(solver)), time_limit_(time_limit) {}
+  Drawer(std::uint64_t seed, std::string solver, double time_limit, const std::set<std::string>& plugins)
+      : dice_(seed), solver_(std::move(solver)), time_limit_(time_limit), plugins_(plugins) {}
 
   RandomScene draw() {
     units_ = systems[static_cast<std::size_t>(dice_.whole(0, 2))];
@@ -191,18 +191,25 @@ class Drawer {
     const double which = dice_.unit();
     std::string model;
     add("[coordinates]\n");
+    const auto plugin = [&](const char* name, const std::string& options) {
+      if (plugins_.count(name) > 0) {
+        add("plugin = \"{}\"\n{}", name, options);
+      } else {
+        model = "default model";
+      }
+    };
     if (which < 0.6) {
       const int order = dice_.chance(0.1) ? dice_.whole(1, 32) : dice_.whole(2, 10);
       const int pieces = order > 12 ? 1 : dice_.chance(0.8) ? 1 : dice_.whole(2, 4);
       model = fmt::format("legendre {} x {}", order, pieces);
-      add("plugin = \"legendre\"\norder = {}\npieces = {}\n", order, pieces);
+      plugin("legendre", fmt::format("order = {}\npieces = {}\n", order, pieces));
     } else if (which < 0.8) {
       model = "psc";
-      add("plugin = \"psc\"\n");
+      plugin("psc", "");
     } else {
       const int pieces = dice_.chance(0.1) ? dice_.whole(11, 64) : dice_.whole(2, 10);
       model = fmt::format("pcc {}", pieces);
-      add("plugin = \"pcc\"\npieces = {}\n", pieces);
+      plugin("pcc", fmt::format("pieces = {}\n", pieces));
     }
     const bool split = dice_.chance(0.8);
     if (!split) add("split_at_contact = false\n");
@@ -316,6 +323,7 @@ class Drawer {
     };
     const bool idle = dice_.chance(0.02);
     const auto term = [&](const char* plugin, double factor) {
+      if (plugins_.count(plugin) == 0) return;
       add("[[objective]]\nplugin = \"{}\"\nweight = {:.17g}\n", plugin, idle ? 0.0 : factor);
     };
     term("tip_pose", weight(1.0, 1e3));
@@ -337,6 +345,7 @@ class Drawer {
   Dice dice_;
   std::string solver_;
   double time_limit_;
+  const std::set<std::string>& plugins_;
   UnitSystem units_{};
   double length_ = 1.0, stiffness_ = 1.0;
   Vec2 base_{};
@@ -348,8 +357,9 @@ class Drawer {
 
 }  // namespace
 
-RandomScene random_scene(std::uint64_t seed, const std::string& solver, double time_limit) {
-  return Drawer(seed, solver, time_limit).draw();
+RandomScene random_scene(std::uint64_t seed, const std::string& solver, double time_limit,
+                         const std::set<std::string>& plugins) {
+  return Drawer(seed, solver, time_limit, plugins).draw();
 }
 
 }  // namespace tendril::bench

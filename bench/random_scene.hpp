@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 
 namespace tendril::bench {
@@ -17,6 +18,9 @@ struct RandomScene {
 /// Ranges (lengths in L, loads in EI/L^2): EI 1e-12 to 1e6 N m^2, L 1 mm to 100 m, self-weight to 1e4, tip force to
 /// 1e3, stiffness jumps to 1e6, segments of 1e-3 and more, rest curvature to two turns, obstacle radius 1e-6 to 1e4,
 /// force limits to 1e4, targets to 1e3, weights 1e-12 to 1e12. Most draws are from the middle of these ranges.
-RandomScene random_scene(std::uint64_t seed, const std::string& solver, double time_limit);
+/// `plugins`: names of the coordinate models and objectives at hand. In place of a model that is missing the scene's
+/// default is taken, and a missing objective is left out.
+RandomScene random_scene(std::uint64_t seed, const std::string& solver, double time_limit,
+                         const std::set<std::string>& plugins);
 
 }  // namespace tendril::bench
