@@ -135,7 +135,8 @@ std::pair<std::uint64_t, std::uint64_t> read_seeds(const std::string& text) {
 int campaign(const Arguments& arguments) {
   bench::CampaignSetup setup;
   std::tie(setup.first, setup.last) = read_seeds(arguments.seeds);
-  setup.solvers = arguments.solvers;
+  setup.solvers = arguments.solvers.empty() ? registry_of(arguments).names(ComponentKind::solver) : arguments.solvers;
+  if (setup.solvers.empty()) throw Error("no solver was found");
   if (arguments.print_scene) {
     const std::set<std::string> names = bench::names_at_hand(registry_of(arguments));
     for (std::uint64_t seed = setup.first; seed <= setup.last; ++seed) {
@@ -210,10 +211,10 @@ int run(int argc, char** argv) {
                              "Scene files (TOML) to put to the solvers, too, each with its own target");
   report_command->add_option("--against", arguments.against, "Directory of another report to compare with");
   campaign_command->add_option("--seeds", arguments.seeds, "First and last seed, FIRST:LAST");
-  campaign_command->add_option("--solver", arguments.solvers, "Solver to plan with; may be repeated")
+  campaign_command
+      ->add_option("--solver", arguments.solvers, "Solver to plan with, by default every one found; may be repeated")
       ->expected(1)
-      ->take_all()
-      ->required();
+      ->take_all();
   campaign_command->add_option("--jobs", arguments.jobs, "Processes at a time")->check(CLI::Range(1, 1024));
   campaign_command->add_option("--time-limit", arguments.time_limit, "Seconds for one plan")
       ->check(CLI::Range(1e-3, 1e6));

@@ -95,7 +95,8 @@ std::string certificate_text(const Certificate& certificate) {
   const auto information = [&](const char* name, double value, const char* what) {
     if (std::isfinite(value)) grid.row({name, fmt::format("{:.3g}", value), what, ""});
   };
-  information("convexity", certificate.contact_convexity, "> 0 at contacts");
+  information("convexity", certificate.contact_convexity,
+              fmt::format("> {:g} at contacts", tolerance::convexity).c_str());
   information("moment balance", certificate.moment_balance, "(model error)");
   information("quadrature", certificate.quadrature, "(change if doubled)");
   std::string text = '\n' + grid.text("");

@@ -427,6 +427,11 @@ std::vector<Certifier::Approach> Certifier::approaches(ConstVectorRef x, double 
   return all;
 }
 
+const PoseProgram& Certifier::finer(ConstVectorRef x) {
+  data_->move(x);
+  return *data_->program;
+}
+
 bool Certifier::approached(ConstVectorRef x, double level) {
   Data& d = *data_;
   d.move(x);

@@ -33,7 +33,11 @@ std::unique_ptr<Follower> Follower::from(Problem::Data& problem, const Plan& pla
 }
 
 Follower::Follower(Problem::Data& problem, FollowedPoint point, const PoseProgramSpec& spec)
-    : problem_(problem), point_(std::move(point)), program_(spec), certifier_(spec), sampler_(program_.chain()) {
+    : problem_(problem),
+      point_(std::move(point)),
+      program_(spec),
+      certifier_(spec),
+      sampler_(certifier_.finer(point_.x).chain()) {
   for (int k = 0; k < program_.layout().forces; ++k) program_.set_branch(k, Branch::touching);
 }
 
@@ -94,7 +98,7 @@ void Follower::write(Plan& plan, double begin, double certifying, const Evaluati
     plan.terms[i].second = program_.term_value(static_cast<int>(i)) * d.objective_scale;
   }
   planned_contacts(program_, d.obstacle_names, d.scale, plan.contacts);
-  sampler_.sample(program_, length, plan.backbone);
+  sampler_.sample(certifier_.finer(x), length, plan.backbone);
   plan.self_overlap = self_overlap(plan.backbone);
   plan.certificate = certificate_;
 

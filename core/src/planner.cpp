@@ -1097,12 +1097,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.tip_angle = program.backbone().tip_angle();
   if (d_.target.has_position) plan.target_error = norm(tip - d_.target.position) * length;
   plan.contacts = planned_contacts(program, d_.obstacle_names, d_.scale);
-  // Between nodes the samples stand on an interpolating polynomial: a finer rule than the rows need.
-  PoseProgramSpec finer = program.spec();
-  finer.nodes *= 2;
-  PoseProgram sampler(finer);
-  sampler.constraints(x);
-  plan.backbone = sampled_backbone(sampler, length);
+  plan.backbone = sampled_backbone(chosen.best.certifier->finer(x), length);
   plan.self_overlap = self_overlap(plan.backbone);
   if (d_.palm) finish_grasp(d_, program, x, plan);
   plan.seconds_certify = tally_.seconds_certifying;

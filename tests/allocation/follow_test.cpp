@@ -36,12 +36,16 @@ TargetSpec target(bool braced, int step) {
 
 class Follow : public testing::TestWithParam<bool> {};
 
-TEST_P(Follow, AllocatesNothingOnceItRuns) {
-  const bool braced = GetParam();
-  plugins::Registry registry{plugins::Catalog(plugins::search_places({}))};
-  const auto solvers = registry.names(ComponentKind::solver);
-  ASSERT_FALSE(solvers.empty());
-  Scene scene = arm(braced, solvers.front());
+/// Newton ends where the slope of the Lagrangian is below 1e-10, wherever it came from: two ends of it agree to that
+/// over the curvature of the objective, which is above 0.1 here.
+constexpr double same = 1e-9;
+constexpr double same_length = same * 0.1;                         // m, of L
+constexpr double same_moment = same * 4.9e-4 / 0.1;                // N m, of EI/L
+constexpr double same_force = 10.0 * same * 4.9e-4 / (0.1 * 0.1);  // N, of EI/L^2; it is steep in the moment
+
+void allocates_nothing_once_it_runs(bool braced, plugins::Registry& registry, const std::string& solver) {
+  SCOPED_TRACE(solver);
+  Scene scene = arm(braced, solver);
   scene.target = target(braced, 0);
   validate(scene);
   Problem problem(scene, plugins::make_components(registry, scene));
@@ -64,24 +68,39 @@ TEST_P(Follow, AllocatesNothingOnceItRuns) {
   problem.set_target(target(braced, step - 1));
   const Plan fresh = problem.plan();
   ASSERT_EQ(fresh.status, PlanStatus::solved);
+  // Second order in what is left of the slope, but for rounding.
   EXPECT_NEAR(plan.objective, fresh.objective, 1e-12);
-  EXPECT_NEAR(plan.tip_x, fresh.tip_x, 1e-12);
-  EXPECT_NEAR(plan.tip_y, fresh.tip_y, 1e-12);
-  EXPECT_NEAR(*plan.target_error, *fresh.target_error, 1e-12);
+  EXPECT_NEAR(plan.tip_x, fresh.tip_x, same_length);
+  EXPECT_NEAR(plan.tip_y, fresh.tip_y, same_length);
+  EXPECT_NEAR(*plan.target_error, *fresh.target_error, same_length);
   ASSERT_EQ(plan.moments.size(), fresh.moments.size());
-  EXPECT_NEAR(plan.moments[0], fresh.moments[0], 1e-12);
+  EXPECT_NEAR(plan.moments[0], fresh.moments[0], same_moment);
   ASSERT_EQ(plan.contacts.size(), fresh.contacts.size());
   for (std::size_t k = 0; k < plan.contacts.size(); ++k) {
-    EXPECT_NEAR(plan.contacts[k].force, fresh.contacts[k].force, 1e-11);
-    EXPECT_NEAR(plan.contacts[k].arc_length, fresh.contacts[k].arc_length, 1e-11);
+    EXPECT_NEAR(plan.contacts[k].force, fresh.contacts[k].force, same_force);
+    EXPECT_NEAR(plan.contacts[k].arc_length, fresh.contacts[k].arc_length, same_length);
     EXPECT_EQ(plan.contacts[k].obstacle_name, fresh.contacts[k].obstacle_name);
   }
   EXPECT_TRUE(plan.certificate.valid());
-  EXPECT_NEAR(plan.certificate.stability, fresh.certificate.stability, 1e-9);
+  EXPECT_NEAR(plan.certificate.stability, fresh.certificate.stability, 10.0 * same);
   EXPECT_EQ(plan.certificate.stationarity_kind, "S");
-  EXPECT_NEAR(plan.backbone.back()[1], plan.tip_x, 1e-15);
+  EXPECT_NEAR(plan.backbone.back()[1], plan.tip_x, 1e-12);
+  for (std::size_t i = 0; !braced && i < fresh.backbone.size(); ++i) {
+    ASSERT_EQ(plan.backbone.size(), fresh.backbone.size());
+    for (const std::size_t column : {0U, 1U, 2U}) {
+      EXPECT_NEAR(plan.backbone[i][column], fresh.backbone[i][column], same_length) << i;
+    }
+    EXPECT_NEAR(plan.backbone[i][3], fresh.backbone[i][3], same) << i;
+  }
   EXPECT_EQ(plan.terms.size(), fresh.terms.size());
   EXPECT_EQ(plan.modes.size(), fresh.modes.size());
+}
+
+TEST_P(Follow, AllocatesNothingOnceItRuns) {
+  plugins::Registry registry{plugins::Catalog(plugins::search_places({}))};
+  const auto solvers = registry.names(ComponentKind::solver);
+  ASSERT_FALSE(solvers.empty());
+  for (const std::string& solver : solvers) allocates_nothing_once_it_runs(GetParam(), registry, solver);
 }
 
 TEST_P(Follow, PlansInFullWhereNewtonAloneDoesNotDo) {

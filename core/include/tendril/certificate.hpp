@@ -38,6 +38,8 @@ class TENDRIL_API Certifier {
   };
   /// All such places at x, for `level` in units of L.
   std::vector<Approach> approaches(ConstVectorRef x, double level);
+  /// The program on the rule with twice the nodes, moved to x: what is read between nodes is read from this one.
+  const PoseProgram& finer(ConstVectorRef x);
   /// Whether there is any; allocates nothing unless there is.
   bool approached(ConstVectorRef x, double level);
 
