@@ -1,0 +1,466 @@
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "check_points.hpp"
+#include "earlier_plan.hpp"
+#include "planner.hpp"
+#include "problem_data.hpp"
+#include "tendril/complementarity.hpp"
+#include "tendril/feasibility.hpp"
+#include "tendril/polish.hpp"
+
+namespace tendril {
+namespace {
+
+/// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
+constexpr double penalty_growth = 10.0;     ///< of beta, until the branch is decided (model.md section 4)
+constexpr double penalty_cap = 1e4;         ///< largest beta
+constexpr double relaxation_first = 1e-1;   ///< eps of Scholtes and Fischer-Burmeister ...
+constexpr double relaxation_last = 1e-8;    ///< ... ends here ...
+constexpr double relaxation_shrink = 1e-2;  ///< ... in these steps
+constexpr double tiny_radius = 1e-3;  ///< (L) an obstacle below it is swollen before a contact with it is searched
+constexpr double swollen_radii[] = {0.02, 0.1, 0.005};  ///< ... to the first of these that works
+constexpr double slowest_shrinking = 0.95;              ///< per step on the way back, before it is given up
+constexpr int most_exchanges = 25;
+constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
+constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
+constexpr int most_restorations = 200;    ///< steps
+constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
+constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
+constexpr double at_limit = 1e-9;         ///< a variable this near to its limit stands at it, in reports
+
+void keep_unique(std::vector<CheckPoint>& checks) {
+  const auto key = [](const CheckPoint& c) { return std::tuple(c.obstacle, c.piece, c.sigma); };
+  std::sort(checks.begin(), checks.end(), [&](const CheckPoint& a, const CheckPoint& b) { return key(a) < key(b); });
+  checks.erase(std::unique(checks.begin(), checks.end(),
+                           [&](const CheckPoint& a, const CheckPoint& b) { return key(a) == key(b); }),
+               checks.end());
+}
+
+std::vector<Branch> branches_of(const PoseProgram& program) {
+  std::vector<Branch> branches(static_cast<std::size_t>(program.layout().forces));
+  for (std::size_t k = 0; k < branches.size(); ++k) branches[k] = program.branch(static_cast<int>(k));
+  return branches;
+}
+
+void set_branches(PoseProgram& program, const std::vector<Branch>& branches) {
+  for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, branches[static_cast<std::size_t>(k)]);
+}
+
+}  // namespace
+
+OptimalityReport Planner::solve(ModeState& state, NonlinearProgram& program, const Eigen::VectorXd& x,
+                                const OptimalityReport* warm) {
+  SolverStart start;
+  start.x = x;
+  if (warm != nullptr) {
+    start.multipliers = warm->multipliers;
+    start.bound_multipliers = warm->bound_multipliers;
+  }
+  OptimalityReport report = d_.components.solver->solve(program, start, limits());
+  ++state.record.solves;
+  state.record.iterations += report.iterations;
+  state.record.evaluations += report.evaluations.values;
+  state.record.seconds_evaluating += report.seconds_evaluating;
+  state.last = report;
+  if (report.status == SolveStatus::converged) slowest_converged_ = std::max(slowest_converged_, report.iterations);
+  tally_.iterations += report.iterations;
+  tally_.seconds += report.seconds;
+  tally_.seconds_evaluating += report.seconds_evaluating;
+  add_counts(tally_.evaluations, report.evaluations);
+  return report;
+}
+
+bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartShape& shape, Branch forced,
+                    PoseProgram& program, Eigen::VectorXd& x) {
+  std::vector<std::unique_ptr<ShrunkObstacle>> swollen;
+  std::vector<double> radii;
+  PoseProgramSpec larger = spec;
+  larger.checks.clear();
+  for (const ContactSetup& c : spec.contacts) {
+    const Obstacle*& obstacle = larger.obstacles[static_cast<std::size_t>(c.obstacle)];
+    const double radius = obstacle->smallest_radius();
+    if (!(radius < tiny_radius)) continue;
+    swollen.push_back(std::make_unique<ShrunkObstacle>(*obstacle));
+    radii.push_back(radius);
+    obstacle = swollen.back().get();
+  }
+  if (swollen.empty() || must_stop() || following_) return false;
+  const auto grow_to = [&](double radius) {
+    for (std::size_t i = 0; i < swollen.size(); ++i) swollen[i]->shrink(-std::max(0.0, radius - radii[i]));
+  };
+  const double least = *std::min_element(radii.begin(), radii.end());
+  grow_to(swollen_radii[0]);
+  PoseProgram easier(larger);
+  Eigen::VectorXd at;
+  double swollen_radius = 0.0;
+  for (const double radius : swollen_radii) {
+    grow_to(radius);
+    easier.invalidate();
+    at = easier.start_from(shape);
+    if (!find_point(state, easier, at, forced)) continue;
+    swollen_radius = radius;
+    break;
+  }
+  if (swollen_radius == 0.0) return false;
+  double share = 0.5;
+  for (double radius = swollen_radius; radius > least && !must_stop();) {
+    const double next = std::max(least, share * radius);
+    grow_to(next);
+    easier.invalidate();
+    ++state.record.polishes;
+    const EvaluationCounts before = easier.counts();
+    const PolishReport p = polish(easier, at, {});
+    add_difference(tally_.outside_solver, easier.counts(), before);
+    if (p.converged && p.infeasibility <= tolerance::equilibrium) {
+      at = p.x;
+      radius = next;
+      continue;
+    }
+    share = std::sqrt(share);
+    if (share > slowest_shrinking) return false;
+  }
+  set_branches(program, branches_of(easier));
+  x = at;
+  return true;
+}
+
+bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment) {
+  std::vector<ComplementaryPair> pairs(static_cast<std::size_t>(program.layout().forces));
+  for (int k = 0; k < program.layout().forces; ++k) {
+    pairs[static_cast<std::size_t>(k)] = {program.layout().first_gap + k, program.force_variable(k)};
+  }
+  const bool relaxes = treatment == Treatment::scholtes || treatment == Treatment::fischer_burmeister;
+  const double first = relaxes ? relaxation_first : d_.scene.contact.beta;
+  ComplementarityProgram treated(program, pairs, treatment, first);
+  Eigen::VectorXd full = treated.extend(x);
+  OptimalityReport report;
+  bool first_solve = true;
+  for (double parameter = first;;) {
+    treated.set_parameter(parameter);
+    report = solve(state, treated, full, first_solve ? nullptr : &report);
+    first_solve = false;
+    if (!report.x.allFinite() || report.x.size() != full.size()) return false;
+    full = report.x;
+    if (must_stop() || report.status == SolveStatus::unsupported || report.status == SolveStatus::failed) break;
+    // A larger beta moves no row, and a smaller eps only tightens them: what is infeasible now stays so.
+    if (report.infeasibility > nearly_feasible) break;
+    double undecided = 0.0;
+    const VectorView c = program.constraints(full.head(program.variable_count()));
+    for (const ComplementaryPair& p : pairs) undecided = std::max(undecided, std::min(c[p.row], full[p.variable]));
+    if (relaxes) {
+      if (parameter <= relaxation_last) break;
+      parameter = std::max(relaxation_last, parameter * relaxation_shrink);
+    } else {
+      if (undecided <= tolerance::branch_decided || parameter >= penalty_cap) break;
+      parameter = std::min(penalty_cap, parameter * penalty_growth);
+    }
+  }
+  x = full.head(program.variable_count());
+  const VectorView c = program.constraints(x);
+  for (int k = 0; k < program.layout().forces; ++k) {
+    const double gap = c[pairs[static_cast<std::size_t>(k)].row];
+    const double force = x[pairs[static_cast<std::size_t>(k)].variable];
+    program.set_branch(k, gap <= force ? Branch::touching : Branch::separated);
+  }
+  return report.infeasibility <= nearly_feasible;
+}
+
+bool Planner::sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed) {
+  const auto counted_polish = [&](const Eigen::VectorXd& from) {
+    ++state.record.polishes;
+    const EvaluationCounts before = program.counts();
+    PolishOptions options;
+    options.stop = [this] { return must_stop(); };
+    PolishReport report = polish(program, from, {}, options);
+    add_difference(tally_.outside_solver, program.counts(), before);
+    return report;
+  };
+  PolishReport p = counted_polish(x);
+  if (p.converged && p.infeasibility <= tolerance::equilibrium) {
+    x = p.x;
+    return true;
+  }
+  if (!solver_allowed || following_ || must_stop()) return false;
+  // On a decided branch the program is an ordinary one.
+  const OptimalityReport r = solve(state, program, x);
+  if (!r.x.allFinite() || r.x.size() != x.size()) return false;
+  p = counted_polish(r.x);
+  if (p.converged && p.infeasibility <= tolerance::equilibrium) {
+    x = p.x;
+    return true;
+  }
+  // The solver's own point may already be good enough for the certificate.
+  if (r.infeasibility <= 1e-8) x = r.x;
+  state.trouble = "the polish did not converge (" + std::string(p.reason) +
+                  "); solver: " + std::string(to_string(r.status)) + (r.message.empty() ? "" : ", " + r.message);
+  return r.infeasibility <= 1e-8;
+}
+
+bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced) {
+  const int contacts = program.layout().forces;
+  const Eigen::VectorXd start = x;
+  if (contacts == 0 || forced == Branch::touching) {
+    for (int k = 0; k < contacts; ++k) program.set_branch(k, Branch::touching);
+    OptimalityReport r = solve(state, program, x);
+    if (!r.x.allFinite() || r.x.size() != x.size()) return false;
+    x = r.x;
+    if (r.infeasibility <= nearly_feasible) return true;
+  } else {
+    if (treat(state, program, x, d_.scene.contact.treatment)) return true;
+    // With a plan in hand the branch that touches is tried directly; the slower treatment is for when nothing else
+    // works.
+    if (d_.scene.contact.treatment != Treatment::scholtes && !have_plan_ && !must_stop()) {
+      for (int k = 0; k < contacts; ++k) program.set_branch(k, Branch::open);
+      state.record.outcome += "fallback to scholtes; ";
+      if (treat(state, program, x, Treatment::scholtes)) return true;
+    }
+  }
+  if (restore(state, program, x)) return true;
+  // The solver may have left the side on which the start could have come free.
+  x = start;
+  return restore(state, program, x);
+}
+
+bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
+  if (must_stop() || following_ || !x.allFinite()) return false;
+  const EvaluationCounts before = program.counts();
+  const FeasibilityReport f =
+      restore_feasibility(program, x, restored, most_restorations, [this] { return must_stop(); });
+  add_difference(tally_.outside_solver, program.counts(), before);
+  if (f.feasible) {
+    const OptimalityReport r = solve(state, program, f.x);
+    x = r.x.allFinite() && r.x.size() == x.size() && r.infeasibility <= nearly_feasible ? r.x : f.x;
+    return true;
+  }
+  if (f.stationary_violation) ++state.stationary_violations;
+  if (f.x.allFinite() && f.infeasibility < state.violation) {
+    // Only the search over assignments goes on from there.
+    if (!d_.enumerated) state.nearest = program.shape_of(f.x);
+    state.violation = f.infeasibility;
+    state.limits = limits_at(program, f.x);
+  }
+  char text[96];
+  std::snprintf(text, sizeof text, "no feasible point near: violation %.2e%s", f.infeasibility,
+                f.stationary_violation ? ", stationary" : "");
+  state.trouble = text;
+  return false;
+}
+
+bool Planner::nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x) {
+  const EvaluationCounts before = program.counts();
+  const FeasibilityReport f =
+      restore_feasibility(program, x, restored, most_restorations, [this] { return must_stop(); });
+  add_difference(tally_.outside_solver, program.counts(), before);
+  if (!f.stationary_violation) return false;
+  ++state.stationary_violations;
+  return true;
+}
+
+bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
+  return restore(state, program, x) && sharpen(state, program, x, true);
+}
+
+bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& every_check,
+                       Eigen::VectorXd x, const std::vector<Branch>& branches) {
+  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
+  const bool exchanges = d_.scene.contact.check_points == 0 && !d_.obstacles.empty();
+  int nodes = d_.nodes;
+  std::vector<CheckPoint> checks = every_check;
+  Candidate c;
+  const auto build = [&] {
+    PoseProgramSpec spec = d_.spec(mode, regions, nodes);
+    spec.checks = checks;
+    c.program = std::make_unique<PoseProgram>(spec);
+    set_branches(*c.program, branches);
+    c.certifier = std::make_unique<Certifier>(spec);
+  };
+  build();
+  bool sharp = sharpen(state, *c.program, x, true);
+  if (!sharp && following_) return false;
+  // What is only nearly feasible is feasible, or a place where the violation is stationary: then there is no point.
+  if (!sharp && x.allFinite() && infeasibility(*c.program, x) > restored) {
+    sharp = recover(state, *c.program, x);
+    if (!sharp && infeasibility(*c.program, x) > restored) return true;
+  }
+  for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
+    if (!x.allFinite() || !exchange_checks(*c.program, x, *c.certifier, checks, violation_level)) break;
+    every_check.insert(every_check.end(), checks.begin(), checks.end());
+    build();
+    sharp = sharpen(state, *c.program, x, true) || recover(state, *c.program, x);
+    if (!sharp) {
+      keep_unique(every_check);
+      return false;
+    }
+  }
+  for (int refinement = 0; refinement < 5; ++refinement) {
+    const double begin = now();
+    c.certificate = c.certifier->certify(*c.program, x);
+    tally_.seconds_certifying += now() - begin;
+    if (!(c.certificate.quadrature > tolerance::quadrature) || !sharp || must_stop() || nodes > 600) break;
+    nodes = nodes + nodes / 2;
+    build();
+    sharp = sharpen(state, *c.program, x, false);
+  }
+  if (!x.allFinite()) return true;
+  c.x = x;
+  c.solver = state.last;
+  c.objective = c.program->cost(x);
+  if (!std::isfinite(c.objective)) {
+    note_unfit_term(*c.program, x);
+    return true;
+  }
+  c.has_point = true;
+  const bool better = !state.best.has_point || (c.certified() && !state.best.certified()) ||
+                      (c.certified() == state.best.certified() && c.objective < state.best.objective - beats);
+  if (better) state.best = std::move(c);
+  return true;
+}
+
+void Planner::note_unfit_term(PoseProgram& program, const Eigen::VectorXd& x) {
+  program.cost(x);
+  for (std::size_t i = 0; i < d_.terms.size(); ++i) {
+    if (std::isfinite(program.term_value(static_cast<int>(i)))) continue;
+    unfit_ = "objective '" + d_.terms[i].name + "' gives a number that is not finite";
+  }
+}
+
+void Planner::attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions) {
+  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
+  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+  std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
+  const bool required = d_.min_force > 0.0;
+  // From a start without a feasible point near, a solver takes far the longest, and mostly in vain: the contact is on
+  // a part of the finger that cannot hold the object. It is spent only where nothing else led to a plan.
+  if (balanced_by_row() && (deferring_ || have_plan_) && !promising(spec, checks, shape)) {
+    state.deferred = true;
+    if (!state.best.has_point) state.trouble = "nothing feasible is near its starts, and there is a plan without it";
+    return;
+  }
+  // From the same start, with every place checked where the rod went through an obstacle before.
+  const auto search = [&](Branch branch) {
+    bool touching = false;
+    for (int retry = 0; retry <= most_retries && !must_stop(); ++retry) {
+      spec.checks = checks;
+      PoseProgram program(spec);
+      Eigen::VectorXd x = program.start_from(shape);
+      if (hurried() && state.starts_used > 1 && nothing_near(state, program, x)) break;
+      if (!swell(state, spec, shape, branch, program, x) && !find_point(state, program, x, branch)) {
+        if (state.last.status == SolveStatus::not_finite) note_unfit_term(program, x);
+        break;
+      }
+      const std::vector<Branch> branches = branches_of(program);
+      touching = std::all_of(branches.begin(), branches.end(), [](Branch b) { return b == Branch::touching; });
+      if (complete(state, regions, checks, x, branches)) break;
+      touching = false;
+    }
+    return touching;
+  };
+  const int stationary_before = state.stationary_violations;
+  const bool touching = search(required ? Branch::touching : Branch::open);
+  // A contact that the treatment let go, or could not decide: the branch that touches is a program of its own. It is
+  // part of the one just searched, so where that has nothing feasible and a plan is at hand, it is not searched again.
+  const bool hopeless = have_plan_ && !state.best.has_point && state.stationary_violations > stationary_before;
+  const bool out_of_time = hurried() && state.starts_used > 1 && state.stationary_violations > stationary_before;
+  const bool missing =
+      !mode.contacts.empty() && !required && !hopeless && !out_of_time && (!touching || !state.best.certified());
+  if (missing && !must_stop()) search(Branch::touching);
+}
+
+bool Planner::promising(PoseProgramSpec spec, const std::vector<CheckPoint>& checks, const StartShape& shape) {
+  spec.checks = checks;
+  PoseProgram program(spec);
+  set_branches(program, std::vector<Branch>(spec.contacts.size(), Branch::touching));
+  const bool feasible = restore_feasibility(program, program.start_from(shape), restored).feasible;
+  add_difference(tally_.outside_solver, program.counts(), {});
+  return feasible;
+}
+
+/// The variables that are at a limit at x.
+std::string Planner::limits_at(const PoseProgram& program, ConstVectorRef x) {
+  std::string text;
+  for (int i = 0; i < program.variable_count(); ++i) {
+    if (program.lower()[i] == program.upper()[i]) continue;
+    const bool low = x[i] <= program.lower()[i] + at_limit;
+    if (!low && x[i] < program.upper()[i] - at_limit) continue;
+    text += (text.empty() ? "" : ", ") + program.variable_name(i) + (low ? " at its smallest" : " at its largest");
+  }
+  return text;
+}
+
+void Planner::try_start(ModeState& state, const StartShape& shape) {
+  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
+  ++state.starts_used;
+  std::vector<int> regions;
+  for (const ContactSetup& c : mode.contacts) regions.push_back(c.region);
+  if (d_.scene.coordinates.split_at_contact || mode.contacts.empty()) {
+    attempt(state, shape, regions);
+    return;
+  }
+  // Not split: the contact lies inside one piece. Begin with the one where the shape comes nearest, then follow the
+  // contact into the neighbouring piece as long as it leans against a piece's end and that helps.
+  PoseProgramSpec whole = d_.spec(mode, regions, d_.nodes);
+  whole.split = true;  // with stretches for regions, only to place the contacts
+  const PoseProgram placer(whole);
+  const Eigen::VectorXd placed = placer.start_from(shape);
+  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
+  std::vector<std::vector<int>> tried;
+  std::vector<int> pieces(regions.size(), 0);
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    if (!mode.contacts[k].at_tip)
+      pieces[k] = chain.piece_at(placed[placer.layout().first_arc_length + static_cast<int>(k)], {});
+  }
+  const auto same_stretch = [&](std::size_t k, int j) {
+    return j >= 0 && j < chain.piece_count() && chain.piece(j).stretch == mode.contacts[k].region;
+  };
+  std::vector<std::vector<int>> outward;
+  for (int distance = 1; distance <= most_pieces_away; ++distance) {
+    for (const int side : {1, -1}) {
+      for (std::size_t k = 0; k < pieces.size(); ++k) {
+        std::vector<int> candidate = pieces;
+        candidate[k] += side * distance;
+        if (!mode.contacts[k].at_tip && same_stretch(k, candidate[k])) outward.push_back(candidate);
+      }
+    }
+  }
+  StartShape next_shape = shape;
+  for (int hop = 0; hop < 2 * chain.piece_count() + 2 && !must_stop(); ++hop) {
+    if (std::find(tried.begin(), tried.end(), pieces) != tried.end()) break;
+    tried.push_back(pieces);
+    attempt(state, next_shape, pieces);
+    if (!state.best.has_point) {
+      // No point with the contact in this piece: look into the others, nearest first.
+      const auto next = std::find_if(outward.begin(), outward.end(), [&](const std::vector<int>& candidate) {
+        return std::find(tried.begin(), tried.end(), candidate) == tried.end();
+      });
+      if (next == outward.end()) break;
+      pieces = *next;
+      continue;
+    }
+    const PoseProgram& program = *state.best.program;
+    bool hopped = false;
+    for (std::size_t k = 0; k < pieces.size() && !hopped; ++k) {
+      if (mode.contacts[k].at_tip) continue;
+      const int variable = program.layout().first_arc_length + static_cast<int>(k);
+      const int piece = program.spec().contacts[k].region;
+      const double s = state.best.x[variable];
+      for (const auto& [active, neighbour] : {std::pair(s <= program.lower()[variable] + at_knot, piece - 1),
+                                              std::pair(s >= program.upper()[variable] - at_knot, piece + 1)}) {
+        if (!active || !same_stretch(k, neighbour)) continue;
+        std::vector<int> candidate(pieces.size(), 0);
+        for (std::size_t i = 0; i < pieces.size(); ++i)
+          candidate[i] = mode.contacts[i].at_tip ? 0 : program.spec().contacts[i].region;
+        candidate[k] = neighbour;
+        if (std::find(tried.begin(), tried.end(), candidate) != tried.end()) continue;
+        pieces = candidate;
+        hopped = true;
+        break;
+      }
+    }
+    if (!hopped) break;
+    next_shape = program.shape_of(state.best.x);
+  }
+}
+
+}  // namespace tendril

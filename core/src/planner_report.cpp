@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "follower.hpp"
+#include "grasp.hpp"
+#include "plan_report.hpp"
+#include "planner.hpp"
+#include "problem_data.hpp"
+#include "tendril/self_overlap.hpp"
+
+namespace tendril {
+/// Where the violation was least, and which limits stood in the way.
+std::string Planner::nearest_failure(const std::vector<ModeState>& states) const {
+  const auto least = std::min_element(states.begin(), states.end(),
+                                      [](const ModeState& a, const ModeState& b) { return a.violation < b.violation; });
+  if (least == states.end() || !std::isfinite(least->violation)) return "";
+  char text[48];
+  std::snprintf(text, sizeof text, "%.2e", least->violation);
+  return "; the nearest (" + least->record.mode + ") violates them by " + text +
+         (least->limits.empty() ? ", with no variable at a limit" : ", with " + least->limits);
+}
+
+Plan Planner::report(std::vector<ModeState>& states, int winner) {
+  Plan plan;
+  plan.coordinates_name = d_.scene.coordinates.plugin;
+  plan.order = d_.components.coordinates->function_count();
+  plan.split_at_contact = d_.scene.coordinates.split_at_contact;
+  plan.left_out = d_.left_out;
+  plan.solver_name = d_.scene.solver.plugin;
+  if (winner >= 0 && balanced_objective_ < best_objective() - beats) {
+    char text[160];
+    std::snprintf(
+        text, sizeof text,
+        "it costs less (%.6g), but is no minimum of this objective, which falls from there to where no plan is "
+        "certified",
+        balanced_objective_ * d_.objective_scale);
+    plan.left_out.push_back({"the grasp with the balance as a row", text});
+  }
+  const bool followed = winner >= 0 && states[static_cast<std::size_t>(winner)].starts_used == 0;
+  for (ModeState& state : states) {
+    const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
+    if (!mode.skip.empty()) {
+      state.record.outcome = "skipped: " + mode.skip;
+    } else if (state.best.has_point) {
+      state.record.certified = state.best.certified();
+      state.record.objective = state.best.objective * d_.objective_scale;
+      char text[80];
+      std::snprintf(text, sizeof text, "%s, objective %.6g", state.best.certified() ? "certified" : "not certified",
+                    state.best.objective * d_.objective_scale);
+      state.record.outcome += text;
+      if (!state.best.certified()) {
+        state.record.outcome += ": " + state.best.certificate.failures.front();
+        if (!state.trouble.empty()) state.record.outcome += "; " + state.trouble;
+      }
+    } else if (state.starts_used > 0) {
+      state.record.outcome +=
+          "not solved: " + (state.trouble.empty() ? std::string(to_string(state.last.status)) : state.trouble);
+    } else if (state.record.outcome.empty()) {
+      state.record.outcome = followed ? not_tried_outcome : "not tried: stopped before";
+    }
+    plan.modes.push_back(state.record);
+  }
+
+  // Without a certified plan the nearest one is shown, for what it is worth.
+  int shown = winner;
+  if (shown < 0) {
+    std::size_t fewest = std::numeric_limits<std::size_t>::max();
+    for (const ModeState& state : states) {
+      if (!state.best.has_point) continue;
+      const std::size_t failures = state.best.certificate.failures.size();
+      const bool better =
+          failures < fewest || (failures == fewest && shown >= 0 &&
+                                state.best.objective < states[static_cast<std::size_t>(shown)].best.objective);
+      if (!better) continue;
+      fewest = failures;
+      shown = state.mode;
+    }
+  }
+
+  plan.solver = (shown >= 0 ? states[static_cast<std::size_t>(shown)].best.solver : states.back().last);
+  plan.solver.iterations = tally_.iterations;
+  plan.solver.evaluations = tally_.evaluations;
+  plan.evaluations = tally_.evaluations;
+  add_counts(plan.evaluations, tally_.outside_solver);
+  plan.solver.seconds = tally_.seconds;
+  plan.solver.seconds_evaluating = tally_.seconds_evaluating;
+
+  // The verdict.
+  const bool stopped = control_.stop != nullptr && control_.stop->load();
+  if (winner >= 0) {
+    plan.status = PlanStatus::solved;
+  } else if (stopped) {
+    plan.status = PlanStatus::interrupted;
+    plan.message = "interrupted before a plan was certified";
+  } else if (now() > deadline_) {
+    plan.status = PlanStatus::time_limit;
+    plan.message = "the time limit of " + std::to_string(d_.scene.solver.time_limit) +
+                   " s was reached before a plan was certified";
+  } else {
+    const bool by_bound = std::all_of(states.begin(), states.end(), [&](const ModeState& state) {
+      return !modes_[static_cast<std::size_t>(state.mode)].skip.empty();
+    });
+    // A search that is no enumeration proves nothing; but a contact out of reach stays out of reach beside others.
+    if (all_infeasible() && (d_.enumerated || every_assignment_tried_ || by_bound)) {
+      plan.status = PlanStatus::infeasible;
+      plan.message = by_bound
+                         ? "infeasible by a bound: " + (d_.palm ? modes_.back() : modes_.front()).skip
+                         : "infeasible: from " + std::to_string(most_starts) +
+                               " starts per mode every search ended where no change of the plan reduces the violation "
+                               "of its constraints" +
+                               nearest_failure(states);
+    } else if (shown >= 0) {
+      const Certificate& c = states[static_cast<std::size_t>(shown)].best.certificate;
+      const bool only_unstable =
+          c.failures.size() == 1 && c.contact_convexity > tolerance::convexity && !(c.stability > tolerance::stability);
+      plan.status = only_unstable ? PlanStatus::unstable : PlanStatus::not_converged;
+      plan.message = c.failures.empty() ? "no plan" : c.failures.front();
+    } else {
+      const SolveStatus last = plan.solver.status;
+      const bool diverged = last == SolveStatus::diverged;
+      const bool refused =
+          last == SolveStatus::unsupported || last == SolveStatus::failed || last == SolveStatus::not_finite;
+      plan.status = diverged ? PlanStatus::diverged : refused ? PlanStatus::failed : PlanStatus::not_converged;
+      plan.message = !unfit_.empty()                ? unfit_
+                     : !plan.solver.message.empty() ? plan.solver.message
+                                                    : "no mode led to a plan";
+      if (!refused) {
+        for (const ModeState& state : states) {
+          if (!state.trouble.empty()) plan.message = state.record.mode + ": " + state.trouble;
+        }
+        if (!d_.enumerated && !every_assignment_tried_) {
+          plan.message = "no plan in the " + std::to_string(states.size()) +
+                         " assignments of contacts that were tried; others may have one; the last: " + plan.message;
+        }
+      }
+    }
+  }
+  if (shown < 0) return plan;
+
+  ModeState& chosen = states[static_cast<std::size_t>(shown)];
+  PoseProgram& program = *chosen.best.program;
+  const Eigen::VectorXd& x = chosen.best.x;
+  program.cost(x);
+  plan.certificate = chosen.best.certificate;
+  plan.objective = chosen.best.objective * d_.objective_scale;
+  for (std::size_t i = 0; i < d_.terms.size(); ++i) {
+    plan.terms.emplace_back(d_.terms[i].name, program.term_value(static_cast<int>(i)) * d_.objective_scale);
+  }
+  const double length = d_.scale.length;
+  plan.coordinates.assign(x.data(), x.data() + program.layout().coordinates);
+  for (std::size_t a = 0; a < d_.rod.actuators.size(); ++a) {
+    const int variable = program.moment_variable(static_cast<int>(a));
+    plan.moments.push_back(variable < 0 ? 0.0 : x[variable] * d_.scale.moment());
+  }
+  const Vec2 tip = program.backbone().tip();
+  plan.tip_x = tip.x * length;
+  plan.tip_y = tip.y * length;
+  plan.tip_angle = program.backbone().tip_angle();
+  if (d_.target.has_position) plan.target_error = norm(tip - d_.target.position) * length;
+  plan.contacts = planned_contacts(program, d_.obstacle_names, d_.scale);
+  plan.backbone = sampled_backbone(chosen.best.certifier->finer(x), length);
+  plan.self_overlap = self_overlap(plan.backbone);
+  if (d_.palm) finish_grasp(d_, program, x, plan);
+  plan.seconds_certify = tally_.seconds_certifying;
+  return plan;
+}
+
+}  // namespace tendril
