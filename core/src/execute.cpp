@@ -2,10 +2,10 @@
 
 #include <Eigen/QR>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 
+#include "clock.hpp"
 #include "plan_report.hpp"
 #include "tendril/clearance.hpp"
 #include "tendril/coordinate_model.hpp"
@@ -18,8 +18,6 @@
 
 namespace tendril {
 namespace {
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// A start nearer to an obstacle's core than this (in L) lies on neither side of it.
 constexpr double core_side = 1e-6;

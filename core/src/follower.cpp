@@ -1,17 +1,15 @@
 #include "follower.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 
 #include "check_points.hpp"
+#include "clock.hpp"
 #include "tendril/self_overlap.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril {
 namespace {
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 /// Longer than any outcome that is written here, so that none allocates after the first.
 constexpr std::size_t outcome_size = 120;

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "clock.hpp"
 #include "load_path.hpp"
 #include "problem_data.hpp"
 #include "tendril/certificate.hpp"
@@ -23,10 +23,6 @@ inline constexpr int further_starts = 2;     ///< per mode, where all of these l
 inline constexpr double most_of_time = 0.4;  ///< of what is left, for one solve: there are other ways if it gets stuck
 inline constexpr double little_time = 0.7;   ///< of the time limit: with less left and no plan, the search hurries
 inline constexpr double beats = 1e-12;       ///< an objective must be lower by this to win
-
-inline double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// A mode's best point so far and what is known about it.
 struct Candidate {

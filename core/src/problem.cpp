@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 
+#include "clock.hpp"
 #include "contact_search.hpp"
 #include "follower.hpp"
 #include "grasp.hpp"
@@ -12,8 +12,6 @@
 
 namespace tendril {
 namespace {
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 std::string contact_name(const ContactSetup& c, const std::vector<std::string>& obstacles, std::size_t stretches) {
   const std::string on = "'" + obstacles[static_cast<std::size_t>(c.obstacle)] + "'";

@@ -3,10 +3,10 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 
+#include "clock.hpp"
 #include "tendril/multipliers.hpp"
 #include "tendril/polish.hpp"
 
@@ -23,8 +23,6 @@ class StopSolve : public Error {
   StopSolve(SolveStatus why, const std::string& message) : Error(message), status(why) {}
   SolveStatus status;
 };
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 std::string number(double value) {
   char text[32];
