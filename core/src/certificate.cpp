@@ -1,12 +1,10 @@
 #include "tendril/certificate.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
+#include "stability.hpp"
 #include "tendril/multipliers.hpp"
 #include "tendril/quadrature.hpp"
 #include "tendril/tolerances.hpp"
@@ -23,13 +21,12 @@ std::string defect(const char* what, double value, double limit) {
 }  // namespace
 
 struct Certifier::Data {
-  explicit Data(const PoseProgramSpec& s) : spec(doubled(s)), program(std::make_unique<PoseProgram>(spec)) {
+  explicit Data(const PoseProgramSpec& s)
+      : spec(doubled(s)), program(std::make_unique<PoseProgram>(spec)), stability(*program) {
     tables = program->chain().curve_tables();
     curve = std::make_unique<Curve>(tables);
     const Chain& chain = program->chain();
     const int n = chain.functions();
-    const Eigen::LLT<Eigen::MatrixXd> llt(chain.table().stiffness);
-    inverse = llt.matrixU().solve(Eigen::MatrixXd::Identity(n, n));
     first.resize(chain.nodes(), n);
     Eigen::MatrixXd value(chain.nodes(), n);
     Eigen::MatrixXd second(chain.nodes(), n);
@@ -58,9 +55,7 @@ struct Certifier::Data {
   }
 
   double moment_balance(ConstVectorRef x);
-  void second_variation(ConstVectorRef x, Eigen::MatrixXd& h);
-  double convexity(int contact);
-  double margin(ConstVectorRef x);
+  double margin(ConstVectorRef x) { return stability.margin(*program, x); }
   void set_branch(int contact, Branch branch) {
     if (program->branch(contact) != branch) program->set_branch(contact, branch);
   }
@@ -72,18 +67,13 @@ struct Certifier::Data {
   std::shared_ptr<const CurveTables> tables;
   std::unique_ptr<Curve> curve, from_palm;
 
-  // Tables of the chain: U^-1 of the basis' stiffness U^T U, and the basis' slopes at the nodes.
-  Eigen::MatrixXd inverse, first;
+  Stability stability;
+  Eigen::MatrixXd first;  ///< the basis' slopes at the nodes
   // Memory that is used again.
-  Eigen::VectorXd coarse, rows;                      ///< of the judged program, and on the doubled rule
-  Eigen::VectorXd shear, coefficients, up_to;        ///< moment balance
-  std::vector<double> polynomials;                   ///< moment balance
-  Eigen::MatrixXd hessian, block, normals, free;     ///< stability
-  Eigen::VectorXd point_x, point_y, angle, turning;  ///< derivatives of a contact's place
-  Eigen::VectorXd reflection;                        ///< of Householder
-  Eigen::HouseholderQR<Eigen::MatrixXd> qr;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen;
-  std::vector<int> touching, biactive;
+  Eigen::VectorXd coarse, rows;                ///< of the judged program, and on the doubled rule
+  Eigen::VectorXd shear, coefficients, up_to;  ///< moment balance
+  std::vector<double> polynomials;             ///< moment balance
+  std::vector<int> biactive;
   std::vector<ClosestApproach> near;
   KktJudgement known;
 };
@@ -189,102 +179,6 @@ double Certifier::Data::moment_balance(ConstVectorRef x) {
   return worst;
 }
 
-double Certifier::Data::convexity(int contact) {
-  const auto k = static_cast<std::size_t>(contact);
-  if (spec.contacts[k].at_tip) return infinity;
-  const Chain& chain = program->chain();
-  const Backbone& shape = program->backbone();
-  const PoseProgram::ContactState& c = program->contacts()[k];
-  const Vec2 tau = turned(c.surface.normal);
-  const double turn = dot(turned(c.tangent), c.surface.normal);
-  const double bend = c.surface.curvature * dot(tau, c.tangent) * dot(tau, c.tangent);
-  const int n = chain.functions();
-  if (spec.split) {
-    // The curvature jumps only by rounding of the model; the larger value decides (model.md section 7).
-    const int j = chain.piece_before_knot(contact);
-    const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), n);
-    double value = chain.table().slope_end.dot(q) / shape.length(j) * turn + bend;
-    if (j + 1 < chain.piece_count()) {
-      const Eigen::Map<const Eigen::VectorXd> next(shape.coordinates(j + 1), n);
-      value = std::max(value, chain.table().slope_start.dot(next) / shape.length(j + 1) * turn + bend);
-    }
-    return value;
-  }
-  const int j = spec.contacts[k].region;
-  const double sigma = std::clamp((c.arc_length - shape.start(j)) / shape.length(j), 0.0, 1.0);
-  double value = shape.at(j, sigma).curvature * turn + bend;
-  if (sigma <= 0.0 && j > 0) value = std::max(value, shape.at(j - 1, 1.0).curvature * turn + bend);
-  if (sigma >= 1.0 && j + 1 < chain.piece_count())
-    value = std::max(value, shape.at(j + 1, 0.0).curvature * turn + bend);
-  return value;
-}
-
-void Certifier::Data::second_variation(ConstVectorRef x, Eigen::MatrixXd& h) {
-  const int n = program->layout().coordinates;
-  // dh_e/dq is minus the second derivative of Pi plus the turning of the contact forces, all at frozen knots.
-  h = -program->jacobian(x).topLeftCorner(n, n);
-  point_x.resize(n);
-  point_y.resize(n);
-  angle.resize(n);
-  for (int k = 0; k < program->layout().forces; ++k) {
-    const PoseProgram::ContactState& c = program->contacts()[static_cast<std::size_t>(k)];
-    if (spec.contacts[static_cast<std::size_t>(k)].at_tip || !(std::abs(c.force) > tolerance::force)) continue;
-    program->contact_rows(k, point_x, point_y, angle);
-    const Vec2 tau = turned(c.surface.normal);
-    const double along = c.surface.curvature * dot(tau, c.tangent);
-    turning = dot(turned(c.tangent), c.surface.normal) * angle + along * (tau.x * point_x + tau.y * point_y);
-    h.noalias() += c.force / convexity(k) * turning * turning.transpose();
-  }
-}
-
-double Certifier::Data::margin(ConstVectorRef x) {
-  const Chain& chain = program->chain();
-  const int n = program->layout().coordinates;
-  Eigen::MatrixXd& h = hessian;
-  second_variation(x, h);
-  touching.clear();
-  for (int k = 0; k < program->layout().forces; ++k) {
-    if (program->contacts()[static_cast<std::size_t>(k)].force > tolerance::force) touching.push_back(k);
-  }
-  // In coordinates y = U q with K = U^T U the bending energy is the unit matrix.
-  const int functions = chain.functions();
-  const auto root = [&](int j) { return std::sqrt(program->backbone().length(j) / chain.piece(j).stiffness); };
-  for (int j = 0; j < chain.piece_count(); ++j) {
-    block.noalias() = h.middleCols(j * functions, functions) * inverse;
-    h.middleCols(j * functions, functions) = root(j) * block;
-  }
-  for (int j = 0; j < chain.piece_count(); ++j) {
-    block.noalias() = inverse.transpose() * h.middleRows(j * functions, functions);
-    h.middleRows(j * functions, functions) = root(j) * block;
-  }
-  if (!h.allFinite()) return -infinity;
-  const auto count = static_cast<Eigen::Index>(touching.size());
-  if (count == 0) return eigen.compute(h, Eigen::EigenvaluesOnly).eigenvalues()[0];
-  const Eigen::Index left = n - count;
-  if (left <= 0) return infinity;
-  normals.resize(n, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const int k = touching[static_cast<std::size_t>(i)];
-    const PoseProgram::ContactState& c = program->contacts()[static_cast<std::size_t>(k)];
-    program->contact_rows(k, point_x, point_y, angle);
-    turning = c.surface.normal.x * point_x + c.surface.normal.y * point_y;
-    for (int j = 0; j < chain.piece_count(); ++j) {
-      normals.col(i).segment(j * functions, functions).noalias() =
-          root(j) * (inverse.transpose() * turning.segment(j * functions, functions));
-    }
-  }
-  // The orthogonal complement of the rows spans what the contacts leave free: Q^T H Q, one reflection after the other.
-  qr.compute(normals);
-  reflection.resize(n);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const auto essential = qr.matrixQR().col(k).tail(n - k - 1);
-    h.bottomRows(n - k).applyHouseholderOnTheLeft(essential, qr.hCoeffs()[k], reflection.data());
-    h.rightCols(n - k).applyHouseholderOnTheRight(essential, qr.hCoeffs()[k], reflection.data());
-  }
-  free = h.bottomRightCorner(left, left);
-  return eigen.compute(free, Eigen::EigenvaluesOnly).eigenvalues()[0];
-}
-
 void Certifier::Data::judge_stationarity(PoseProgram& judged, ConstVectorRef x, Certificate& c,
                                          const Eigen::VectorXd* multipliers, const Eigen::VectorXd* bound_multipliers) {
   const PoseProgram::Layout& at = program->layout();
@@ -380,8 +274,8 @@ void Certifier::certify(PoseProgram& judged, ConstVectorRef x, Certificate& c, c
     const double slope = dot(state.tangent, state.surface.normal);
     const bool at_tip = d.spec.contacts[static_cast<std::size_t>(k)].at_tip;
     c.closest_point = std::max(c.closest_point, at_tip ? std::max(0.0, slope) : std::abs(slope));
-    c.contact_convexity = std::min(c.contact_convexity, d.convexity(k));
-    spreads = spreads || !(d.convexity(k) > tolerance::convexity);
+    c.contact_convexity = std::min(c.contact_convexity, d.program->contact_convexity(k));
+    spreads = spreads || !(d.program->contact_convexity(k) > tolerance::convexity);
   }
   c.moment_balance = d.moment_balance(x);
   c.stability = spreads ? -infinity : d.margin(x);
@@ -457,13 +351,13 @@ double Certifier::stability(ConstVectorRef x) {
 Eigen::MatrixXd Certifier::second_variation(ConstVectorRef x) {
   data_->move(x);
   Eigen::MatrixXd h;
-  data_->second_variation(x, h);
+  data_->stability.second_variation(*data_->program, x, h);
   return h;
 }
 
 double Certifier::contact_convexity(ConstVectorRef x, int contact) {
   data_->move(x);
-  return data_->convexity(contact);
+  return data_->program->contact_convexity(contact);
 }
 
 }  // namespace tendril

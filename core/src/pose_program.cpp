@@ -70,6 +70,9 @@ PoseProgram::Data::Data(PoseProgramSpec s)
   }
   layout.first_balance = layout.first_order + layout.orders;
   layout.balances = spec.palm && spec.palm->balance && contact_count > 0 ? 1 : 0;
+  layout.first_margin = layout.first_balance + layout.balances;
+  layout.margins = spec.least_margin ? 1 : 0;
+  if (spec.least_margin) margin = std::make_unique<MarginRow>(spec);
   branches.assign(spec.contacts.size(), Branch::open);
 
   length_rate.setZero(pieces, s_count);
@@ -217,7 +220,7 @@ PoseProgram::~PoseProgram() = default;
 PoseProgram::PoseProgram(PoseProgramSpec spec) : PoseProgram(std::make_unique<Data>(std::move(spec))) {}
 
 PoseProgram::PoseProgram(std::unique_ptr<Data> data)
-    : NonlinearProgram(data->x_count, data->layout.first_balance + data->layout.balances, data->terms.residual_count()),
+    : NonlinearProgram(data->x_count, data->layout.first_margin + data->layout.margins, data->terms.residual_count()),
       data_(std::move(data)) {
   const Layout& at = data_->layout;
   const PoseProgramSpec& s = data_->spec;
@@ -261,6 +264,10 @@ PoseProgram::PoseProgram(std::unique_ptr<Data> data)
   for (int i = 0; i < at.orders; ++i) {
     row_lower_[at.first_order + i] = knot_clearance;
     row_upper_[at.first_order + i] = infinity;
+  }
+  if (at.margins > 0) {
+    row_lower_[at.first_margin] = *s.least_margin;
+    row_upper_[at.first_margin] = infinity;
   }
 }
 
@@ -313,7 +320,8 @@ std::string PoseProgram::row_name(int row) const {
   if (row < at.first_check) return numbered("closest_point", row - at.first_closest);
   if (row < at.first_order) return numbered("non_penetration", row - at.first_check);
   if (row < at.first_balance) return numbered("contact_order", row - at.first_order);
-  return numbered("force_balance", row - at.first_balance);
+  if (row < at.first_margin) return numbered("force_balance", row - at.first_balance);
+  return numbered("stability", row - at.first_margin);
 }
 
 std::string PoseProgram::variable_name(int variable) const {
@@ -333,6 +341,11 @@ void PoseProgram::do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out
   d.evaluate_rows(x, out.constraints);
   d.fill_base(x);
   d.terms.evaluate(d.values, out.cost, out.rest, out.residuals);
+  if (d.margin) {
+    const int row = d.layout.first_margin;
+    out.constraints[row] = derivatives ? d.margin->differentiate(x) : d.margin->value(x);
+    if (derivatives) out.jacobian.row(row) = d.margin->gradient().transpose();
+  }
   if (!derivatives) return;
   d.backbone.sum_normals();
   d.base_rows();

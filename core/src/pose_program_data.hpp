@@ -1,7 +1,9 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include "margin_row.hpp"
 #include "moving_point.hpp"
 #include "tendril/pose_program.hpp"
 #include "term_set.hpp"
@@ -30,7 +32,8 @@ struct PoseProgram::Data {
   Chain chain;
   Backbone backbone;
   TermSet terms;
-  std::vector<int> moment_variable;  ///< per actuator
+  std::unique_ptr<MarginRow> margin;  ///< null: there is no such row
+  std::vector<int> moment_variable;   ///< per actuator
   std::vector<Branch> branches;
   bool gravity = false;
   Vec2 shift{};  ///< of the base
@@ -100,6 +103,13 @@ struct PoseProgram::Data {
   /// from `others` on the arc lengths and the palm distance.
   void check_row(int j, const CheckStations& at, std::size_t use, Vec2 direction, double* row, double* others) const;
   void point_row_of_moving(const MovingPoint& m, int variable, double* x, double* y, double* angle, double* curvature);
+  /// The rod's curvature beside contact k, on the side where it makes d_ss larger: the piece, and where in it.
+  struct Side {
+    int piece = 0;
+    enum { start, inside, end } place = end;
+    double curvature = 0.0;
+  };
+  Side convex_side(int contact) const;
   double own_rate(const MovingPoint& m, int variable, int l) const;
   bool gather_check_adjoints(CheckStations& at, ConstVectorRef multipliers, Vec2& sum) const;
   void add_inner_second(ConstVectorRef x, double sigma, ConstVectorRef multipliers, Eigen::MatrixXd& h);

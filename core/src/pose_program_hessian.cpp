@@ -200,6 +200,7 @@ void PoseProgram::do_hessian(ConstVectorRef x, double sigma, ConstVectorRef mult
     }
   }
   d.add_inner_second(x, sigma, multipliers, h);
+  if (d.margin && multipliers[layout.first_margin] != 0.0) h += multipliers[layout.first_margin] * d.margin->hessian();
 }
 
 /// Sums the adjoints of the check rows at each station, and all of them. False: no row has a multiplier.

@@ -10,6 +10,7 @@
 #include <memory>
 #include <random>
 
+#include "tendril/certificate.hpp"
 #include "tendril/circle.hpp"
 #include "tendril/clearance.hpp"
 #include "tendril/rounded_hull.hpp"
@@ -225,7 +226,7 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
 };
 
 template <class F>
-Eigen::MatrixXd differences(const Eigen::VectorXd& x, F&& f) {
+Eigen::MatrixXd differences(const Eigen::VectorXd& x, F&& f, double step = tendril::step) {
   Eigen::MatrixXd out;
   for (int i = 0; i < x.size(); ++i) {
     const auto at = [&](double shift) {
@@ -277,6 +278,35 @@ TEST_P(PoseDerivatives, HessianOfTheLagrangianAgreesWithDifferencesOfItsGradient
     const Eigen::MatrixXd h = program->hessian(x, sigma, y);
     EXPECT_LT(largest(h - expected), tolerance * (1.0 + largest(expected)));
     EXPECT_LT(largest(h - h.transpose()), 1e-12 * (1.0 + largest(expected)));
+  }
+}
+
+TEST_P(PoseDerivatives, MarginOfStabilityChangesAsItsRowSays) {
+  std::mt19937 random(13);
+  spec.least_margin = 0.1;
+  PoseProgram kept(spec);
+  Certifier certifier(spec);
+  const int row = kept.layout().first_margin;
+  ASSERT_EQ(kept.row_count(), program->row_count() + 1);
+  for (int trial = 0; trial < 5; ++trial) {
+    const Eigen::VectorXd x = random_point(random);
+    // A contact that is about to spread slides without end: no derivative there.
+    (void)kept.jacobian(x);
+    bool spreads = false;
+    for (int k = 0; k < kept.layout().arc_lengths; ++k) spreads = spreads || std::abs(kept.contact_convexity(k)) < 0.2;
+    if (spreads) continue;
+    // Beside another eigenvalue, or where a contact slides far, the margin bends so sharply that only a shorter step
+    // follows; elsewhere that one suffers from rounding. One of them has to agree.
+    const auto margin = [&](const Eigen::VectorXd& y) {
+      return Eigen::VectorXd::Constant(1, kept.constraints(y)[row]);
+    };
+    const auto off = [&](double with_step) {
+      const Eigen::MatrixXd expected = differences(x, margin, with_step);
+      return largest(kept.jacobian(x).row(row) - expected) / (1.0 + largest(expected));
+    };
+    EXPECT_LT(std::min(off(step), off(0.1 * step)), 1e-6);
+    // On the doubled rule, as the certificate has it.
+    EXPECT_NEAR(kept.constraints(x)[row], certifier.stability(x), 1e-7 * (1.0 + std::abs(kept.constraints(x)[row])));
   }
 }
 

@@ -72,6 +72,9 @@ struct PoseProgramSpec {
   std::optional<PalmSetup> palm{};         ///< of a grasp
   int carried = 0;  ///< the last so many obstacles stand on the palm: they move with the rod's base
   std::shared_ptr<TableStore> tables{};  ///< shared by programs of one rod and model; null: each makes its own
+  /// A row keeps the margin of stability (model.md section 7) at this or above; absent: there is no such row. Its
+  /// second derivatives are learned from its gradients as the program is evaluated; everything else stays exact.
+  std::optional<double> least_margin{};
 };
 
 /// A shape to start from, whatever it was described with.
@@ -117,6 +120,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     int orders = 0;            ///< pairs of contacts that must keep their order along the rod
     int first_balance = 0;     ///< row
     int balances = 0;          ///< 1 if the force along a grasp's axis has to vanish
+    int first_margin = 0;      ///< row
+    int margins = 0;           ///< 1 if the margin of stability is kept up
   };
   const Layout& layout() const;         ///< Where the blocks are.
   const PoseProgramSpec& spec() const;  ///< What it was assembled from.
@@ -165,6 +170,12 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
 
   /// dP_k/dq of contact k at the point whose derivatives were computed last, and dphi_k/dq: each coordinates() entries.
   void contact_rows(int contact, VectorRef x, VectorRef y, VectorRef angle) const;
+  /// d_ss of contact k (model.md section 7) at the point computed last: the second derivative of its gap along the rod,
+  /// on the side with more where the curvature jumps. Infinity at the tip.
+  double contact_convexity(int contact) const;
+  /// The same for a contact inside the rod, with its derivatives by all variables (variable_count() entries) at the
+  /// point whose derivatives were computed last.
+  double contact_convexity(int contact, VectorRef gradient) const;
 
  protected:
   void do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out) override;

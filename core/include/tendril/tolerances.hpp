@@ -15,6 +15,10 @@ inline constexpr double stability = 1e-6;        ///< least margin
 /// Least d_ss of a contact with force (model.md section 7). A rod that lies straight along a flat side has 0 and some
 /// 1e-14 of rounding, which is no point contact either.
 inline constexpr double convexity = 1e-9;
+/// The margin that a plan keeps where its objective falls up to the limit of stability. It falls as the root of the
+/// distance of a load to that limit: with 1e-3 a load may still grow by some 1e-6 of EI/L, and what the equilibrium
+/// leaves (1e-9) moves the shape by 1e-6 L.
+inline constexpr double held_margin = 1e-3;
 inline constexpr double quadrature = 1e-10;  ///< change of a row when the rule is doubled; more means more nodes
 inline constexpr double force = 1e-9;        ///< a contact with less force does not hold the rod
 /// Tip of a plan against tip of its execution. What a coarse basis leaves out stays below it (three arcs per rod: up to
