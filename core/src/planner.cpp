@@ -10,17 +10,8 @@
 #include "grasp.hpp"
 #include "plan_report.hpp"
 #include "problem_data.hpp"
-#include "tendril/error.hpp"
-#include "tendril/execute.hpp"
 
 namespace tendril {
-namespace {
-
-/// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-constexpr int most_settlings = 3;  ///< executions of unstable plans, for a stable shape to start from
-
-}  // namespace
-
 void Planner::consider(ModeState& state, const StartShape& shape) {
   if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty() || must_stop()) return;
   if (best_objective() <= d_.objective_bound + beats) {
@@ -124,44 +115,6 @@ int Planner::follow() {
   return -1;
 }
 
-void Planner::settle() {
-  if (d_.palm) return;  // a palm moves with the finger's loads; what a finger does with its palm held says nothing here
-  const std::size_t modes = modes_.size();
-  for (int attempt = 0; attempt < most_settlings && winner_ < 0 && !must_stop(); ++attempt) {
-    const Candidate* unstable = nullptr;
-    for (const ModeState& state : states_) {
-      const bool usable = state.best.has_point && !(state.best.certificate.stability > tolerance::stability);
-      if (usable && (unstable == nullptr || state.best.objective < unstable->objective)) unstable = &state.best;
-    }
-    const bool nothing =
-        std::none_of(states_.begin(), states_.end(), [](const ModeState& s) { return s.best.has_point; });
-    // Where no search came to any point at all, what the rod does under the least moments shows one.
-    if (unstable == nullptr && !(nothing && attempt == 0)) return;
-    std::vector<double> moments;
-    for (std::size_t a = 0; a < d_.rod.actuators.size(); ++a) {
-      if (unstable == nullptr) {
-        const Rod::Actuator& actuator = d_.rod.actuators[a];
-        moments.push_back(std::clamp(0.0, actuator.minimum, actuator.maximum) * d_.scale.moment());
-        continue;
-      }
-      const int variable = unstable->program->moment_variable(static_cast<int>(a));
-      moments.push_back(variable < 0 ? 0.0 : unstable->x[variable] * d_.scale.moment());
-    }
-    ExecuteControl control;
-    control.stop = control_.stop;
-    control.time_limit = std::max(1e-3, deadline_ - now());
-    control.with_obstacles = !d_.obstacles.empty();
-    Plan settled;
-    try {
-      settled = execute(d_.scene, d_.components.obstacles, moments, control).result;
-    } catch (const SceneError&) {
-      return;  // a start through the middle of an obstacle leads nowhere
-    }
-    if (settled.backbone.empty()) return;
-    for (std::size_t i = 0; i < modes; ++i) consider(states_[i], shape_of(d_, settled, modes_[i]));
-  }
-}
-
 Plan Planner::run() {
   states_.resize(modes_.size());
   for (std::size_t i = 0; i < states_.size(); ++i) {
@@ -190,7 +143,7 @@ Plan Planner::run() {
   if (d_.palm && !d_.palm->balance) start_from_balance(order);
   search(order);
   search_further(starts(), order);
-  settle();
+  settle(order);
   return report(states_, winner_);
 }
 

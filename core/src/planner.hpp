@@ -89,8 +89,17 @@ class Planner {
   /// Every mode that could be had ended where its violation is stationary.
   bool all_infeasible() const;
   /// Where every search ended at an equilibrium that is not stable, or at none: what the rod would do under the moments
-  /// found, or under the least ones.
-  void settle();
+  /// found, or under the least ones, shows stable shapes to start from. If that is not enough, programs that keep a
+  /// margin of stability are solved from there.
+  void settle(const std::vector<std::size_t>& order);
+  /// The best point that fails because it is unstable, or null.
+  const Candidate* best_unstable() const;
+  /// The plan's moments of a point, or the least ones that the limits allow; N m.
+  std::vector<double> moments_of(const Candidate* point) const;
+  /// Where the rod comes to rest under these moments (N m). False: nowhere that can be told.
+  bool come_to_rest(const std::vector<double>& moments, Plan& rest) const;
+  /// The objective may fall along stable equilibria up to their end: the plan is then held at the limit of stability.
+  void hold_stable(const std::vector<Plan>& rests, const std::vector<std::size_t>& order);
   /// A start of a grasp. Without a force the row of the balance says nothing about where the contact should be.
   StartShape held(double tip_angle, const Mode& mode) const;
   /// Looks for plans from every start that there is for the modes in `order`.

@@ -38,6 +38,19 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
         balanced_objective_ * d_.objective_scale);
     plan.left_out.push_back({"the grasp with the balance as a row", text});
   }
+  if (winner >= 0) {
+    const Candidate& best = states[static_cast<std::size_t>(winner)].best;
+    const PoseProgram::Layout& at = best.program->layout();
+    if (at.margins > 0 &&
+        best.program->constraints(best.x)[at.first_margin] <= tolerance::held_margin + tolerance::bounds) {
+      char text[200];
+      std::snprintf(text, sizeof text,
+                    "held at the limit of stability: the objective falls along stable equilibria up to where they end; "
+                    "the plan keeps a margin of %g",
+                    tolerance::held_margin);
+      plan.left_out.push_back({"plans that cost less", text});
+    }
+  }
   const bool followed = winner >= 0 && states[static_cast<std::size_t>(winner)].starts_used == 0;
   for (ModeState& state : states) {
     const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];

@@ -252,6 +252,7 @@ PoseProgramSpec Problem::Data::spec(const Mode& mode, const std::vector<int>& re
   s.max_force = max_force;
   s.palm = palm;
   s.carried = carried;
+  s.least_margin = least_margin;
   s.tables = tables;
   return s;
 }
