@@ -226,7 +226,7 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
 };
 
 template <class F>
-Eigen::MatrixXd differences(const Eigen::VectorXd& x, F&& f, double step = tendril::step) {
+Eigen::MatrixXd differences(const Eigen::VectorXd& x, F&& f, double e = step) {
   Eigen::MatrixXd out;
   for (int i = 0; i < x.size(); ++i) {
     const auto at = [&](double shift) {
@@ -234,9 +234,8 @@ Eigen::MatrixXd differences(const Eigen::VectorXd& x, F&& f, double step = tendr
       moved[i] += shift;
       return Eigen::VectorXd(f(moved));
     };
-    const Eigen::VectorXd d = (45.0 * (at(step) - at(-step)) - 9.0 * (at(2.0 * step) - at(-2.0 * step)) +
-                               (at(3.0 * step) - at(-3.0 * step))) /
-                              (60.0 * step);
+    const Eigen::VectorXd d =
+        (45.0 * (at(e) - at(-e)) - 9.0 * (at(2.0 * e) - at(-2.0 * e)) + (at(3.0 * e) - at(-3.0 * e))) / (60.0 * e);
     if (i == 0) out.resize(d.size(), x.size());
     out.col(i) = d;
   }
