@@ -6,7 +6,7 @@
 namespace tendril {
 
 bool exchange_checks(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
-                     std::vector<CheckPoint>& checks, double level) {
+                     std::vector<CheckPoint>& checks, double level, bool keep) {
   const Chain& chain = program.chain();
   const PoseProgram::Layout& at = program.layout();
   const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));
@@ -33,7 +33,7 @@ bool exchange_checks(const PoseProgram& program, ConstVectorRef x, Certifier& ce
     int nearest = -1;
     double best = 0.1;
     for (std::size_t i = 0; i < checks.size(); ++i) {
-      if (checks[i].obstacle != valley.obstacle || (i < moved.size() && moved[i])) continue;
+      if (keep || checks[i].obstacle != valley.obstacle || (i < moved.size() && moved[i])) continue;
       const double own = chain.start(checks[i].piece, knots) + checks[i].sigma * chain.length(checks[i].piece, knots);
       if (std::abs(own - s) >= best) continue;
       best = std::abs(own - s);

@@ -17,6 +17,6 @@ inline constexpr double contact_neighbourhood = 0.02;
 
 /// Moves or adds a check point for every valley of the distance below `level` at x. False: there was none.
 bool exchange_checks(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
-                     std::vector<CheckPoint>& checks, double level);
+                     std::vector<CheckPoint>& checks, double level, bool keep = false);
 
 }  // namespace tendril

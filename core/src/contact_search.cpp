@@ -40,6 +40,10 @@ bool enumerate(const std::vector<ContactSetup>& slots, std::size_t from, int cou
 
 }  // namespace
 
+bool same_contacts(const std::vector<ContactSetup>& a, const std::vector<ContactSetup>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), same);
+}
+
 std::vector<ContactSetup> contact_slots(int stretches, int obstacles) {
   std::vector<ContactSetup> slots;
   for (int r = 0; r < stretches; ++r) {

@@ -10,6 +10,9 @@
 /// contact, then each of the best plans with k contacts gets one more where its rod comes nearest to an obstacle.
 namespace tendril {
 
+/// Whether both are the same contacts in the same order along the rod.
+bool same_contacts(const std::vector<ContactSetup>& a, const std::vector<ContactSetup>& b);
+
 /// Up to so many assignments are all tried.
 inline constexpr std::size_t most_enumerated = 64;
 /// Up to so many where the search found no plan.

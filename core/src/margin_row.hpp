@@ -1,12 +1,12 @@
 #pragma once
 
+#include "learned_hessian.hpp"
 #include "stability.hpp"
 
 namespace tendril {
 
 /// The row of a pose program that keeps its margin of stability up. Values and gradients are exact; second derivatives
-/// would be fourth ones of the energy, and are learned from the gradients instead (symmetric rank-one updates, exact
-/// along the directions that a search has taken). They steer steps; what is accepted rests on gradients alone.
+/// would be fourth ones of the energy, and are learned instead.
 class MarginRow {
  public:
   /// For the program of `spec`, whose own row is left out here.
@@ -16,17 +16,13 @@ class MarginRow {
   /// The value as well; gradient() is then that of x.
   double differentiate(ConstVectorRef x);
   const Eigen::VectorXd& gradient() const { return gradient_; }
-  const Eigen::MatrixXd& hessian() const { return hessian_; }
+  const Eigen::MatrixXd& hessian() const { return learned_.matrix(); }
 
  private:
-  void learn(ConstVectorRef x);
-
   PoseProgram program_;
   Stability stability_;
   Eigen::VectorXd gradient_;
-  Eigen::VectorXd x_before_, gradient_before_, step_, defect_;
-  Eigen::MatrixXd hessian_;
-  bool has_before_ = false;
+  LearnedHessian learned_;
 };
 
 }  // namespace tendril

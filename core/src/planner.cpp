@@ -43,12 +43,8 @@ void Planner::consider(ModeState& state, const StartShape& shape) {
 }
 
 std::size_t Planner::state_of(const std::vector<ContactSetup>& contacts) {
-  const auto same = [](const ContactSetup& a, const ContactSetup& b) {
-    return a.obstacle == b.obstacle && a.at_tip == b.at_tip && a.region == b.region;
-  };
   for (std::size_t i = 0; i < modes_.size(); ++i) {
-    const std::vector<ContactSetup>& own = modes_[i].contacts;
-    if (std::equal(own.begin(), own.end(), contacts.begin(), contacts.end(), same)) return i;
+    if (same_contacts(modes_[i].contacts, contacts)) return i;
   }
   modes_.push_back(d_.mode(contacts));
   ModeState state;

@@ -10,6 +10,7 @@
 #include "load_path.hpp"
 #include "problem_data.hpp"
 #include "tendril/certificate.hpp"
+#include "tendril/feasibility.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril {
@@ -96,8 +97,11 @@ class Planner {
   const Candidate* best_unstable() const;
   /// The plan's moments of a point, or the least ones that the limits allow; N m.
   std::vector<double> moments_of(const Candidate* point) const;
-  /// Where the rod comes to rest under these moments (N m). False: nowhere that can be told.
-  bool come_to_rest(const std::vector<double>& moments, Plan& rest) const;
+  /// Moments over the range of the limits, N m: the least ones, and single actuators at and towards their limits.
+  std::vector<std::vector<double>> sampled_moments() const;
+  /// Where the rod comes to rest under these moments (N m). False: nowhere that can be told in `share` of the time
+  /// left.
+  bool come_to_rest(const std::vector<double>& moments, double share, Plan& rest) const;
   /// The objective may fall along stable equilibria up to their end: the plan is then held at the limit of stability.
   void hold_stable(const std::vector<Plan>& rests, const std::vector<std::size_t>& order);
   /// A start of a grasp. Without a force the row of the balance says nothing about where the contact should be.
@@ -128,6 +132,8 @@ class Planner {
   bool restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
   /// A quick look where time is short: the violation has a stationary point near x, and no solver is asked.
   bool nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x);
+  /// Remembers where the violation is least, and whether it is stationary there.
+  void note_violation(ModeState& state, const PoseProgram& program, const FeasibilityReport& f);
   /// After a check point moved and neither polish nor solver followed: reduces the violation alone, then tries both
   /// again.
   bool recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
@@ -136,6 +142,9 @@ class Planner {
   /// checked.
   bool complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& checks, Eigen::VectorXd x,
                 const std::vector<Branch>& branches);
+  /// The same without keeping it: into `c`, which has no point where there is none.
+  bool bring_to_certificate(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& checks,
+                            Eigen::VectorXd x, const std::vector<Branch>& branches, Candidate& c);
   /// Newton from the earlier plan's own point, touching what it touched: no solver is called. The mode that is
   /// certified so, or -1: there is none, or a contact may be about to come or go, which other modes know more about.
   int follow();

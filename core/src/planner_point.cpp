@@ -23,9 +23,10 @@ constexpr double tiny_radius = 1e-3;  ///< (L) an obstacle below it is swollen b
 constexpr double swollen_radii[] = {0.02, 0.1, 0.005};  ///< ... to the first of these that works
 constexpr double slowest_shrinking = 0.95;              ///< per step on the way back, before it is given up
 constexpr int most_exchanges = 25;
+constexpr int moving_exchanges = 8;  ///< after so many rounds check points stay: moved ones may go to and fro
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
 constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
-constexpr int most_restorations = 200;    ///< steps
+constexpr int most_restorations = 400;    ///< steps
 constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
 constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
 constexpr double at_limit = 1e-9;         ///< a variable this near to its limit stands at it, in reports
@@ -234,6 +235,11 @@ bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
     x = r.x.allFinite() && r.x.size() == x.size() && r.infeasibility <= nearly_feasible ? r.x : f.x;
     return true;
   }
+  note_violation(state, program, f);
+  return false;
+}
+
+void Planner::note_violation(ModeState& state, const PoseProgram& program, const FeasibilityReport& f) {
   if (f.stationary_violation) ++state.stationary_violations;
   if (f.x.allFinite() && f.infeasibility < state.violation) {
     // Only the search over assignments goes on from there.
@@ -245,7 +251,6 @@ bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   std::snprintf(text, sizeof text, "no feasible point near: violation %.2e%s", f.infeasibility,
                 f.stationary_violation ? ", stationary" : "");
   state.trouble = text;
-  return false;
 }
 
 bool Planner::nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x) {
@@ -253,9 +258,8 @@ bool Planner::nothing_near(ModeState& state, PoseProgram& program, const Eigen::
   const FeasibilityReport f =
       restore_feasibility(program, x, restored, most_restorations, [this] { return must_stop(); });
   add_difference(tally_.outside_solver, program.counts(), before);
-  if (!f.stationary_violation) return false;
-  ++state.stationary_violations;
-  return true;
+  if (f.stationary_violation) note_violation(state, program, f);
+  return f.stationary_violation;
 }
 
 bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
@@ -264,11 +268,41 @@ bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
 
 bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& every_check,
                        Eigen::VectorXd x, const std::vector<Branch>& branches) {
+  Candidate c;
+  if (!bring_to_certificate(state, regions, every_check, x, branches, c)) return false;
+  // Beside a contact no check point can be: there the rod stays out if the contact does not spread to either side.
+  const bool dips =
+      c.has_point && !c.certified() && !following_ && !c.program->spec().least_convexity &&
+      c.program->layout().arc_lengths > 0 && !must_stop() &&
+      (c.certificate.penetration > tolerance::penetration || !(c.certificate.contact_convexity > tolerance::convexity));
+  if (dips) {
+    struct Held {
+      std::optional<double>& limit;
+      explicit Held(std::optional<double>& of) : limit(of) { limit = tolerance::held_convexity; }
+      ~Held() { limit.reset(); }
+      Held(const Held&) = delete;
+      Held& operator=(const Held&) = delete;
+    };
+    const Held held(d_.least_convexity);
+    Candidate pointed;
+    if (bring_to_certificate(state, regions, every_check, c.x, branches, pointed) && pointed.certified()) {
+      c = std::move(pointed);
+    }
+  }
+  if (!c.has_point) return true;
+  const bool better = !state.best.has_point || (c.certified() && !state.best.certified()) ||
+                      (c.certified() == state.best.certified() && c.objective < state.best.objective - beats);
+  if (better) state.best = std::move(c);
+  return true;
+}
+
+bool Planner::bring_to_certificate(ModeState& state, const std::vector<int>& regions,
+                                   std::vector<CheckPoint>& every_check, Eigen::VectorXd x,
+                                   const std::vector<Branch>& branches, Candidate& c) {
   const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
   const bool exchanges = d_.scene.contact.check_points == 0 && !d_.obstacles.empty();
   int nodes = d_.nodes;
   std::vector<CheckPoint> checks = every_check;
-  Candidate c;
   const auto build = [&] {
     PoseProgramSpec spec = d_.spec(mode, regions, nodes);
     spec.checks = checks;
@@ -285,7 +319,10 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
     if (!sharp && infeasibility(*c.program, x) > restored) return true;
   }
   for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
-    if (!x.allFinite() || !exchange_checks(*c.program, x, *c.certifier, checks, violation_level)) break;
+    if (!x.allFinite() ||
+        !exchange_checks(*c.program, x, *c.certifier, checks, violation_level, round >= moving_exchanges)) {
+      break;
+    }
     every_check.insert(every_check.end(), checks.begin(), checks.end());
     build();
     sharp = sharpen(state, *c.program, x, true) || recover(state, *c.program, x);
@@ -312,9 +349,6 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
     return true;
   }
   c.has_point = true;
-  const bool better = !state.best.has_point || (c.certified() && !state.best.certified()) ||
-                      (c.certified() == state.best.certified() && c.objective < state.best.objective - beats);
-  if (better) state.best = std::move(c);
   return true;
 }
 
@@ -345,7 +379,7 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
       spec.checks = checks;
       PoseProgram program(spec);
       Eigen::VectorXd x = program.start_from(shape);
-      if (hurried() && state.starts_used > 1 && nothing_near(state, program, x)) break;
+      if (hurried() && nothing_near(state, program, x)) break;
       if (!swell(state, spec, shape, branch, program, x) && !find_point(state, program, x, branch)) {
         if (state.last.status == SolveStatus::not_finite) note_unfit_term(program, x);
         break;
@@ -362,7 +396,7 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
   // A contact that the treatment let go, or could not decide: the branch that touches is a program of its own. It is
   // part of the one just searched, so where that has nothing feasible and a plan is at hand, it is not searched again.
   const bool hopeless = have_plan_ && !state.best.has_point && state.stationary_violations > stationary_before;
-  const bool out_of_time = hurried() && state.starts_used > 1 && state.stationary_violations > stationary_before;
+  const bool out_of_time = hurried() && state.stationary_violations > stationary_before;
   const bool missing =
       !mode.contacts.empty() && !required && !hopeless && !out_of_time && (!touching || !state.best.certified());
   if (missing && !must_stop()) search(Branch::touching);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "contact_search.hpp"
 #include "earlier_plan.hpp"
 #include "planner.hpp"
 #include "problem_data.hpp"
@@ -10,7 +11,11 @@ namespace tendril {
 namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-constexpr int most_settlings = 3;  ///< executions of unstable plans, for a stable shape to start from
+constexpr int most_settlings = 3;         ///< executions of unstable plans, for a stable shape to start from
+constexpr double settling_time = 0.4;     ///< of what is left, for one of these
+constexpr double sampling_time = 0.1;     ///< the same for one of the executions that look for stable shapes
+constexpr double unlimited_moment = 6.3;  ///< (EI/L) stands for no limit: it bends the rod to a circle
+constexpr double towards_limit = 0.25;    ///< of a limit
 
 }  // namespace
 
@@ -37,10 +42,27 @@ std::vector<double> Planner::moments_of(const Candidate* point) const {
   return moments;
 }
 
-bool Planner::come_to_rest(const std::vector<double>& moments, Plan& rest) const {
+std::vector<std::vector<double>> Planner::sampled_moments() const {
+  const std::vector<double> least = moments_of(nullptr);
+  std::vector<std::vector<double>> samples{least};
+  for (std::size_t a = 0; a < d_.rod.actuators.size(); ++a) {
+    const Rod::Actuator& actuator = d_.rod.actuators[a];
+    for (const double limit :
+         {std::max(actuator.minimum, -unlimited_moment), std::min(actuator.maximum, unlimited_moment)}) {
+      for (const double share : {towards_limit, 1.0}) {
+        std::vector<double> moments = least;
+        moments[a] = std::clamp(share * limit, actuator.minimum, actuator.maximum) * d_.scale.moment();
+        if (moments != least) samples.push_back(std::move(moments));
+      }
+    }
+  }
+  return samples;
+}
+
+bool Planner::come_to_rest(const std::vector<double>& moments, double share, Plan& rest) const {
   ExecuteControl control;
   control.stop = control_.stop;
-  control.time_limit = std::max(1e-3, deadline_ - now());
+  control.time_limit = std::max(1e-3, share * (deadline_ - now()));
   control.with_obstacles = !d_.obstacles.empty();
   try {
     rest = execute(d_.scene, d_.components.obstacles, moments, control).result;
@@ -65,7 +87,7 @@ void Planner::settle(const std::vector<std::size_t>& order) {
         std::any_of(rests.begin(), rests.end(), [&](const Plan& rest) { return rest.moments == moments; });
     if (known) break;
     Plan rest;
-    if (!come_to_rest(moments, rest)) break;
+    if (!come_to_rest(moments, settling_time, rest)) break;
     for (std::size_t i = 0; i < modes; ++i) consider(states_[i], shape_of(d_, rest, modes_[i]));
     rests.push_back(std::move(rest));
   }
@@ -81,13 +103,21 @@ void Planner::hold_stable(const std::vector<Plan>& rests, const std::vector<std:
     Held(const Held&) = delete;
     Held& operator=(const Held&) = delete;
   };
-  std::vector<Plan> starts;
-  for (const Plan& rest : rests) starts.push_back(rest);
-  Plan least;
-  if (come_to_rest(moments_of(nullptr), least)) starts.push_back(std::move(least));
   const Held held(d_);
-  for (const Plan& start : starts) {
-    for (const std::size_t i : order) consider(states_[i], shape_of(d_, start, modes_[i]));
+  for (const Plan& rest : rests) {
+    for (const std::size_t i : order) consider(states_[i], shape_of(d_, rest, modes_[i]));
+  }
+  bool first = true;
+  for (const std::vector<double>& moments : sampled_moments()) {
+    Plan rest;
+    if (must_stop() || !come_to_rest(moments, sampling_time, rest)) continue;
+    // Every mode is worth the shape of the rod without moments; the others start those whose contacts they have.
+    const std::optional<std::vector<ContactSetup>> own = contacts_of(d_, rest);
+    for (const std::size_t i : order) {
+      if (first || (own && same_contacts(modes_[i].contacts, *own)))
+        consider(states_[i], shape_of(d_, rest, modes_[i]));
+    }
+    first = false;
   }
 }
 

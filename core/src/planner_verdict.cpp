@@ -50,6 +50,14 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
                     tolerance::held_margin);
       plan.left_out.push_back({"plans that cost less", text});
     }
+    for (int i = 0; i < at.convexities; ++i) {
+      const int row = at.first_convexity + i;
+      if (best.program->constraints(best.x)[row] > tolerance::held_convexity + tolerance::bounds) continue;
+      plan.left_out.push_back({"contact along a stretch",
+                               "the objective falls up to where the rod would lie along the obstacle; the plan keeps a "
+                               "point contact"});
+      break;
+    }
   }
   const bool followed = winner >= 0 && states[static_cast<std::size_t>(winner)].starts_used == 0;
   for (ModeState& state : states) {
@@ -92,7 +100,15 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
     }
   }
 
-  plan.solver = (shown >= 0 ? states[static_cast<std::size_t>(shown)].best.solver : states.back().last);
+  if (shown >= 0) {
+    plan.solver = states[static_cast<std::size_t>(shown)].best.solver;
+  } else {
+    // The last one that was asked; where restoration settled everything none was.
+    plan.solver.status = SolveStatus::infeasible;
+    for (const ModeState& state : states) {
+      if (state.record.solves > 0) plan.solver = state.last;
+    }
+  }
   plan.solver.iterations = tally_.iterations;
   plan.solver.evaluations = tally_.evaluations;
   plan.evaluations = tally_.evaluations;

@@ -72,6 +72,9 @@ PoseProgram::Data::Data(PoseProgramSpec s)
   layout.balances = spec.palm && spec.palm->balance && contact_count > 0 ? 1 : 0;
   layout.first_margin = layout.first_balance + layout.balances;
   layout.margins = spec.least_margin ? 1 : 0;
+  layout.first_convexity = layout.first_margin + layout.margins;
+  layout.convexities = spec.least_convexity ? 2 * s_count : 0;
+  for (int i = 0; i < layout.convexities; ++i) convex.emplace_back(x_count);
   if (spec.least_margin) margin = std::make_unique<MarginRow>(spec);
   branches.assign(spec.contacts.size(), Branch::open);
 
@@ -220,7 +223,8 @@ PoseProgram::~PoseProgram() = default;
 PoseProgram::PoseProgram(PoseProgramSpec spec) : PoseProgram(std::make_unique<Data>(std::move(spec))) {}
 
 PoseProgram::PoseProgram(std::unique_ptr<Data> data)
-    : NonlinearProgram(data->x_count, data->layout.first_margin + data->layout.margins, data->terms.residual_count()),
+    : NonlinearProgram(data->x_count, data->layout.first_convexity + data->layout.convexities,
+                       data->terms.residual_count()),
       data_(std::move(data)) {
   const Layout& at = data_->layout;
   const PoseProgramSpec& s = data_->spec;
@@ -304,6 +308,11 @@ void PoseProgram::set_branch(int contact, Branch branch) {
   // t.n = 0 inside, t.n <= 0 at the tip. Where the tip does not touch, no point needs to be closest.
   row_lower_[at.first_closest + contact] = at_tip ? -infinity : 0.0;
   row_upper_[at.first_closest + contact] = at_tip && branch == Branch::separated ? infinity : 0.0;
+  for (int side = 0; side < 2 && contact < at.convexities / 2; ++side) {
+    const int row = at.first_convexity + 2 * contact + side;
+    row_lower_[row] = branch == Branch::touching ? *s.least_convexity : -infinity;
+    row_upper_[row] = infinity;
+  }
   invalidate();
 }
 
@@ -321,7 +330,8 @@ std::string PoseProgram::row_name(int row) const {
   if (row < at.first_order) return numbered("non_penetration", row - at.first_check);
   if (row < at.first_balance) return numbered("contact_order", row - at.first_order);
   if (row < at.first_margin) return numbered("force_balance", row - at.first_balance);
-  return numbered("stability", row - at.first_margin);
+  if (row < at.first_convexity) return numbered("stability", row - at.first_margin);
+  return numbered("point_contact", row - at.first_convexity);
 }
 
 std::string PoseProgram::variable_name(int variable) const {
@@ -346,6 +356,7 @@ void PoseProgram::do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out
     out.constraints[row] = derivatives ? d.margin->differentiate(x) : d.margin->value(x);
     if (derivatives) out.jacobian.row(row) = d.margin->gradient().transpose();
   }
+  if (d.layout.convexities > 0 && !derivatives) d.convexity_rows(x, false, out);
   if (!derivatives) return;
   d.backbone.sum_normals();
   d.base_rows();
@@ -354,6 +365,7 @@ void PoseProgram::do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out
   d.contact_jacobian(out.jacobian);
   d.check_jacobian(out.jacobian);
   d.balance_jacobian(out.jacobian);
+  if (d.layout.convexities > 0) d.convexity_rows(x, true, out);
   d.terms.differentiate(d.values, d.term_gradient, d.term_rest_gradient, d.term_jacobian);
   out.gradient.setZero();
   out.rest_gradient.setZero();

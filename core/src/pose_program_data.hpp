@@ -32,8 +32,9 @@ struct PoseProgram::Data {
   Chain chain;
   Backbone backbone;
   TermSet terms;
-  std::unique_ptr<MarginRow> margin;  ///< null: there is no such row
-  std::vector<int> moment_variable;   ///< per actuator
+  std::unique_ptr<MarginRow> margin;   ///< null: there is no such row
+  std::vector<LearnedHessian> convex;  ///< one per row that keeps a contact from spreading
+  std::vector<int> moment_variable;    ///< per actuator
   std::vector<Branch> branches;
   bool gravity = false;
   Vec2 shift{};  ///< of the base
@@ -110,6 +111,12 @@ struct PoseProgram::Data {
     double curvature = 0.0;
   };
   Side convex_side(int contact) const;
+  /// The curvature right before (0) or behind (1) contact k.
+  Side side_of(int contact, int which) const;
+  /// d_ss with the curvature of a side, and its derivatives by all variables.
+  double convexity(int contact, const Side& side) const;
+  void convexity_gradient(int contact, const Side& side, VectorRef gradient) const;
+  void convexity_rows(ConstVectorRef x, bool derivatives, Workspace& out);
   double own_rate(const MovingPoint& m, int variable, int l) const;
   bool gather_check_adjoints(CheckStations& at, ConstVectorRef multipliers, Vec2& sum) const;
   void add_inner_second(ConstVectorRef x, double sigma, ConstVectorRef multipliers, Eigen::MatrixXd& h);

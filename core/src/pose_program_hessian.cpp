@@ -201,6 +201,10 @@ void PoseProgram::do_hessian(ConstVectorRef x, double sigma, ConstVectorRef mult
   }
   d.add_inner_second(x, sigma, multipliers, h);
   if (d.margin && multipliers[layout.first_margin] != 0.0) h += multipliers[layout.first_margin] * d.margin->hessian();
+  for (std::size_t i = 0; i < d.convex.size(); ++i) {
+    const double multiplier = multipliers[layout.first_convexity + static_cast<int>(i)];
+    if (multiplier != 0.0) h += multiplier * d.convex[i].matrix();
+  }
 }
 
 /// Sums the adjoints of the check rows at each station, and all of them. False: no row has a multiplier.

@@ -253,6 +253,7 @@ PoseProgramSpec Problem::Data::spec(const Mode& mode, const std::vector<int>& re
   s.palm = palm;
   s.carried = carried;
   s.least_margin = least_margin;
+  s.least_convexity = least_convexity;
   s.tables = tables;
   return s;
 }

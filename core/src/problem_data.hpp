@@ -36,7 +36,8 @@ struct Problem::Data {
   double objective_bound = 0.0;  ///< no plan can cost less (scaled)
   Target target;
   double min_force = 0.0, max_force = infinity;
-  std::optional<double> least_margin;  ///< of stability, while plans are held at its limit
+  std::optional<double> least_margin;     ///< of stability, while plans are held at its limit
+  std::optional<double> least_convexity;  ///< of contacts, while plans are held where they would spread
   std::shared_ptr<TableStore> tables = std::make_shared<TableStore>();
   std::vector<Mode> modes;  ///< all, or those that a search begins with
   bool enumerated = true;   ///< `modes` are all there are

@@ -280,17 +280,25 @@ TEST_P(PoseDerivatives, HessianOfTheLagrangianAgreesWithDifferencesOfItsGradient
   }
 }
 
-TEST_P(PoseDerivatives, MarginOfStabilityChangesAsItsRowSays) {
+TEST_P(PoseDerivatives, MarginOfStabilityAndSpreadingChangeAsTheirRowsSay) {
   std::mt19937 random(13);
   spec.least_margin = 0.1;
+  spec.least_convexity = 0.1;
   PoseProgram kept(spec);
   Certifier certifier(spec);
   const int row = kept.layout().first_margin;
-  ASSERT_EQ(kept.row_count(), program->row_count() + 1);
+  const int convexities = 2 * kept.layout().arc_lengths;
+  ASSERT_EQ(kept.row_count(), program->row_count() + 1 + convexities);
   for (int trial = 0; trial < 5; ++trial) {
     const Eigen::VectorXd x = random_point(random);
     // A contact that is about to spread slides without end: no derivative there.
     (void)kept.jacobian(x);
+    const auto bends = [&](const Eigen::VectorXd& y) {
+      return Eigen::VectorXd(kept.constraints(y).segment(kept.layout().first_convexity, convexities));
+    };
+    const Eigen::MatrixXd bent = differences(x, bends);
+    EXPECT_LT(largest(kept.jacobian(x).middleRows(kept.layout().first_convexity, convexities) - bent),
+              tolerance * (1.0 + largest(bent)));
     bool spreads = false;
     for (int k = 0; k < kept.layout().arc_lengths; ++k) spreads = spreads || std::abs(kept.contact_convexity(k)) < 0.2;
     if (spreads) continue;

@@ -75,6 +75,9 @@ struct PoseProgramSpec {
   /// A row keeps the margin of stability (model.md section 7) at this or above; absent: there is no such row. Its
   /// second derivatives are learned from its gradients as the program is evaluated; everything else stays exact.
   std::optional<double> least_margin{};
+  /// Rows keep d_ss (model.md section 7) of contacts that touch inside the rod at this or above, on both sides of the
+  /// contact: beside it no check point can. Absent: there are no such rows. Second derivatives as above.
+  std::optional<double> least_convexity{};
 };
 
 /// A shape to start from, whatever it was described with.
@@ -122,6 +125,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     int balances = 0;          ///< 1 if the force along a grasp's axis has to vanish
     int first_margin = 0;      ///< row
     int margins = 0;           ///< 1 if the margin of stability is kept up
+    int first_convexity = 0;   ///< row; two per contact inside the rod, before and behind it
+    int convexities = 0;       ///< rows that keep contacts from spreading
   };
   const Layout& layout() const;         ///< Where the blocks are.
   const PoseProgramSpec& spec() const;  ///< What it was assembled from.

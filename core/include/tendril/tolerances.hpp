@@ -19,6 +19,9 @@ inline constexpr double convexity = 1e-9;
 /// distance of a load to that limit: with 1e-3 a load may still grow by some 1e-6 of EI/L, and what the equilibrium
 /// leaves (1e-9) moves the shape by 1e-6 L.
 inline constexpr double held_margin = 1e-3;
+/// The d_ss that a contact keeps where its plan would lie along the obstacle: far enough from tolerance::convexity to
+/// be told from rounding, and near enough to lying that it costs a millionth of the curvature.
+inline constexpr double held_convexity = 1e-6;
 inline constexpr double quadrature = 1e-10;  ///< change of a row when the rule is doubled; more means more nodes
 inline constexpr double force = 1e-9;        ///< a contact with less force does not hold the rod
 /// Tip of a plan against tip of its execution. What a coarse basis leaves out stays below it (three arcs per rod: up to

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "tendril/nonlinear_program.hpp"
+
+namespace tendril {
+
+/// Second derivatives of a function that has gradients alone, learned from these as a search moves: symmetric rank-one
+/// updates, exact along the directions that were taken. They steer steps; what is accepted rests on gradients. Nothing
+/// allocates after construction.
+class LearnedHessian {
+ public:
+  explicit LearnedHessian(int variables);
+
+  /// The gradient at x is this.
+  void learn(ConstVectorRef x, ConstVectorRef gradient);
+  const Eigen::MatrixXd& matrix() const { return hessian_; }
+
+ private:
+  Eigen::VectorXd x_, gradient_, step_, defect_;
+  Eigen::MatrixXd hessian_;
+  bool has_point_ = false;
+};
+
+}  // namespace tendril
