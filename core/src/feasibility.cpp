@@ -82,6 +82,7 @@ class Restoration {
     // Where the violation cannot vanish, its own second derivatives count as much as the products of first ones:
     // without them the way to its stationary point never ends.
     if (curved_) curvature_ = program_.hessian(x_, 0.0, violation_);
+    start_model();
     while (damping_ < most_damping) {
       Eigen::VectorXd next, next_rows, next_violation;
       if (propose(next)) {
@@ -104,55 +105,101 @@ class Restoration {
     return false;
   }
 
+  /// Side of its limits that a row at this value is beyond.
+  enum class Side : signed char { inside = 0, above = 1, below = -1 };
+  Side side(double value, int row) const {
+    const double off = excess(value, row);
+    return off > 0.0 ? Side::above : off < 0.0 ? Side::below : Side::inside;
+  }
+
+  /// A quadratic model of half the squared violation, whose counted rows are violated linearly.
+  struct Model {
+    std::vector<Side> counted;  ///< per row
+    Eigen::MatrixXd normal;
+    Eigen::VectorXd slope;
+  };
+
+  void build(Model& model) const {
+    const auto count = static_cast<Eigen::Index>(
+        std::count_if(model.counted.begin(), model.counted.end(), [](Side s) { return s != Side::inside; }));
+    Eigen::MatrixXd active(x_.size(), count);
+    Eigen::VectorXd off(count);
+    Eigen::Index column = 0;
+    for (int i = 0; i < rows_.size(); ++i) {
+      const Side s = model.counted[static_cast<std::size_t>(i)];
+      if (s == Side::inside) continue;
+      active.col(column) = jacobian_.row(i).transpose();
+      off[column++] = rows_[i] - (s == Side::above ? program_.row_upper()[i] : program_.row_lower()[i]);
+    }
+    model.slope.noalias() = active * off;
+    model.normal.noalias() = active * active.transpose();
+    if (curved_) model.normal += curvature_;
+  }
+
+  /// The model of what is violated at x, for all dampings.
+  void start_model() {
+    now_.counted.resize(static_cast<std::size_t>(rows_.size()));
+    for (int i = 0; i < rows_.size(); ++i) now_.counted[static_cast<std::size_t>(i)] = side(rows_[i], i);
+    build(now_);
+  }
+
   /// The least violation of the linearized rows under the damping, within the bounds. Which rows will be violated and
   /// which bounds met is guessed from what is so now, then from the step itself. False: the model has no least value.
   bool propose(Eigen::VectorXd& next) const {
     const Eigen::Index n = x_.size();
-    Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
-    Eigen::VectorXd predicted = rows_;
-    std::vector<char> pinned(static_cast<std::size_t>(n), 0);
-    std::vector<char> counted, before;
+    std::vector<Side> pinned(static_cast<std::size_t>(n), Side::inside);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      Side& pin = pinned[static_cast<std::size_t>(i)];
+      if (x_[i] <= program_.lower()[i] && now_.slope[i] > 0.0) pin = Side::below;
+      if (x_[i] >= program_.upper()[i] && now_.slope[i] < 0.0) pin = Side::above;
+    }
+    Model guessed = now_;
+    Eigen::VectorXd step;
     for (int guess = 0; guess < most_guesses; ++guess) {
-      counted.assign(static_cast<std::size_t>(rows_.size()), 0);
-      Eigen::MatrixXd normal = curved_ ? curvature_ : Eigen::MatrixXd::Zero(n, n);
-      Eigen::VectorXd slope = Eigen::VectorXd::Zero(n);
+      if (!minimize(guessed, pinned, step)) return false;
+      const Eigen::VectorXd predicted = rows_ + jacobian_ * step;
+      bool same = true;
       for (int i = 0; i < rows_.size(); ++i) {
-        const double side = excess(predicted[i], i);
-        if (side == 0.0) continue;
-        counted[static_cast<std::size_t>(i)] = side > 0.0 ? 1 : 2;
-        const double off = rows_[i] - (side > 0.0 ? program_.row_upper()[i] : program_.row_lower()[i]);
-        normal.noalias() += jacobian_.row(i).transpose() * jacobian_.row(i);
-        slope += off * jacobian_.row(i).transpose();
+        Side& own = guessed.counted[static_cast<std::size_t>(i)];
+        const Side then = side(predicted[i], i);
+        // A row that the step just satisfies stays: equations always count.
+        const bool leaves = then == Side::inside && program_.is_equality(i);
+        if (then == own || leaves) continue;
+        own = then;
+        same = false;
       }
-      bool more_pinned = false;
       for (Eigen::Index i = 0; i < n; ++i) {
-        const double wanted = guess == 0 ? x_[i] - slope[i] : x_[i] + step[i];
-        const bool at_bound = guess > 0 || x_[i] <= program_.lower()[i] || x_[i] >= program_.upper()[i];
-        if (!at_bound || pinned[static_cast<std::size_t>(i)] != 0) continue;
-        if (wanted < program_.lower()[i]) pinned[static_cast<std::size_t>(i)] = 1;
-        if (wanted > program_.upper()[i]) pinned[static_cast<std::size_t>(i)] = 2;
-        more_pinned = more_pinned || pinned[static_cast<std::size_t>(i)] != 0;
+        Side& pin = pinned[static_cast<std::size_t>(i)];
+        if (pin != Side::inside) continue;
+        if (x_[i] + step[i] < program_.lower()[i]) pin = Side::below;
+        if (x_[i] + step[i] > program_.upper()[i]) pin = Side::above;
+        same = same && pin == Side::inside;
       }
-      if (guess > 0 && counted == before && !more_pinned) break;
-      before = counted;
-      normal.diagonal().array() += damping_ * (1.0 + normal.diagonal().array().abs());
-      for (Eigen::Index i = 0; i < n; ++i) {
-        const char pin = pinned[static_cast<std::size_t>(i)];
-        if (pin == 0) continue;
-        const double moved = (pin == 1 ? program_.lower()[i] : program_.upper()[i]) - x_[i];
-        slope += moved * normal.col(i);
-        normal.row(i).setZero();
-        normal.col(i).setZero();
-        normal(i, i) = 1.0;
-        slope[i] = -moved;
-      }
-      const Eigen::LDLT<Eigen::MatrixXd> factors(normal);
-      if (curved_ && !(factors.info() == Eigen::Success && factors.isPositive())) return false;
-      step = -factors.solve(slope);
-      predicted = rows_;
-      predicted.noalias() += jacobian_ * step;
+      if (same) break;
+      build(guessed);
     }
     next = (x_ + step).cwiseMax(program_.lower()).cwiseMin(program_.upper());
+    return true;
+  }
+
+  /// The damped step to the model's least value with pinned variables at their bounds. False: it has none.
+  bool minimize(const Model& model, const std::vector<Side>& pinned, Eigen::VectorXd& step) const {
+    Eigen::MatrixXd normal = model.normal;
+    Eigen::VectorXd slope = model.slope;
+    normal.diagonal().array() += damping_ * (1.0 + normal.diagonal().array().abs());
+    for (Eigen::Index i = 0; i < x_.size(); ++i) {
+      const Side pin = pinned[static_cast<std::size_t>(i)];
+      if (pin == Side::inside) continue;
+      const double moved = (pin == Side::below ? program_.lower()[i] : program_.upper()[i]) - x_[i];
+      slope += moved * normal.col(i);
+      normal.row(i).setZero();
+      normal.col(i).setZero();
+      normal(i, i) = 1.0;
+      slope[i] = -moved;
+    }
+    const Eigen::LDLT<Eigen::MatrixXd> factors(normal);
+    if (curved_ && !(factors.info() == Eigen::Success && factors.isPositive())) return false;
+    step = -factors.solve(slope);
     return true;
   }
 
@@ -160,6 +207,7 @@ class Restoration {
   Eigen::VectorXd x_;
   Eigen::VectorXd rows_, violation_;
   Eigen::MatrixXd jacobian_, curvature_;
+  Model now_;
   double merit_ = 0.0;
   double damping_ = 1e-3;
   bool curved_ = false;  ///< the last step was slow
