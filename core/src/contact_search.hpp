@@ -16,7 +16,7 @@ bool same_contacts(const std::vector<ContactSetup>& a, const std::vector<Contact
 /// Up to so many assignments are all tried.
 inline constexpr std::size_t most_enumerated = 64;
 /// Up to so many where the search found no plan.
-inline constexpr std::size_t most_enumerated_at_last = 256;
+inline constexpr std::size_t most_enumerated_at_last = 512;
 /// Plans of one size that are grown: the best certified ones, then those nearest to feasible.
 inline constexpr std::size_t beam_width = 4;
 /// Contacts that each of them is given in turn.

@@ -132,7 +132,9 @@ class Restoration {
       off[column++] = rows_[i] - (s == Side::above ? program_.row_upper()[i] : program_.row_lower()[i]);
     }
     model.slope.noalias() = active * off;
-    model.normal.noalias() = active * active.transpose();
+    model.normal.setZero(x_.size(), x_.size());
+    model.normal.selfadjointView<Eigen::Lower>().rankUpdate(active);
+    model.normal.triangularView<Eigen::StrictlyUpper>() = model.normal.transpose();
     if (curved_) model.normal += curvature_;
   }
 
@@ -197,8 +199,8 @@ class Restoration {
       normal(i, i) = 1.0;
       slope[i] = -moved;
     }
-    const Eigen::LDLT<Eigen::MatrixXd> factors(normal);
-    if (curved_ && !(factors.info() == Eigen::Success && factors.isPositive())) return false;
+    const Eigen::LLT<Eigen::MatrixXd> factors(normal);
+    if (factors.info() != Eigen::Success) return false;
     step = -factors.solve(slope);
     return true;
   }

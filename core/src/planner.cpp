@@ -205,8 +205,12 @@ void Planner::search_further(int starts, const std::vector<std::size_t>& order) 
     if (!d_.enumerated) grow();
   }
   if (d_.enumerated || winner_ >= 0) return;
-  const std::vector<ContactSetup> slots =
+  std::vector<ContactSetup> slots =
       contact_slots(static_cast<int>(d_.rod.fixed_knots().size()) - 1, d_.contact_obstacles);
+  // A contact out of reach stays out of reach beside others.
+  slots.erase(std::remove_if(slots.begin(), slots.end(),
+                             [this](const ContactSetup& slot) { return !d_.mode({slot}).skip.empty(); }),
+              slots.end());
   const auto every = every_assignment(slots, d_.scene.contact.count, most_enumerated_at_last);
   if (!every) return;
   for (int round = 0; round < most_starts && winner_ < 0 && !must_stop(); ++round) {

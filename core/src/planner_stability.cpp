@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <optional>
 
 #include "contact_search.hpp"
 #include "earlier_plan.hpp"
@@ -64,10 +65,16 @@ bool Planner::come_to_rest(const std::vector<double>& moments, double share, Pla
   control.stop = control_.stop;
   control.time_limit = std::max(1e-3, share * (deadline_ - now()));
   control.with_obstacles = !d_.obstacles.empty();
-  try {
-    rest = execute(d_.scene, d_.components.obstacles, moments, control).result;
-  } catch (const SceneError&) {
-    return false;  // a start through the middle of an obstacle leads nowhere
+  // A start through the middle of an obstacle leads nowhere: the rod is bent out of the way.
+  Scene scene = d_.scene;
+  for (const double bent : {0.0, 1.0, -1.0, 2.0, -2.0}) {
+    scene.start_tip_angle = d_.scene.start_tip_angle + bent;
+    try {
+      rest = execute(scene, d_.components.obstacles, moments, control).result;
+      break;
+    } catch (const SceneError&) {
+      rest = {};
+    }
   }
   return !rest.backbone.empty();
 }
