@@ -83,6 +83,7 @@ class Restoration {
     // without them the way to its stationary point never ends.
     if (curved_) curvature_ = program_.hessian(x_, 0.0, violation_);
     start_model();
+    bool refused = false;
     while (damping_ < most_damping) {
       Eigen::VectorXd next, next_rows, next_violation;
       if (propose(next)) {
@@ -96,10 +97,12 @@ class Restoration {
           rows_ = next_rows;
           violation_ = next_violation;
           merit_ = merit;
-          damping_ = std::max(1e-12, 0.2 * damping_);
+          // Less than what was just refused would be refused again.
+          if (!refused) damping_ = std::max(1e-12, 0.2 * damping_);
           return !floor;
         }
       }
+      refused = true;
       damping_ *= 5.0;
     }
     return false;

@@ -292,7 +292,6 @@ TEST_P(PoseDerivatives, MarginOfStabilityAndSpreadingChangeAsTheirRowsSay) {
   for (int trial = 0; trial < 5; ++trial) {
     const Eigen::VectorXd x = random_point(random);
     // A contact that is about to spread slides without end: no derivative there.
-    (void)kept.jacobian(x);
     const auto bends = [&](const Eigen::VectorXd& y) {
       return Eigen::VectorXd(kept.constraints(y).segment(kept.layout().first_convexity, convexities));
     };
