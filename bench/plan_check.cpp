@@ -25,10 +25,10 @@ constexpr double bounds_limit = 2e-9;
 constexpr double data = 1e-11;
 /// (L, rad) The tip, which every rule integrates whole.
 constexpr double shape_limit = 1e-9;
-/// (L) Between nodes a sample stands on the interpolating polynomial of the plan's own rule.
-constexpr double sample_limit = 1e-6;
-/// Differences of the equilibrium leave about 1e-7 of its scale in the margin.
-constexpr double margin_limit = 1e-4;
+/// (L) Between nodes a sample stands on the interpolating polynomial of a rule that the certificate found fine enough.
+constexpr double sample_limit = 1e-9;
+/// What the certificate asks for. Differences of the equilibrium leave some 1e-9 in the margins of the campaign's plans.
+constexpr double margin_limit = 1e-6;
 /// (EI/L^2) A contact with less force does not hold the rod.
 constexpr double pressing = 1e-9;
 
