@@ -333,7 +333,9 @@ Table<SceneDraft> scene_table() {
           Table<TipLoadSpec>{
               {quantity<TipLoadSpec>("mass", dimension::mass, not_negative, "0", "Point mass at the tip.",
                                      [](TipLoadSpec& t, double v) { t.mass = v; }),
-               point<TipLoadSpec>("force", dimension::force, "[0, 0]", "Dead force at the tip.",
+               point<TipLoadSpec>("force", dimension::force, "[0, 0]",
+                                  "Dead force at the tip; of a grasp at that of the upper finger, and mirrored at the "
+                                  "other one.",
                                   [](TipLoadSpec& t, Vec2 v) { t.force = v; })}},
           [](T & t) -> auto& { return t.scene.tip_load; }),
       table<T>(

@@ -398,6 +398,31 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
   c.stability = spreads(c) ? -infinity : d.margin(x);
 }
 
+Certificate worse_of(const Certificate& a, const Certificate& b) {
+  Certificate c = a;
+  // What is no number is worse than any.
+  const auto larger = [](double& kept, double value) {
+    if (std::isnan(value) || value > kept) kept = value;
+  };
+  const auto smaller = [](double& kept, double value) {
+    if (std::isnan(value) || value < kept) kept = value;
+  };
+  larger(c.equilibrium, b.equilibrium);
+  larger(c.bounds, b.bounds);
+  larger(c.penetration, b.penetration);
+  larger(c.complementarity, b.complementarity);
+  larger(c.closest_point, b.closest_point);
+  larger(c.balance, b.balance);
+  larger(c.stationarity, b.stationarity);
+  larger(c.moment_balance, b.moment_balance);
+  larger(c.quadrature, b.quadrature);
+  smaller(c.stability, b.stability);
+  smaller(c.contact_convexity, b.contact_convexity);
+  if (b.stationarity_kind != "S") c.stationarity_kind = b.stationarity_kind;
+  c.failures.insert(c.failures.end(), b.failures.begin(), b.failures.end());
+  return c;
+}
+
 void list_failures(Certificate& c) {
   c.failures.clear();
   if (!(c.equilibrium <= tolerance::equilibrium))

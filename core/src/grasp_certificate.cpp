@@ -17,14 +17,6 @@ GraspProgramSpec doubled(GraspProgramSpec spec) {
   return spec;
 }
 
-void take_worse(double& kept, double value) {
-  if (std::isnan(value) || value > kept) kept = value;
-}
-
-void take_lesser(double& kept, double value) {
-  if (std::isnan(value) || value < kept) kept = value;
-}
-
 }  // namespace
 
 GraspCertifier::GraspCertifier(const GraspProgram& program)
@@ -61,21 +53,9 @@ Certificate GraspCertifier::certify(GraspProgram& program, ConstVectorRef x) {
   for (int which = 0; which < 2; ++which) {
     Certificate one;
     finger(which).measure(program.finger(which), program.finger_point(which, x), one);
-    if (which == 0) {
-      c = one;
-      continue;
-    }
-    take_worse(c.equilibrium, one.equilibrium);
-    take_worse(c.bounds, one.bounds);
-    take_worse(c.penetration, one.penetration);
-    take_worse(c.complementarity, one.complementarity);
-    take_worse(c.closest_point, one.closest_point);
-    take_worse(c.moment_balance, one.moment_balance);
-    take_worse(c.quadrature, one.quadrature);
-    take_lesser(c.stability, one.stability);
-    take_lesser(c.contact_convexity, one.contact_convexity);
+    c = which == 0 ? one : worse_of(c, one);
   }
-  take_worse(c.penetration, clearance(x).depth);
+  c.penetration = std::max(c.penetration, clearance(x).depth);
   GraspProgram& at = finer(x);
   c.balance = norm(net_force(at));
   // Every contact of a grasp touches and presses, so that there is one branch only.

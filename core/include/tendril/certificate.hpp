@@ -11,6 +11,9 @@ namespace tendril {
 /// Fills `failures` from the numbers: one line for each requirement that is not met.
 TENDRIL_API void list_failures(Certificate& certificate);
 
+/// The worse of two judgements in every number, and the failures of both.
+TENDRIL_API Certificate worse_of(const Certificate& a, const Certificate& b);
+
 /// Judges points of one pose program without asking a solver (model.md section 7): on a rule with twice the nodes, with
 /// the true shape between check points, and with the stability of the equilibrium itself.
 class TENDRIL_API Certifier {
