@@ -79,8 +79,11 @@ TEST(GraspOfTwoFingers, IsDescribedAsOneProgram) {
   const json described = json::parse(run.out);
   EXPECT_EQ(described["modes"].size(), 9U);
   for (const json& variable : described["variables"]) {
-    if (variable["name"] == "moments") EXPECT_EQ(variable["count"], 4);
-    if (variable["name"] == "contact_force") EXPECT_EQ(variable["count"], 1);
+    if (variable["name"] == "moments") {
+      EXPECT_EQ(variable["count"], 4);
+    } else if (variable["name"] == "contact_force") {
+      EXPECT_EQ(variable["count"], 1);
+    }
   }
 }
 
@@ -113,13 +116,13 @@ INSTANTIATE_TEST_SUITE_P(
                 "max_force = \"3 N\"",
                 "", "found 1 [[finger]], expected two"},
         Refusal{"length = \"90 mm\"", "length = \"60 mm\"",
-                "the actuator starts at 0.07 m, but the rod reaches from 0 to 0.06 m"},
-        Refusal{"length = \"90 mm\"", "length = \"90 N\"", "s.toml:33:10: found \"90 N\", whose unit"},
-        Refusal{"max_force = \"3 N\"", "max_force = 0", "s.toml:36:13: a grasp needs a max_force above 0"},
-        Refusal{"max_force = \"3 N\"", "max_force = \"1 N\"\nmin_force = \"2 N\"", "s.toml:37:13: found min_force 2 N"},
+                "s.toml:33:1: found an actuator from 0.07 m to 0.06 m, expected from < to"},
+        Refusal{"length = \"90 mm\"", "length = \"90 N\"", "s.toml:34:10: found \"90 N\", whose unit"},
+        Refusal{"max_force = \"3 N\"", "max_force = 0", "s.toml:37:13: a grasp needs a max_force above 0"},
+        Refusal{"max_force = \"3 N\"", "max_force = \"1 N\"\nmin_force = \"2 N\"", "s.toml:38:13: found min_force 2 N"},
         Refusal{"problem = \"grasp\"", "problem = \"pose\"", "[gripper] needs problem = \"grasp\""},
         Refusal{"order = 6", "order = 6\nsplit_at_contact = false",
-                "s.toml:41:20: found false, but where both fingers are planned"}));
+                "s.toml:42:20: found false, but where both fingers are planned"}));
 
 TEST(GraspOfMirroredFingers, RefusesGravityAcrossWithItsPlace) {
   const TemporaryDirectory directory;

@@ -224,6 +224,55 @@ TEST(BothFingersCarriedOut, ComeToRestWhereTheyWerePlanned) {
   }
 }
 
+// Stiffnesses and what moments do, by central differences of executed states of both fingers.
+TEST(BothFingersQuality, AgreesWithWhatExecutionDoes) {
+  const Scene made = scene("grasp_unequal");
+  const Plan found = plan(made);
+  ASSERT_TRUE(certified(found));
+  ASSERT_TRUE(found.grasp->quality);
+  const GraspQuality& q = *found.grasp->quality;
+  std::vector<double> moments = found.moments;
+  const FingerPlan lower = lower_of(found);
+  moments.insert(moments.end(), lower.moments.begin(), lower.moments.end());
+  // Net force on the object, moved by `moved`: the palm moves the other way.
+  const auto force = [&](const std::vector<double>& applied, Vec2 moved) {
+    Vec2 sum{};
+    for (const FingerName name : {FingerName::upper, FingerName::lower}) {
+      const bool above = name == FingerName::upper;
+      const Scene own = finger_of(made, name);
+      Scene there = own;
+      there.gripper->position = Vec2{} - (above ? moved : reflected(moved));
+      const Plan one = plan_of_finger(made, found, name);
+      ExecuteControl control;
+      control.start = &one;
+      const std::vector<double> part(applied.begin() + (above ? 0 : 2), applied.begin() + (above ? 2 : 4));
+      const Execution done =
+          execute(finger_in_world(there), obstacles_of_finger(own, found.grasp->palm_distance), part, control);
+      EXPECT_EQ(done.result.status, PlanStatus::solved) << done.result.message;
+      for (const PlannedContact& c : done.result.contacts) {
+        const Vec2 push = -c.force * c.normal;
+        sum += above ? push : reflected(push);
+      }
+    }
+    return sum;
+  };
+  constexpr double step = 1e-5;
+  const double along = (force(moments, {step, 0.0}).x - force(moments, {-step, 0.0}).x) / (2.0 * step);
+  const double across = (force(moments, {0.0, step}).y - force(moments, {0.0, -step}).y) / (2.0 * step);
+  EXPECT_NEAR(q.axial_stiffness, -along, 1e-4 * (1.0 + std::abs(along)));
+  EXPECT_NEAR(q.lateral_stiffness, -across, 1e-4 * (1.0 + std::abs(across)));
+  ASSERT_EQ(q.force_by_moment.size(), 4U);
+  for (std::size_t a = 0; a < 4; ++a) {
+    std::vector<double> more = moments;
+    std::vector<double> less = moments;
+    more[a] *= 1.001;
+    less[a] *= 0.999;
+    const Vec2 change = 5.0 * (force(more, {}) - force(less, {}));
+    EXPECT_NEAR(q.force_by_moment[a].x, change.x, 1e-5);
+    EXPECT_NEAR(q.force_by_moment[a].y, change.y, 1e-5);
+  }
+}
+
 TEST(BothFingersRefused, WithTheReason) {
   const auto refused = [](const Scene& made, const std::string& path, const std::string& reason) {
     try {
