@@ -8,10 +8,9 @@
 #include "grasp_certificate.hpp"
 #include "plan_report.hpp"
 #include "planner.hpp"
+#include "program_search.hpp"
 #include "tendril/error.hpp"
-#include "tendril/feasibility.hpp"
 #include "tendril/grasp.hpp"
-#include "tendril/polish.hpp"
 #include "tendril/self_overlap.hpp"
 
 namespace tendril {
@@ -19,11 +18,7 @@ namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
 constexpr int most_exchanges = 25;
-constexpr int most_refinements = 5;       ///< of the quadrature
-constexpr int most_restorations = 200;    ///< steps
-constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
-constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
-constexpr double at_limit = 1e-9;         ///< a variable this near to its limit stands at it, in reports
+constexpr int most_refinements = 5;  ///< of the quadrature
 
 template <class T>
 using Both = std::array<T, 2>;  ///< of the upper and the lower finger
@@ -33,7 +28,9 @@ using Both = std::array<T, 2>;  ///< of the upper and the lower finger
 class GraspPlanner {
  public:
   GraspPlanner(Problem::Data& upper, const PlanControl& control)
-      : fingers_{&upper, upper.lower.get()}, control_(control), deadline_(now() + upper.scene.solver.time_limit) {}
+      : fingers_{&upper, upper.lower.get()},
+        control_(control),
+        steps_(*upper.components.solver, upper.scene.solver, control.stop) {}
 
   Plan run();
 
@@ -48,17 +45,10 @@ class GraspPlanner {
     bool has_point() const { return program != nullptr; }
     bool certified() const { return program && certificate.valid(); }
   };
-  struct Pair {
+  struct Pair : Attempt {
     Both<const Mode*> modes{};
     std::string skip;
-    ModeRecord record;
     Best best;
-    int starts_used = 0;
-    int stationary_violations = 0;
-    double violation = infinity;  ///< least one that was found, as long as there is no point
-    std::string limits;           ///< that bind there
-    std::string trouble;
-    OptimalityReport last;
     bool deferred = false;  ///< nothing feasible was near the last start, and no solver was asked
   };
   /// What a program is made of beside its pair of modes.
@@ -69,7 +59,7 @@ class GraspPlanner {
   };
 
   const Problem::Data& upper() const { return *fingers_[0]; }
-  bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
+  bool must_stop() const { return steps_.must_stop(); }
   double best_objective() const { return winner_ == nullptr ? infinity : winner_->best.objective; }
   std::unique_ptr<GraspProgram> assemble(const Pair& pair, const Assembly& parts) const;
   Both<StartShape> start_shapes(const Pair& pair, int index) const;
@@ -91,11 +81,9 @@ class GraspPlanner {
 
   Both<Problem::Data*> fingers_;
   const PlanControl& control_;
-  double deadline_;
-  Tally tally_;
+  ProgramSearch steps_;
   std::vector<Pair> pairs_;
   Pair* winner_ = nullptr;
-  int slowest_converged_ = least_iterations;
 };
 
 std::unique_ptr<GraspProgram> GraspPlanner::assemble(const Pair& pair, const Assembly& parts) const {
@@ -135,86 +123,20 @@ Both<StartShape> GraspPlanner::start_shapes(const Pair& pair, int index) const {
 }
 
 OptimalityReport GraspPlanner::solve(Pair& pair, GraspProgram& program, const Eigen::VectorXd& x) {
-  SolverStart start;
-  start.x = x;
-  SolveControl limits;
-  limits.tolerance = upper().scene.solver.tolerance;
-  limits.max_iterations = upper().scene.solver.max_iterations;
-  // Programs of a grasp differ little: a search that takes many times as long as others took ends nowhere.
-  if (winner_ != nullptr) limits.max_iterations = std::min(limits.max_iterations, patience * slowest_converged_);
-  limits.time_limit = std::max(1e-3, most_of_time * (deadline_ - now()));
-  limits.stop = control_.stop;
-  OptimalityReport report = upper().components.solver->solve(program, start, limits);
-  ++pair.record.solves;
-  pair.record.iterations += report.iterations;
-  pair.record.evaluations += report.evaluations.values;
-  pair.record.seconds_evaluating += report.seconds_evaluating;
-  pair.last = report;
-  if (report.status == SolveStatus::converged) slowest_converged_ = std::max(slowest_converged_, report.iterations);
-  tally_.iterations += report.iterations;
-  tally_.seconds += report.seconds;
-  tally_.seconds_evaluating += report.seconds_evaluating;
-  add_counts(tally_.evaluations, report.evaluations);
-  return report;
+  steps_.limit_patience(winner_ != nullptr);
+  return steps_.solve(pair, program, x);
 }
 
 bool GraspPlanner::sharpen(Pair& pair, GraspProgram& program, Eigen::VectorXd& x, bool solver_allowed) {
-  const auto polished = [&](const Eigen::VectorXd& from) {
-    ++pair.record.polishes;
-    const EvaluationCounts before = program.counts();
-    PolishOptions options;
-    options.stop = [this] { return must_stop(); };
-    PolishReport report = polish(program, from, {}, options);
-    add_difference(tally_.outside_solver, program.counts(), before);
-    return report;
-  };
-  PolishReport p = polished(x);
-  if (p.converged && p.infeasibility <= tolerance::equilibrium) {
-    x = p.x;
-    return true;
-  }
-  if (!solver_allowed || must_stop()) return false;
-  const OptimalityReport r = solve(pair, program, x);
-  if (!r.x.allFinite() || r.x.size() != x.size()) return false;
-  p = polished(r.x);
-  if (p.converged && p.infeasibility <= tolerance::equilibrium) {
-    x = p.x;
-    return true;
-  }
-  // The solver's own point may already be good enough for the certificate.
-  if (r.infeasibility <= restored) x = r.x;
-  pair.trouble = "the polish did not converge (" + std::string(p.reason) +
-                 "); solver: " + std::string(to_string(r.status)) + (r.message.empty() ? "" : ", " + r.message);
-  return r.infeasibility <= restored;
+  steps_.limit_patience(winner_ != nullptr);
+  return steps_.sharpen(pair, program, x, solver_allowed);
 }
 
 bool GraspPlanner::restore(Pair& pair, GraspProgram& program, Eigen::VectorXd& x) {
   if (must_stop() || !x.allFinite()) return false;
-  const EvaluationCounts before = program.counts();
-  const FeasibilityReport f =
-      restore_feasibility(program, x, restored, most_restorations, [this] { return must_stop(); });
-  add_difference(tally_.outside_solver, program.counts(), before);
-  if (f.feasible) {
-    x = f.x;
-    return true;
-  }
-  if (f.stationary_violation) ++pair.stationary_violations;
-  if (f.x.allFinite() && f.infeasibility < pair.violation) {
-    pair.violation = f.infeasibility;
-    pair.limits.clear();
-    for (int i = 0; i < program.variable_count(); ++i) {
-      if (program.lower()[i] == program.upper()[i]) continue;
-      const bool low = f.x[i] <= program.lower()[i] + at_limit;
-      if (!low && f.x[i] < program.upper()[i] - at_limit) continue;
-      pair.limits +=
-          (pair.limits.empty() ? "" : ", ") + program.variable_name(i) + (low ? " at its smallest" : " at its largest");
-    }
-  }
-  char text[96];
-  std::snprintf(text, sizeof text, "no feasible point near: violation %.2e%s", f.infeasibility,
-                f.stationary_violation ? ", stationary" : "");
-  pair.trouble = text;
-  return false;
+  const FeasibilityReport f = steps_.restore(pair, program, x);
+  if (f.feasible) x = f.x;
+  return f.feasible;
 }
 
 void GraspPlanner::consider(Pair& pair, const Both<StartShape>& shapes, bool only_promising) {
@@ -294,7 +216,7 @@ void GraspPlanner::complete(Pair& pair, Assembly parts, Eigen::VectorXd x) {
   for (int refinement = 0; refinement < most_refinements; ++refinement) {
     const double begin = now();
     c.certificate = c.certifier->certify(*c.program, x);
-    tally_.seconds_certifying += now() - begin;
+    steps_.tally.seconds_certifying += now() - begin;
     const bool enough = !(c.certificate.quadrature > tolerance::quadrature);
     if (enough || !sharp || must_stop()) break;
     for (int& nodes : parts.nodes) nodes += nodes / 2;
@@ -355,7 +277,7 @@ void GraspPlanner::judge(Plan& plan, const Pair* shown) const {
   } else if (control_.stop != nullptr && control_.stop->load()) {
     plan.status = PlanStatus::interrupted;
     plan.message = "interrupted before a plan was certified";
-  } else if (now() > deadline_) {
+  } else if (now() > steps_.deadline()) {
     plan.status = PlanStatus::time_limit;
     plan.message = "the time limit of " + std::to_string(upper().scene.solver.time_limit) +
                    " s was reached before a plan was certified";
@@ -439,13 +361,7 @@ Plan GraspPlanner::report() {
   } else if (!pairs_.empty()) {
     plan.solver = pairs_.back().last;
   }
-  plan.solver.iterations = tally_.iterations;
-  plan.solver.evaluations = tally_.evaluations;
-  plan.evaluations = tally_.evaluations;
-  add_counts(plan.evaluations, tally_.outside_solver);
-  plan.solver.seconds = tally_.seconds;
-  plan.solver.seconds_evaluating = tally_.seconds_evaluating;
-  plan.seconds_certify = tally_.seconds_certifying;
+  report_tally(steps_.tally, plan);
   judge(plan, shown);
   if (shown == nullptr) return plan;
 

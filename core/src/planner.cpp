@@ -149,7 +149,7 @@ void Planner::settle() {
     }
     ExecuteControl control;
     control.stop = control_.stop;
-    control.time_limit = std::max(1e-3, deadline_ - now());
+    control.time_limit = std::max(1e-3, steps_.deadline() - now());
     control.with_obstacles = !d_.obstacles.empty();
     Plan settled;
     try {
