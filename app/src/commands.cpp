@@ -77,7 +77,7 @@ void try_files(const std::optional<std::filesystem::path>& figure,
 /// One moment per actuator from the text of --moments.
 std::vector<double> read_moments(const std::string& text, const Session& session) {
   std::vector<double> moments;
-  const std::size_t actuators = session.scene().rod.actuators.size();
+  const std::size_t actuators = actuator_count(session.scene());
   if (actuators == 0 && text.find_first_not_of(" \t") == std::string::npos) return moments;
   for (std::size_t from = 0; from <= text.size();) {
     const std::size_t comma = std::min(text.find(',', from), text.size());
@@ -129,7 +129,7 @@ int run_execute(const ExecuteArguments& arguments) {
   note_dropped(session);
   std::optional<Plan> plan;
   if (arguments.plan) plan = read_start(*arguments.plan, session.scene(), "plan");
-  const std::vector<double> moments = plan ? plan->moments : read_moments(arguments.moments, session);
+  const std::vector<double> moments = plan ? all_moments(*plan) : read_moments(arguments.moments, session);
   std::optional<double> palm_distance;
   if (plan && plan->grasp) palm_distance = plan->grasp->palm_distance;
   const Execution execution = session.execute(moments, arguments.start, palm_distance);

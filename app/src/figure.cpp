@@ -48,12 +48,43 @@ Vec2 arrow_of(const Plan& plan, const PlannedContact& contact) {
   return (longest_arrow * length_of(plan) * contact.force / largest_force(plan)) * contact.normal;
 }
 
+const FingerPlan* lower_finger(const Plan& plan) {
+  return plan.grasp && plan.grasp->lower ? &*plan.grasp->lower : nullptr;
+}
+
 /// The other finger of a grasp.
 std::vector<Vec2> other_finger(const FigureScene& scene, const Plan& plan) {
   std::vector<Vec2> points;
   if (!scene.gripper) return points;
+  if (const FingerPlan* lower = lower_finger(plan)) {
+    for (const BackbonePoint& p : lower->backbone) points.push_back({p[1], p[2]});
+    return points;
+  }
   for (const BackbonePoint& p : plan.backbone) points.push_back(mirrored(*scene.gripper, {p[1], p[2]}));
   return points;
+}
+
+/// The force of a contact that presses: of the plan, or of the other finger of a grasp.
+struct Arrow {
+  Vec2 point{}, arrow{};
+  const PlannedContact* contact = nullptr;  ///< for its label; null: the mirror image of one
+};
+
+std::vector<Arrow> arrows_of(const FigureScene& scene, const Plan& plan) {
+  std::vector<Arrow> arrows;
+  const auto add = [&](const PlannedContact& contact) {
+    if (contact.force > 0.0) arrows.push_back({contact.point, arrow_of(plan, contact), &contact});
+  };
+  for (const PlannedContact& contact : plan.contacts) {
+    add(contact);
+    if (contact.force <= 0.0 || !scene.gripper || lower_finger(plan) != nullptr) continue;
+    const Vec2 point = mirrored(*scene.gripper, contact.point);
+    arrows.push_back({point, mirrored(*scene.gripper, contact.point + arrow_of(plan, contact)) - point, nullptr});
+  }
+  if (const FingerPlan* lower = lower_finger(plan)) {
+    for (const PlannedContact& contact : lower->contacts) add(contact);
+  }
+  return arrows;
 }
 
 /// The window of the figure: the rod with some room around it; obstacles only as far as they are near.
@@ -65,12 +96,7 @@ Box window_of(const FigureScene& scene, const Plan& plan) {
   for (const Vec2 p : other_finger(scene, plan)) box.add(p);
   if (scene.target) box.add(*scene.target);
   for (const Vec2 p : scene.measured) box.add(p);
-  for (const PlannedContact& contact : plan.contacts) {
-    if (contact.force <= 0.0) continue;
-    const Vec2 end = contact.point + 1.25 * arrow_of(plan, contact);
-    box.add(end);
-    if (scene.gripper) box.add(mirrored(*scene.gripper, end));
-  }
+  for (const Arrow& a : arrows_of(scene, plan)) box.add(a.point + 1.25 * a.arrow);
   const double length = length_of(plan);
   Box near = box;
   near.grow(0.35 * length);
@@ -134,15 +160,7 @@ DataFile data_of(const FigureScene& scene, const Plan& plan, LengthUnit unit) {
       data.row({scene.obstacles[i].outline[0].x, scene.obstacles[i].outline[0].y});
   }
   data.block("contacts", "x y dx dy; the arrow's length is proportional to the force");
-  for (const PlannedContact& contact : plan.contacts) {
-    if (contact.force <= 0.0) continue;
-    const Vec2 arrow = arrow_of(plan, contact);
-    data.row({contact.point.x, contact.point.y, arrow.x, arrow.y});
-    if (!scene.gripper) continue;
-    const Vec2 point = mirrored(*scene.gripper, contact.point);
-    const Vec2 other = mirrored(*scene.gripper, contact.point + arrow) - point;
-    data.row({point.x, point.y, other.x, other.y});
-  }
+  for (const Arrow& a : arrows_of(scene, plan)) data.row({a.point.x, a.point.y, a.arrow.x, a.arrow.y});
   data.block("measured", "x y");
   for (const Vec2 p : scene.measured) data.row({p.x, p.y});
   data.block("target", "x y");
@@ -170,8 +188,8 @@ Vec2 emptiest_corner(const FigureScene& scene, const Plan& plan, const Box& wind
       for (const Vec2 p : other_finger(scene, plan)) keep_off(p);
       if (scene.target) keep_off(*scene.target);
       for (const Vec2 p : scene.measured) keep_off(p);
-      for (const PlannedContact& contact : plan.contacts) {
-        if (contact.force > 0.0) keep_off(contact.point + arrow_of(plan, contact));
+      for (const Arrow& a : arrows_of(scene, plan)) {
+        if (a.contact != nullptr) keep_off(a.point + a.arrow);
       }
       for (const FigureScene::Shape& shape : scene.obstacles) {
         for (const Vec2 p : shape.outline) keep_off(p);
@@ -188,12 +206,13 @@ Vec2 emptiest_corner(const FigureScene& scene, const Plan& plan, const Box& wind
 std::string labels_of(const FigureScene& scene, const Plan& plan, const Box& window, LengthUnit unit) {
   std::string script;
   const double length = length_of(plan);
-  for (const PlannedContact& contact : plan.contacts) {
-    if (contact.force <= 0.0) continue;
-    const Vec2 end = contact.point + arrow_of(plan, contact) + (0.025 * length) * contact.normal;
-    const char* side = contact.normal.x > 0.5 ? "left" : contact.normal.x < -0.5 ? "right" : "center";
+  for (const Arrow& a : arrows_of(scene, plan)) {
+    if (a.contact == nullptr) continue;
+    const Vec2 normal = a.contact->normal;
+    const Vec2 end = a.point + a.arrow + (0.025 * length) * normal;
+    const char* side = normal.x > 0.5 ? "left" : normal.x < -0.5 ? "right" : "center";
     script += fmt::format("set label {} at {:.6g},{:.6g} {} front noenhanced textcolor rgb '#a32a1e'\n",
-                          gnuplot_string(force_text(contact.force)), end.x / unit.size, end.y / unit.size, side);
+                          gnuplot_string(force_text(a.contact->force)), end.x / unit.size, end.y / unit.size, side);
   }
   const double strength = scene.gravity ? norm(*scene.gravity) : 0.0;
   if (strength > 0.0) {
@@ -242,12 +261,14 @@ std::string plot_command(const FigureScene& scene, const Plan& plan, const std::
   }
   if (scene.gripper) {
     parts.push_back(data + " index 'palm' using 1:2 with lines linewidth 3 linecolor rgb '#404040' title 'palm'");
-    parts.push_back(
-        data + " index 'other finger' using 1:2 with lines linewidth 5 linecolor rgb '#6f9bd1' title 'other finger'");
+    parts.push_back(data + " index 'other finger' using 1:2 with lines linewidth 5 linecolor rgb '#6f9bd1' title '" +
+                    (lower_finger(plan) != nullptr ? "lower finger'" : "other finger'"));
   }
   if (!plan.backbone.empty()) {
     parts.push_back(data + " index 'rod' using 1:2 with lines linewidth 5 linecolor rgb '#1f4e8c' title '" +
-                    (scene.gripper ? "finger'" : "rod'"));
+                    (lower_finger(plan) != nullptr ? "upper finger'"
+                     : scene.gripper               ? "finger'"
+                                                   : "rod'"));
   }
   if (!scene.measured.empty()) {
     parts.push_back(data +

@@ -55,11 +55,12 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
   json["diameter"] = number(scene.gripper->object_diameter);
   json["force_limit"] = number(scene.contact.max_force);
   json["moment_change"] = one.moment ? number(*one.moment) : Json(nullptr);
-  std::vector<double> moments = plan.moments;
   Plan reached = plan;
+  Plan applied = plan;  // whose moments were applied
   if (plan.status == PlanStatus::solved) {
     reached = session.verify(plan, std::nullopt)->result;
-    moments = plan.moments;
+    applied = plan;
+    std::vector<double> moments = plan.moments;
     const double distance = plan.grasp->palm_distance;
     json["model_error"] = plan.model_error ? number(*plan.model_error) : Json(nullptr);
     if (one.moment && !moments.empty()) {
@@ -67,12 +68,15 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
       ExecuteControl control;
       control.start = &plan;
       reached = execute(finger_in_world(scene), obstacles_of_finger(scene, distance), moments, control).result;
+      applied.moments = moments;
       if (reached.status != PlanStatus::solved) {
         plan.status = reached.status;
         plan.message = "with the moment changed: " + reached.message;
       }
     }
-    const GraspPlan held = grasp_of(scene, distance, reached.contacts);
+    const GraspPlan held = reached.grasp && reached.grasp->lower
+                               ? grasp_of(scene, distance, reached.contacts, reached.grasp->lower->contacts)
+                               : grasp_of(scene, distance, reached.contacts);
     json["palm_distance"] = number(distance);
     json["axial_force"] = number(held.axial_force);
     json["lateral_force"] = number(held.lateral_force);
@@ -87,9 +91,9 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
   }
   json["status"] = to_string(plan.status);
   json["message"] = plan.message;
-  json["moments"] = numbers(moments);
+  json["moments"] = numbers(all_moments(applied));
   Json pressures = Json::array();
-  for (const std::optional<double>& p : pressures_of(scene, moments))
+  for (const std::optional<double>& p : pressures_of(scene, applied))
     pressures.push_back(p ? number(*p) : Json(nullptr));
   json["pressures"] = std::move(pressures);
   double force = 0.0;
@@ -100,11 +104,18 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
     Json upper = Json::array();
     Json lower = Json::array();
     const std::size_t stride = std::max<std::size_t>(1, reached.backbone.size() / 40);
+    const bool both = reached.grasp && reached.grasp->lower;
     for (std::size_t i = 0; i < reached.backbone.size(); i += stride) {
       const Vec2 p{reached.backbone[i][1], reached.backbone[i][2]};
       const Vec2 q = mirrored(*scene.gripper, p);
       upper.push_back(numbers({p.x, p.y}));
-      lower.push_back(numbers({q.x, q.y}));
+      if (!both) lower.push_back(numbers({q.x, q.y}));
+    }
+    if (both) {
+      const std::vector<BackbonePoint>& backbone = reached.grasp->lower->backbone;
+      const std::size_t step = std::max<std::size_t>(1, backbone.size() / 40);
+      for (std::size_t i = 0; i < backbone.size(); i += step)
+        lower.push_back(numbers({backbone[i][1], backbone[i][2]}));
     }
     lines.push_back(std::move(upper));
     lines.push_back(std::move(lower));

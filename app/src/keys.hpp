@@ -63,9 +63,7 @@ void read_table(const Context& context, const Node& node, const std::string& nam
   const auto* entries = std::get_if<Node::Table>(&node.value);
   if (entries == nullptr) context.fail(node, "a table [" + name + "]");
   std::vector<std::string> known;
-  for (const Key<Target>& key : table.keys) {
-    if (key.spec.unavailable.empty()) known.push_back(key.spec.name);
-  }
+  for (const Key<Target>& key : table.keys) known.push_back(key.spec.name);
   const auto key_of = [&](const std::string& entry) {
     return std::find_if(table.keys.begin(), table.keys.end(), [&](const auto& key) { return key.spec.name == entry; });
   };
@@ -92,8 +90,6 @@ void read_table(const Context& context, const Node& node, const std::string& nam
     const auto key = key_of(entry.key);
     if (key == table.keys.end()) {
       table.option(target, entry.key, to_raw_value(context.document, entry.node));
-    } else if (!key->spec.unavailable.empty()) {
-      context.document.fail(entry.position, key->spec.unavailable);
     } else {
       key->read(context, entry.node, target);
     }
@@ -320,13 +316,6 @@ Key<Target> options(std::string name, std::string path, std::string description,
             for (const Node::Entry& entry : *entries)
               select(target)[entry.key] = to_raw_value(context.document, entry.node);
           }};
-}
-
-template <class Target>
-Key<Target> not_available(const std::string& name, KeyType type, const std::string& why) {
-  KeySpec spec{name, type};
-  spec.unavailable = why;
-  return {spec, [](const Context&, const Node&, Target&) {}};
 }
 
 }  // namespace tendril::app

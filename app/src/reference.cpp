@@ -75,13 +75,13 @@ bool is_table(const KeySpec& key) {
 void add_table(std::string& page, const std::vector<KeySpec>& keys, const std::string& path) {
   std::string rows;
   for (const KeySpec& key : keys) {
-    if (is_table(key) || !key.unavailable.empty()) continue;
+    if (is_table(key)) continue;
     rows += fmt::format("| `{}` | {} | {} | {} |\n", key.name, cell(value_of(key)),
                         key.required ? "required" : cell(key.default_text), cell(sentence(key.description)));
   }
   if (!rows.empty()) page += "\n| key | value | default | |\n|---|---|---|---|\n" + rows;
   for (const KeySpec& key : keys) {
-    if (!is_table(key) || !key.unavailable.empty()) continue;
+    if (!is_table(key)) continue;
     const std::string name = path + key.name;
     page += fmt::format("\n## `{}{}{}`\n\n{}\n", key.type == KeyType::tables ? "[[" : "[", name,
                         key.type == KeyType::tables ? "]]" : "]", sentence(key.description));
@@ -142,7 +142,6 @@ std::string between_single_quotes(const std::string& text) {
 /// "contact.mode=allow" and the like; lists of tables are counted, so their first entry stands for them.
 void add_settings(std::vector<std::string>& settings, const std::vector<KeySpec>& keys, const std::string& path) {
   for (const KeySpec& key : keys) {
-    if (!key.unavailable.empty()) continue;
     const std::string name = path + key.name;
     if (is_table(key)) {
       add_settings(settings, key.keys, name + (key.type == KeyType::tables ? ".0." : "."));

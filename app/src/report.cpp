@@ -20,9 +20,12 @@ std::string heading(const Scene& scene) {
 
 std::string line(const std::string& name, const std::string& value) { return fmt::format("{:<15}{}\n", name, value); }
 
-std::string shape_text(const Plan& plan, const DisplayUnits& units) {
+std::string shape_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
   std::string text;
-  text += line("tip", units.point({plan.tip_x, plan.tip_y}) + ", " + angle(plan.tip_angle));
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    text += line(finger.name.empty() ? "tip" : finger.name + " tip",
+                 units.point({finger.state.tip_x, finger.state.tip_y}) + ", " + angle(finger.state.tip_angle));
+  }
   if (plan.target_error) text += line("target error", units.lengths(*plan.target_error));
   std::string terms;
   for (const auto& [name, value] : plan.terms)
@@ -36,41 +39,53 @@ std::string verification_text(const Plan& plan) {
 }
 
 std::string moments_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
-  if (plan.moments.empty()) return "";
+  if (all_moments(plan).empty()) return "";
   Grid grid;
   grid.row({"moment", "value", "from", "to", "where"});
-  for (std::size_t i = 0; i < plan.moments.size() && i < scene.rod.actuators.size(); ++i) {
-    const ActuatorSpec& actuator = scene.rod.actuators[i];
-    const double value = plan.moments[i];
-    const double close = 1e-6 * std::max(std::abs(actuator.minimum), std::abs(actuator.maximum));
-    const bool at_limit = value >= actuator.maximum - close || value <= actuator.minimum + close;
-    const auto limit = [&](double v) { return std::isfinite(v) ? units.moment(v) : std::string("no limit"); };
-    const bool beyond = value > actuator.maximum + close || value < actuator.minimum - close;
-    grid.row({std::to_string(i + 1), units.moment(value), limit(actuator.minimum), limit(actuator.maximum),
-              !std::isfinite(close) || !at_limit ? "inside"
-              : beyond                           ? "beyond its limit"
-                                                 : "at its limit"});
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    const std::vector<double>& moments = finger.state.moments;
+    for (std::size_t i = 0; i < moments.size() && i < finger.rod.actuators.size(); ++i) {
+      const ActuatorSpec& actuator = finger.rod.actuators[i];
+      const double value = moments[i];
+      const double close = 1e-6 * std::max(std::abs(actuator.minimum), std::abs(actuator.maximum));
+      const bool at_limit = value >= actuator.maximum - close || value <= actuator.minimum + close;
+      const auto limit = [&](double v) { return std::isfinite(v) ? units.moment(v) : std::string("no limit"); };
+      const bool beyond = value > actuator.maximum + close || value < actuator.minimum - close;
+      grid.row({fmt::format("{}{}{}", finger.name, finger.name.empty() ? "" : " ", i + 1), units.moment(value),
+                limit(actuator.minimum), limit(actuator.maximum),
+                !std::isfinite(close) || !at_limit ? "inside"
+                : beyond                           ? "beyond its limit"
+                                                   : "at its limit"});
+    }
   }
   return '\n' + grid.text("");
 }
 
-std::string contacts_text(const Plan& plan, const DisplayUnits& units) {
-  if (plan.contacts.empty()) return "";
+std::string contacts_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
   Grid grid;
-  grid.row({"contact", "arc length", "force", "gap", "point"});
-  for (const PlannedContact& contact : plan.contacts) {
-    grid.row({printable(contact.obstacle_name) + (contact.at_tip ? " (tip)" : ""), units.lengths(contact.arc_length),
-              force(contact.force), units.lengths(contact.gap), units.point(contact.point)});
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    for (const PlannedContact& contact : finger.state.contacts) {
+      if (grid.empty()) grid.row({"contact", "arc length", "force", "gap", "point"});
+      grid.row({finger.name + (finger.name.empty() ? "" : " with ") + printable(contact.obstacle_name) +
+                    (contact.at_tip ? " (tip)" : ""),
+                units.lengths(contact.arc_length), force(contact.force), units.lengths(contact.gap),
+                units.point(contact.point)});
+    }
   }
-  return '\n' + grid.text("");
+  return grid.empty() ? "" : '\n' + grid.text("");
 }
 
 /// The model lets a rod pass through itself; what cannot be made has to be said.
-std::string overlap_text(const Plan& plan, const DisplayUnits& units) {
-  if (!plan.self_overlap) return "";
-  return line("self-overlap",
-              fmt::format("the rod crosses or covers itself: its arc lengths {} and {} meet",
-                          units.lengths(plan.self_overlap->first), units.lengths(plan.self_overlap->second)));
+std::string overlap_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
+  std::string text;
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    const auto& overlap = finger.state.self_overlap;
+    if (!overlap) continue;
+    text += line("self-overlap", fmt::format("the {} crosses or covers itself: its arc lengths {} and {} meet",
+                                             finger.name.empty() ? "rod" : finger.name + " finger",
+                                             units.lengths(overlap->first), units.lengths(overlap->second)));
+  }
+  return text;
 }
 
 std::string certificate_text(const Certificate& certificate) {
@@ -143,7 +158,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
   if (!plan.message.empty()) text += line("", printable(plan.message));
   // Without a shape there is nothing to tell of it.
   const bool has_shape = !plan.backbone.empty();
-  if (has_shape) text += shape_text(plan, units) + overlap_text(plan, units);
+  if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);
   text += verification_text(plan);
   text += line("coordinates", fmt::format("{}, order {}, {} values{}", plan.coordinates_name, plan.order,
                                           plan.coordinates.size(), plan.split_at_contact ? ", split at contact" : ""));
@@ -152,7 +167,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
                                      plan.solver.native_status.empty() ? "-" : printable(plan.solver.native_status),
                                      plan.solver.iterations, plan.solver.evaluations.values));
   if (has_shape)
-    text += moments_text(scene, plan, units) + contacts_text(plan, units) + grasp_text(scene, plan) +
+    text += moments_text(scene, plan, units) + contacts_text(scene, plan, units) + grasp_text(scene, plan) +
             certificate_text(plan.certificate);
   if (!plan.modes.empty()) {
     Grid modes;
@@ -176,7 +191,7 @@ std::string execution_report(const Scene& scene, const Execution& execution, con
   text += line("status", std::string(to_string(plan.status)));
   if (!plan.message.empty()) text += line("", printable(plan.message));
   const bool has_shape = !plan.backbone.empty();
-  if (has_shape) text += shape_text(plan, units) + overlap_text(plan, units);
+  if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);
   text += line("path", fmt::format("load fraction {:.9g} reached in {} steps, {} contacts made or released",
                                    execution.load, execution.steps, execution.contact_changes));
   text += line("basis", fmt::format("{} pieces of {} functions", execution.pieces, plan.order));
@@ -195,7 +210,7 @@ std::string execution_report(const Scene& scene, const Execution& execution, con
     text += '\n' + snaps.text("");
   }
   if (has_shape)
-    text += moments_text(scene, plan, units) + contacts_text(plan, units) + grasp_text(scene, plan) +
+    text += moments_text(scene, plan, units) + contacts_text(scene, plan, units) + grasp_text(scene, plan) +
             certificate_text(plan.certificate);
   text += left_out_text(plan.left_out);
   text += fmt::format("\ntime: read {}, open plugins {}, execute {}, certify {}\n", seconds(run.seconds_read),

@@ -65,7 +65,28 @@ Json terms_json(const std::vector<std::pair<std::string, double>>& terms) {
   return object;
 }
 
-Json contacts_json(const std::vector<PlannedContact>& contacts) {
+Json counts_json(const std::vector<Description::Count>& counts, bool with_kind) {
+  Json array = Json::array();
+  for (const Description::Count& count : counts) {
+    Json entry{{"name", count.name}, {"count", count.count}};
+    if (with_kind) entry["kind"] = count.kind;
+    array.push_back(std::move(entry));
+  }
+  return array;
+}
+
+}  // namespace
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json numbers(const std::vector<double>& values) {
+  Json::array_t array;
+  array.reserve(values.size());
+  for (const double value : values) array.push_back(number(value));
+  return array;
+}
+
+Json contacts_json(const std::vector<PlannedContact>& contacts, const std::string& finger) {
   Json array = Json::array();
   for (const PlannedContact& contact : contacts) {
     array.push_back({{"obstacle", contact.obstacle_name},
@@ -76,17 +97,8 @@ Json contacts_json(const std::vector<PlannedContact>& contacts) {
                      {"normal", {number(contact.normal.x), number(contact.normal.y)}},
                      {"force", number(contact.force)},
                      {"gap", number(contact.gap)}});
+    if (!finger.empty()) array.back()["finger"] = finger;
     if (contact.extended) array.back()["extended"] = true;
-  }
-  return array;
-}
-
-Json counts_json(const std::vector<Description::Count>& counts, bool with_kind) {
-  Json array = Json::array();
-  for (const Description::Count& count : counts) {
-    Json entry{{"name", count.name}, {"count", count.count}};
-    if (with_kind) entry["kind"] = count.kind;
-    array.push_back(std::move(entry));
   }
   return array;
 }
@@ -100,17 +112,6 @@ Json backbone_json(const std::vector<BackbonePoint>& points) {
     for (const double value : point) row.push_back(number(value));
     array.emplace_back(std::move(row));
   }
-  return array;
-}
-
-}  // namespace
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json numbers(const std::vector<double>& values) {
-  Json::array_t array;
-  array.reserve(values.size());
-  for (const double value : values) array.push_back(number(value));
   return array;
 }
 
@@ -170,8 +171,12 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
                  {"y", has_shape ? number(plan.tip_y) : Json(nullptr)},
                  {"angle", has_shape ? number(plan.tip_angle) : Json(nullptr)}};
   json["target_error"] = plan.target_error ? number(*plan.target_error) : Json(nullptr);
-  json["moments"] = numbers(plan.moments);
-  json["contacts"] = contacts_json(plan.contacts);
+  json["moments"] = numbers(all_moments(plan));
+  json["contacts"] = Json::array();
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    for (Json& contact : contacts_json(finger.state.contacts, finger.name))
+      json["contacts"].push_back(std::move(contact));
+  }
   add_grasp(json, scene, plan);
   json["certificate"] = certificate_json(plan.certificate);
   if (!plan.verification.empty()) {

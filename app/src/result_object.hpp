@@ -14,6 +14,10 @@ using Json = nlohmann::ordered_json;
 Json number(double value);
 Json numbers(const std::vector<double>& values);
 
+/// `finger`: whose they are; empty: a plan of one rod.
+Json contacts_json(const std::vector<PlannedContact>& contacts, const std::string& finger = "");
+Json backbone_json(const std::vector<BackbonePoint>& points);
+
 /// A plan as it stands in every result, without what the command did around it.
 Json plan_object(const Scene& scene, const Plan& plan);
 Json left_out_json(const std::vector<LeftOut>& items);

@@ -8,6 +8,7 @@
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/result.hpp"
+#include "tendril/grasp.hpp"
 
 namespace tendril::app {
 
@@ -77,39 +78,87 @@ class Reader {
   std::string path_;
 };
 
-void read_contacts(const Reader& root, const Scene& scene, Plan& plan) {
+/// Obstacles that contacts of the scene's results may name.
+std::vector<std::string> obstacle_names(const Scene& scene) {
+  if (scene.gripper) return {"object"};
+  std::vector<std::string> names;
+  for (const ObstacleSpec& obstacle : scene.obstacles) names.push_back(obstacle.name);
+  return names;
+}
+
+/// `length`: of the rod, m.
+std::vector<PlannedContact> read_contacts(const Reader& root, const Scene& scene, double length) {
+  const std::vector<std::string> names = obstacle_names(scene);
+  std::vector<PlannedContact> contacts;
   for (const Reader& entry : root.member("contacts").list()) {
     PlannedContact contact;
     contact.obstacle_name = entry.member("obstacle").text();
-    const auto obstacle = std::find_if(scene.obstacles.begin(), scene.obstacles.end(),
-                                       [&](const ObstacleSpec& o) { return o.name == contact.obstacle_name; });
+    const auto obstacle = std::find(names.begin(), names.end(), contact.obstacle_name);
     contact.arc_length = entry.member("arc_length").real();
     contact.point = entry.member("point").point();
     contact.normal = entry.member("normal").point();
     contact.force = entry.member("force").real();
     contact.gap = entry.member("gap").real();
     if (entry.has("at_tip")) contact.at_tip = entry.member("at_tip").truth();
-    if (obstacle == scene.obstacles.end()) continue;
-    if (contact.arc_length < 0.0 || contact.arc_length > scene.rod.length() * (1.0 + 1e-9)) {
+    if (obstacle == names.end()) continue;
+    if (contact.arc_length < 0.0 || contact.arc_length > length * (1.0 + 1e-9)) {
       entry.member("arc_length").fail("an arc length on the rod");
     }
-    contact.obstacle = static_cast<int>(obstacle - scene.obstacles.begin());
-    plan.contacts.push_back(std::move(contact));
+    contact.obstacle = static_cast<int>(obstacle - names.begin());
+    contacts.push_back(std::move(contact));
   }
+  return contacts;
 }
 
-void read_backbone(const Reader& root, const Scene& scene, Plan& plan) {
-  const double length = scene.rod.length();
+std::vector<BackbonePoint> read_backbone(const Reader& root, double length) {
+  std::vector<BackbonePoint> backbone;
   for (const Reader& entry : root.member("backbone").list()) {
     const std::vector<double> values = entry.reals();
     if (values.size() != 5) entry.fail("five numbers: s, x, y, angle, curvature");
-    if (!plan.backbone.empty() && values[0] < plan.backbone.back()[0]) entry.fail("arc lengths in ascending order");
-    plan.backbone.push_back({values[0], values[1], values[2], values[3], values[4]});
+    if (!backbone.empty() && values[0] < backbone.back()[0]) entry.fail("arc lengths in ascending order");
+    backbone.push_back({values[0], values[1], values[2], values[3], values[4]});
   }
   // A plan for another rod is no start: its shape would have to be stretched.
-  const bool spans = plan.backbone.size() >= 2 && std::abs(plan.backbone.front()[0]) <= 1e-9 * length &&
-                     std::abs(plan.backbone.back()[0] - length) <= 1e-9 * length;
+  const bool spans = backbone.size() >= 2 && std::abs(backbone.front()[0]) <= 1e-9 * length &&
+                     std::abs(backbone.back()[0] - length) <= 1e-9 * length;
   if (!spans) root.member("backbone").fail(fmt::format("a backbone from 0 to the rod's length, {} m", length));
+  return backbone;
+}
+
+void read_tip(const Reader& root, double& x, double& y, double& turn) {
+  const Reader tip = root.member("tip");
+  x = tip.member("x").real();
+  y = tip.member("y").real();
+  turn = tip.member("angle").real();
+}
+
+/// The moments of a rod, which must have one for each of its actuators.
+std::vector<double> read_moments(const Reader& root, const RodSpec& rod, const std::string& file) {
+  std::vector<double> moments = root.member("moments").reals();
+  if (moments.size() != rod.actuators.size()) {
+    throw InputError(fmt::format("{}: found {} moments, expected one for each of the scene's {} actuators", file,
+                                 moments.size(), rod.actuators.size()));
+  }
+  return moments;
+}
+
+/// Both fingers of a plan.
+void read_fingers(const Reader& root, const Scene& scene, const std::string& file, Plan& plan) {
+  const std::vector<Reader> fingers = root.member("fingers").list();
+  if (fingers.size() != 2) root.member("fingers").fail("the upper and the lower finger");
+  const RodSpec upper = finger_of(scene, FingerName::upper).rod;
+  const RodSpec lower = finger_of(scene, FingerName::lower).rod;
+  plan.moments = read_moments(fingers[0], upper, file);
+  plan.coordinates = fingers[0].member("coordinates").reals();
+  plan.contacts = read_contacts(fingers[0], scene, upper.length());
+  plan.backbone = read_backbone(fingers[0], upper.length());
+  read_tip(fingers[0], plan.tip_x, plan.tip_y, plan.tip_angle);
+  FingerPlan& below = plan.grasp->lower.emplace();
+  below.moments = read_moments(fingers[1], lower, file);
+  below.coordinates = fingers[1].member("coordinates").reals();
+  below.contacts = read_contacts(fingers[1], scene, lower.length());
+  below.backbone = read_backbone(fingers[1], lower.length());
+  read_tip(fingers[1], below.tip_x, below.tip_y, below.tip_angle);
 }
 
 }  // namespace
@@ -131,19 +180,16 @@ Plan parse_start(const std::string& text, const std::string& file, const Scene& 
   plan.coordinates_name = coordinates.member("name").text();
   plan.order = coordinates.member("order").whole(0, 1'000'000);
   plan.split_at_contact = coordinates.member("split_at_contact").truth();
-  plan.coordinates = coordinates.member("values").reals();
-  plan.moments = root.member("moments").reals();
-  if (plan.moments.size() != scene.rod.actuators.size()) {
-    throw InputError(fmt::format("{}: found {} moments, expected one for each of the scene's {} actuators", file,
-                                 plan.moments.size(), scene.rod.actuators.size()));
-  }
-  const Reader tip = root.member("tip");
-  plan.tip_x = tip.member("x").real();
-  plan.tip_y = tip.member("y").real();
-  plan.tip_angle = tip.member("angle").real();
   if (scene.gripper) plan.grasp.emplace().palm_distance = root.member("palm_distance").real();
-  read_contacts(root, scene, plan);
-  read_backbone(root, scene, plan);
+  if (plans_both_fingers(scene)) {
+    read_fingers(root, scene, file, plan);
+    return plan;
+  }
+  plan.coordinates = coordinates.member("values").reals();
+  plan.moments = read_moments(root, scene.rod, file);
+  read_tip(root, plan.tip_x, plan.tip_y, plan.tip_angle);
+  plan.contacts = read_contacts(root, scene, scene.rod.length());
+  plan.backbone = read_backbone(root, scene.rod.length());
   return plan;
 }
 

@@ -35,6 +35,11 @@ struct RodDraft {
   double base_angle = 0.0;
 };
 
+/// What one finger of a grasp states; the rest is that of [rod], [contact] and [gripper].
+struct FingerDraft : RodDraft {
+  std::optional<double> angle, min_force, max_force;
+};
+
 struct TrajectoryDraft {
   std::vector<Vec2> positions;
   std::vector<double> angles;
@@ -43,6 +48,7 @@ struct TrajectoryDraft {
 struct SceneDraft {
   Scene scene;
   RodDraft rod;
+  std::vector<FingerDraft> fingers;
   MeasurementDraft measurement;
   TrajectoryDraft trajectory;
   std::optional<StudySpec> study;
@@ -86,6 +92,28 @@ Table<ActuatorDraft> actuator_table() {
                    [](T& t, double v) { t.largest_pressure = v; })}};
 }
 
+/// What a rod is made of, in the table at `path`. `unstated`: where values come from that are not given; empty:
+/// defaults.
+template <class T>
+std::vector<Key<T>> rod_keys(const std::string& path, const std::string& unstated = "") {
+  const std::string zero = unstated.empty() ? "0" : unstated;
+  return {
+      quantity<T>("length", dimension::length, positive, unstated, "Length of a uniform rod.",
+                  [](T& t, double v) { t.length = v; }),
+      quantity<T>("bending_stiffness", dimension::stiffness, positive, unstated,
+                  "Bending stiffness EI of a uniform rod.", [](T& t, double v) { t.bending_stiffness = v; }),
+      quantity<T>("linear_density", dimension::linear_density, not_negative, zero, "Mass per length of a uniform rod.",
+                  [](T& t, double v) { t.linear_density = v; }),
+      quantity<T>("rest_curvature", dimension::curvature, any, zero, "Curvature of an unloaded uniform rod.",
+                  [](T& t, double v) { t.rest_curvature = v; }),
+      tables<T>(
+          "segment", path + ".segment", "A rod of several segments, from the base on; instead of the uniform values.",
+          segment_table(), [](T & t) -> auto& { return t.segments; }),
+      tables<T>(
+          "actuator", path + ".actuator", "A moment between two arc lengths.", actuator_table(),
+          [](T & t) -> auto& { return t.actuators; })};
+}
+
 Table<RodDraft> rod_table() {
   using T = RodDraft;
   Table<RodDraft> base{
@@ -93,21 +121,23 @@ Table<RodDraft> rod_table() {
                 [](T& t, Vec2 v) { t.base_position = v; }),
        quantity<T>("angle", dimension::angle, any, "0", "Direction of the rod at the clamp, from the x axis.",
                    [](T& t, double v) { t.base_angle = v; })}};
-  return {{quantity<T>("length", dimension::length, positive, "", "Length of a uniform rod.",
-                       [](T& t, double v) { t.length = v; }),
-           quantity<T>("bending_stiffness", dimension::stiffness, positive, "",
-                       "Bending stiffness EI of a uniform rod.", [](T& t, double v) { t.bending_stiffness = v; }),
-           quantity<T>("linear_density", dimension::linear_density, not_negative, "0",
-                       "Mass per length of a uniform rod.", [](T& t, double v) { t.linear_density = v; }),
-           quantity<T>("rest_curvature", dimension::curvature, any, "0", "Curvature of an unloaded uniform rod.",
-                       [](T& t, double v) { t.rest_curvature = v; }),
-           table<T>("base", "rod.base", "The clamp.", std::move(base), [](T& t) -> T& { return t; }),
-           tables<T>(
-               "segment", "rod.segment", "A rod of several segments, from the base on; instead of the uniform values.",
-               segment_table(), [](T & t) -> auto& { return t.segments; }),
-           tables<T>(
-               "actuator", "rod.actuator", "A moment between two arc lengths.", actuator_table(),
-               [](T & t) -> auto& { return t.actuators; })}};
+  Table<RodDraft> rod{rod_keys<T>("rod")};
+  rod.keys.insert(rod.keys.begin() + 4,
+                  table<T>("base", "rod.base", "The clamp.", std::move(base), [](T& t) -> T& { return t; }));
+  return rod;
+}
+
+Table<FingerDraft> finger_table() {
+  using T = FingerDraft;
+  Table<FingerDraft> finger{rod_keys<T>("finger", "as in [rod]")};
+  finger.keys.push_back(quantity<T>("angle", dimension::angle, any, "finger_angle of [gripper]",
+                                    "Angle of the finger's base against the axis.",
+                                    [](T& t, double v) { t.angle = v; }));
+  finger.keys.push_back(quantity<T>("min_force", dimension::force, not_negative, "as in [contact]",
+                                    "Smallest force of its contact.", [](T& t, double v) { t.min_force = v; }));
+  finger.keys.push_back(quantity<T>("max_force", dimension::force, not_negative, "as in [contact]",
+                                    "Largest force of its contact.", [](T& t, double v) { t.max_force = v; }));
+  return finger;
 }
 
 Table<ObstacleSpec> obstacle_table() {
@@ -225,7 +255,7 @@ Table<GripperSpec> gripper_table() {
            "half_palm", dimension::length, positive, "", "Distance from the axis of symmetry to either finger's base.",
            [](T& t, double v) { t.half_palm = v; }, Need::required),
        quantity<T>("finger_angle", dimension::angle, any, "0",
-                   "Angle of the upper finger's base against the axis; the lower finger is its mirror image.",
+                   "Angle of the upper finger's base against the axis; that of the lower one is mirrored.",
                    [](T& t, double v) { t.finger_angle = v; }),
        quantity<T>(
            "object_diameter", dimension::length, positive, "", "Diameter of the round object.",
@@ -242,7 +272,11 @@ Table<GripperSpec> gripper_table() {
        quantity<T>("angle", dimension::angle, any, "0", "Direction of the axis of symmetry, away from the palm.",
                    [](T& t, double v) { t.angle = v; }),
        text<T>("balance", "exact", "Forces along the axis: none at all, or as an objective has it.",
-               [](T& t, const std::string& v) { t.exact_balance = v == "exact"; }, {"exact", "objective"})}};
+               [](T& t, const std::string& v) { t.exact_balance = v == "exact"; }, {"exact", "objective"}),
+       text<T>("fingers", "both where they differ or gravity acts across the axis",
+               "Which fingers are planned: one, whose mirror image the other one is, or both.",
+               [](T& t, const std::string& v) { t.fingers = v == "both" ? Fingers::both : Fingers::mirrored; },
+               {"mirrored", "both"})}};
 }
 
 Table<StudySpec> study_table() {
@@ -299,7 +333,9 @@ Table<SceneDraft> scene_table() {
           Table<TipLoadSpec>{
               {quantity<TipLoadSpec>("mass", dimension::mass, not_negative, "0", "Point mass at the tip.",
                                      [](TipLoadSpec& t, double v) { t.mass = v; }),
-               point<TipLoadSpec>("force", dimension::force, "[0, 0]", "Dead force at the tip.",
+               point<TipLoadSpec>("force", dimension::force, "[0, 0]",
+                                  "Dead force at the tip; of a grasp at that of the upper finger, and mirrored at the "
+                                  "other one.",
                                   [](TipLoadSpec& t, Vec2 v) { t.force = v; })}},
           [](T & t) -> auto& { return t.scene.tip_load; }),
       table<T>(
@@ -333,10 +369,12 @@ Table<SceneDraft> scene_table() {
       table<T>(
           "gripper", "gripper", "Palm, fingers and object; for the problem kind \"grasp\".", gripper_table(),
           [](T & t) -> auto& { return t.scene.gripper.emplace(); }),
-      not_available<T>(
-          "finger", KeyType::tables,
-          "found [[finger]]; fingers that differ are not available in this version, expected one [rod] for "
-          "both"),
+      tables<T>(
+          "finger", "finger",
+          "Fingers of a grasp that differ: the upper one, then the lower one. Everything is said as of an upper "
+          "finger: "
+          "of the lower one it is the mirror image that is described. Segments or actuators replace those of [rod].",
+          finger_table(), [](T & t) -> auto& { return t.fingers; }),
       table<T>("trajectory", "trajectory", "The targets of a trajectory.", trajectory_table(),
                [](T& t) -> T& { return t; }),
       table<T>(
@@ -363,26 +401,31 @@ void refuse_other_problems(const Document& document) {
   }
 }
 
-RodSpec finish_rod(const Document& document, const RodDraft& draft) {
+/// `table`: where the rod is described.
+RodSpec finish_rod(const Document& document, const std::string& table, const RodDraft& draft) {
+  const std::string name = table == "rod" ? "[rod]" : "[[finger]]";
   RodSpec rod;
   rod.base_position = draft.base_position;
   rod.base_angle = draft.base_angle;
   if (!draft.segments.empty()) {
-    for (const char* key : {"length", "bending_stiffness", "linear_density", "rest_curvature"}) {
-      if (document.root().find("rod")->find(key) != nullptr) {
-        document.fail(
-            document.find(std::string("rod.") + key),
-            std::string("found '") + key + "' beside [[rod.segment]], expected either uniform values or segments");
-      }
-    }
+    const auto refuse = [&](const char* key, const std::optional<double>& value) {
+      if (!value) return;
+      document.fail(document.find(table + '.' + key),
+                    fmt::format("found '{}' beside [[{}.segment]], expected either uniform values or segments", key,
+                                table.substr(0, table.find('['))));
+    };
+    refuse("length", draft.length);
+    refuse("bending_stiffness", draft.bending_stiffness);
+    refuse("linear_density", draft.linear_density);
+    refuse("rest_curvature", draft.rest_curvature);
     rod.segments = draft.segments;
   } else {
     if (!draft.length)
-      document.fail(document.find("rod"),
-                    "[rod] has no 'length' and no [[rod.segment]], expected " + expected_quantity(dimension::length));
+      document.fail(document.find(table), name + " has no 'length' and no [[" + table.substr(0, table.find('[')) +
+                                              ".segment]], expected " + expected_quantity(dimension::length));
     if (!draft.bending_stiffness)
-      document.fail(document.find("rod"),
-                    "[rod] has no 'bending_stiffness', expected " + expected_quantity(dimension::stiffness));
+      document.fail(document.find(table),
+                    name + " has no 'bending_stiffness', expected " + expected_quantity(dimension::stiffness));
     rod.segments = {{*draft.length, *draft.bending_stiffness, draft.linear_density.value_or(0.0),
                      draft.rest_curvature.value_or(0.0)}};
   }
@@ -390,7 +433,7 @@ RodSpec finish_rod(const Document& document, const RodDraft& draft) {
   for (const SegmentSpec& segment : rod.segments) length += segment.length;
   for (std::size_t i = 0; i < draft.actuators.size(); ++i) {
     const ActuatorDraft& actuator = draft.actuators[i];
-    const std::string path = fmt::format("rod.actuator[{}].", i);
+    const std::string path = fmt::format("{}.actuator[{}].", table, i);
     if (actuator.limit && (actuator.minimum || actuator.maximum)) {
       document.fail(document.find(path + "limit"),
                     "found 'limit' beside 'min' or 'max', expected either limit or min and max");
@@ -433,6 +476,44 @@ RodSpec finish_rod(const Document& document, const RodDraft& draft) {
   return rod;
 }
 
+/// What a finger does not state is taken from `rod`.
+RodDraft with_inherited(const RodDraft& rod, const RodDraft& finger) {
+  RodDraft whole = finger;
+  const bool uniform = finger.length || finger.bending_stiffness || finger.linear_density || finger.rest_curvature;
+  if (finger.segments.empty() && !uniform) whole.segments = rod.segments;
+  if (whole.segments.empty()) {
+    const auto inherit = [](std::optional<double>& own, const std::optional<double>& from) {
+      if (!own) own = from;
+    };
+    inherit(whole.length, rod.length);
+    inherit(whole.bending_stiffness, rod.bending_stiffness);
+    inherit(whole.linear_density, rod.linear_density);
+    inherit(whole.rest_curvature, rod.rest_curvature);
+  }
+  if (finger.actuators.empty()) whole.actuators = rod.actuators;
+  return whole;
+}
+
+std::vector<FingerSpec> finish_fingers(const Document& document, const SceneDraft& draft, const Scene& scene) {
+  std::vector<FingerSpec> fingers;
+  for (std::size_t i = 0; i < draft.fingers.size(); ++i) {
+    const FingerDraft& own = draft.fingers[i];
+    const std::string table = fmt::format("finger[{}]", i);
+    FingerSpec finger;
+    finger.rod = finish_rod(document, table, with_inherited(draft.rod, own));
+    finger.finger_angle = own.angle.value_or(scene.gripper ? scene.gripper->finger_angle : 0.0);
+    finger.min_force = own.min_force.value_or(scene.contact.min_force);
+    finger.max_force = own.max_force.value_or(scene.contact.max_force);
+    if (finger.min_force > finger.max_force) {
+      document.fail(document.find(table + (own.min_force ? ".min_force" : ".max_force")),
+                    fmt::format("found min_force {} N above max_force {} N, expected min_force <= max_force",
+                                finger.min_force, finger.max_force));
+    }
+    fingers.push_back(std::move(finger));
+  }
+  return fingers;
+}
+
 std::vector<TargetSpec> finish_trajectory(const Document& document, const TrajectoryDraft& draft) {
   const std::size_t positions = draft.positions.size();
   const std::size_t angles = draft.angles.size();
@@ -464,7 +545,8 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
   draft.scene.solver.position = document.find("solver");
   read_table(context, document.root(), "", scene_table(), draft);
   Scene scene = std::move(draft.scene);
-  scene.rod = finish_rod(document, draft.rod);
+  scene.rod = finish_rod(document, "rod", draft.rod);
+  scene.fingers = finish_fingers(document, draft, scene);
   if (scene.gripper && scene.gripper->palm_distance_range && std::isnan(scene.gripper->palm_distance_range->second)) {
     document.fail(document.find("gripper.palm_distance_range"), "expected two lengths: the smallest and the largest");
   }

@@ -10,6 +10,7 @@
 #include "tendril/app/interrupt.hpp"
 #include "tendril/app/scene_reader.hpp"
 #include "tendril/grasp.hpp"
+#include "tendril/grasp_execution.hpp"
 
 namespace tendril::app {
 
@@ -205,14 +206,18 @@ Execution Session::execute(const std::vector<double>& moments, const std::option
     document_.fail(document_.find("gripper"),
                    "the object's place is not known, expected 'palm_distance' in [gripper], or a result for --plan");
   }
-  const std::vector<std::unique_ptr<Obstacle>> obstacles =
-      grasp ? obstacles_of_finger(scene_, *palm_distance) : make_obstacles();
   const InterruptGuard interrupt;
   const ExecuteControl control = execute_control(earlier);
-  const Scene executed = grasp ? finger_in_world(scene_) : scene_;
-  Execution done = located("", [&] { return tendril::execute(executed, obstacles, moments, control); });
-  if (grasp && !done.result.backbone.empty()) {
-    done.result.grasp = grasp_of(scene_, *palm_distance, done.result.contacts);
+  Execution done;
+  if (plans_both_fingers(scene_)) {
+    done = located("", [&] { return execute_both_fingers(scene_, *palm_distance, moments, control); });
+  } else {
+    const std::vector<std::unique_ptr<Obstacle>> obstacles =
+        grasp ? obstacles_of_finger(scene_, *palm_distance) : make_obstacles();
+    const Scene executed = grasp ? finger_in_world(scene_) : scene_;
+    done = located("", [&] { return tendril::execute(executed, obstacles, moments, control); });
+    if (grasp && !done.result.backbone.empty())
+      done.result.grasp = grasp_of(scene_, *palm_distance, done.result.contacts);
   }
   done.result.left_out.insert(done.result.left_out.end(), dropped_.begin(), dropped_.end());
   return done;
@@ -233,11 +238,12 @@ std::optional<Execution> Session::verify(Plan& plan, const std::optional<std::fi
 }
 
 Execution Session::verify_grasp(Plan& plan, const std::optional<Plan>& earlier) {
-  const Scene finger = finger_in_world(scene_);
   const auto settle = [&](Plan& judged) {
-    const std::vector<std::unique_ptr<Obstacle>> obstacles = obstacles_of_finger(scene_, judged.grasp->palm_distance);
     ExecuteControl control = execute_control(earlier);
     if (!earlier) control.start = &judged;
+    if (judged.grasp->lower) return located("", [&] { return verify_both_fingers(scene_, judged, control); });
+    const Scene finger = finger_in_world(scene_);
+    const std::vector<std::unique_ptr<Obstacle>> obstacles = obstacles_of_finger(scene_, judged.grasp->palm_distance);
     return located("", [&] { return tendril::verify(finger, obstacles, judged, control); });
   };
   const bool planned = plan.status == PlanStatus::solved;

@@ -47,11 +47,16 @@ std::vector<StudyCase> study_cases(const StudySpec& study) {
 
 Scene scene_of(const Scene& scene, const StudyCase& one) {
   Scene changed = scene;
-  if (one.limit) {
-    for (ActuatorSpec& actuator : changed.rod.actuators) {
+  const auto limit_moments = [&](RodSpec& rod) {
+    for (ActuatorSpec& actuator : rod.actuators) {
       if (actuator.minimum < 0.0) actuator.minimum = -*one.limit;
       if (actuator.maximum > 0.0) actuator.maximum = *one.limit;
     }
+  };
+  if (one.limit) limit_moments(changed.rod);
+  for (FingerSpec& finger : changed.fingers) {
+    if (one.limit) limit_moments(finger.rod);
+    if (one.force_limit) finger.max_force = *one.force_limit;
   }
   if (one.mode) {
     switch (*one.mode) {

@@ -14,6 +14,7 @@
 #include "study_result.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/interrupt.hpp"
+#include "tendril/grasp.hpp"
 #include "tendril/version.hpp"
 #include "worker_pool.hpp"
 
@@ -118,6 +119,12 @@ void check_cases(Session& session, const Scene& scene, const StudySpec& study, c
     throw InputError(scene.file +
                      ": [study] has targets or modes, expected diameters, force_limits, limits or moments "
                      "for a grasp");
+  }
+  if (!study.moments.empty() && plans_both_fingers(scene)) {
+    throw InputError(
+        scene.file +
+        ": [study] has moments, which change one moment of mirrored fingers, but both fingers of this scene "
+        "are planned; expected diameters, force_limits or limits");
   }
   std::set<std::optional<StudyMode>> seen;
   for (const StudyCase& one : cases) {

@@ -18,6 +18,9 @@ std::string defect(const char* what, double value, double limit) {
   return text;
 }
 
+/// Somewhere the rod lies along an obstacle instead of touching it at a point.
+bool spreads(const Certificate& c) { return !(c.contact_convexity > tolerance::convexity); }
+
 }  // namespace
 
 struct Certifier::Data {
@@ -48,6 +51,9 @@ struct Certifier::Data {
     *from_palm = *curve;
     from_palm->translate(-program->base_shift());
   }
+
+  /// Obstacles that the rod has to keep out of.
+  std::size_t bodies() const { return spec.obstacles.size() - static_cast<std::size_t>(spec.measures); }
 
   /// The rod in the frame of an obstacle.
   const Curve& curve_beside(std::size_t obstacle) const {
@@ -234,15 +240,22 @@ void Certifier::set_target(const Target& target) {
 
 void Certifier::certify(PoseProgram& judged, ConstVectorRef x, Certificate& c, const Eigen::VectorXd* multipliers,
                         const Eigen::VectorXd* bound_multipliers) {
-  Data& d = *data_;
-  c.failures.clear();
-  c.contact_convexity = infinity;
-  const PoseProgram::Layout& at = d.program->layout();
   if (!x.allFinite()) {
     c = Certificate{};
     c.failures.assign(1, "the plan is not finite");
     return;
   }
+  measure(judged, x, c);
+  const PoseProgram::Layout& at = data_->program->layout();
+  c.balance = at.balances > 0 ? std::abs(data_->rows[at.first_balance]) : 0.0;
+  data_->judge_stationarity(judged, x, c, multipliers, bound_multipliers);
+  list_failures(c);
+}
+
+void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
+  Data& d = *data_;
+  c.contact_convexity = infinity;
+  const PoseProgram::Layout& at = d.program->layout();
   d.coarse = judged.constraints(x);
   d.move(x);
   const Eigen::VectorXd& rows = d.rows = d.program->constraints(x);
@@ -259,14 +272,12 @@ void Certifier::certify(PoseProgram& judged, ConstVectorRef x, Certificate& c, c
   }
 
   c.penetration = 0.0;
-  for (std::size_t o = 0; o < d.spec.obstacles.size(); ++o) {
+  for (std::size_t o = 0; o < d.bodies(); ++o) {
     c.penetration = std::max(c.penetration, certified_depth(d.curve_beside(o), *d.spec.obstacles[o]));
   }
-  c.balance = at.balances > 0 ? std::abs(rows[at.first_balance]) : 0.0;
 
   c.complementarity = 0.0;
   c.closest_point = 0.0;
-  bool spreads = false;
   for (int k = 0; k < at.forces; ++k) {
     const PoseProgram::ContactState& state = d.program->contacts()[static_cast<std::size_t>(k)];
     c.complementarity = std::max(c.complementarity, std::abs(std::min(state.surface.distance, state.force)));
@@ -274,17 +285,44 @@ void Certifier::certify(PoseProgram& judged, ConstVectorRef x, Certificate& c, c
     const double slope = dot(state.tangent, state.surface.normal);
     const bool at_tip = d.spec.contacts[static_cast<std::size_t>(k)].at_tip;
     c.closest_point = std::max(c.closest_point, at_tip ? std::max(0.0, slope) : std::abs(slope));
-    c.contact_convexity = std::min(c.contact_convexity, d.program->contact_convexity(k));
-    spreads = spreads || !(d.program->contact_convexity(k) > tolerance::convexity);
+    const double convexity = d.program->contact_convexity(k);
+    if (std::isnan(convexity) || convexity < c.contact_convexity) c.contact_convexity = convexity;
   }
   c.moment_balance = d.moment_balance(x);
-  c.stability = spreads ? -infinity : d.margin(x);
-  d.judge_stationarity(judged, x, c, multipliers, bound_multipliers);
+  c.stability = spreads(c) ? -infinity : d.margin(x);
+}
 
+Certificate worse_of(const Certificate& a, const Certificate& b) {
+  Certificate c = a;
+  // What is no number is worse than any.
+  const auto larger = [](double& kept, double value) {
+    if (std::isnan(value) || value > kept) kept = value;
+  };
+  const auto smaller = [](double& kept, double value) {
+    if (std::isnan(value) || value < kept) kept = value;
+  };
+  larger(c.equilibrium, b.equilibrium);
+  larger(c.bounds, b.bounds);
+  larger(c.penetration, b.penetration);
+  larger(c.complementarity, b.complementarity);
+  larger(c.closest_point, b.closest_point);
+  larger(c.balance, b.balance);
+  larger(c.stationarity, b.stationarity);
+  larger(c.moment_balance, b.moment_balance);
+  larger(c.quadrature, b.quadrature);
+  smaller(c.stability, b.stability);
+  smaller(c.contact_convexity, b.contact_convexity);
+  if (b.stationarity_kind != "S") c.stationarity_kind = b.stationarity_kind;
+  c.failures.insert(c.failures.end(), b.failures.begin(), b.failures.end());
+  return c;
+}
+
+void list_failures(Certificate& c) {
+  c.failures.clear();
   if (!(c.equilibrium <= tolerance::equilibrium))
     c.failures.push_back(defect("equilibrium residual", c.equilibrium, tolerance::equilibrium));
   if (!(c.balance <= tolerance::balance))
-    c.failures.push_back(defect("force along the axis", c.balance, tolerance::balance));
+    c.failures.push_back(defect("net force on the object", c.balance, tolerance::balance));
   if (!(c.bounds <= tolerance::bounds))
     c.failures.push_back(defect("violation of a limit", c.bounds, tolerance::bounds));
   if (!(c.penetration <= tolerance::penetration))
@@ -300,7 +338,7 @@ void Certifier::certify(PoseProgram& judged, ConstVectorRef x, Certificate& c, c
                          (c.stationarity_kind == "none" ? std::string("not even C") : c.stationarity_kind) +
                          "-stationary, not S-stationary");
   }
-  if (spreads) {
+  if (spreads(c)) {
     c.failures.emplace_back("contact spreads: the rod lies along the obstacle, a point contact does not hold it");
   } else if (!(c.stability > tolerance::stability)) {
     char text[120];
@@ -313,7 +351,7 @@ std::vector<Certifier::Approach> Certifier::approaches(ConstVectorRef x, double 
   Data& d = *data_;
   d.move(x);
   std::vector<Approach> all;
-  for (std::size_t o = 0; o < d.spec.obstacles.size(); ++o) {
+  for (std::size_t o = 0; o < d.bodies(); ++o) {
     for (const ClosestApproach& at : closest_approaches(d.curve_beside(o), *d.spec.obstacles[o], level)) {
       all.push_back({static_cast<int>(o), at});
     }
@@ -330,7 +368,7 @@ bool Certifier::approached(ConstVectorRef x, double level) {
   Data& d = *data_;
   d.move(x);
   d.near.clear();
-  for (std::size_t o = 0; o < d.spec.obstacles.size() && d.near.empty(); ++o) {
+  for (std::size_t o = 0; o < d.bodies() && d.near.empty(); ++o) {
     closest_approaches(d.curve_beside(o), *d.spec.obstacles[o], level, d.near);
   }
   return !d.near.empty();

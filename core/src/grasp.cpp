@@ -11,6 +11,9 @@
 namespace tendril {
 namespace {
 
+/// What an exact rotation leaves of a direction along the axis is rounding.
+constexpr double rounding_of_direction = 1e-12;
+
 /// A contact that holds with less than this share of its limit (without a limit: of EI/L^2) is no grasp.
 constexpr double least_share = 1e-3;
 
@@ -31,10 +34,47 @@ Scene finger_scene(const Scene& scene, const std::vector<const char*>& obstacles
   return finger;
 }
 
+/// What is known of a grasp before anything touches.
+GraspPlan object_at(const Scene& scene, double palm_distance) {
+  GraspPlan grasp;
+  grasp.palm_distance = palm_distance;
+  grasp.object_radius = 0.5 * scene.gripper->object_diameter;
+  grasp.object_center = palm_to_world(*scene.gripper, {palm_distance, 0.0});
+  return grasp;
+}
+
+/// Force of contacts (in the world) on the object, in the palm's frame.
+Vec2 pressing(const GripperSpec& gripper, const std::vector<PlannedContact>& contacts) {
+  Vec2 force{};
+  for (const PlannedContact& c : contacts) {
+    if (c.obstacle == 0) force += -c.force * rotated(c.normal, -gripper.angle);
+  }
+  return force;
+}
+
 std::string metres(double value) {
   char text[48];
   std::snprintf(text, sizeof text, "%.6g m", value);
   return text;
+}
+
+/// A finger at the other side of the axis. Moments and coordinates stay those of the upper of the two.
+FingerPlan reflected(const GripperSpec& gripper, FingerPlan finger) {
+  for (PlannedContact& c : finger.contacts) {
+    c.point = mirrored(gripper, c.point);
+    const Vec2 normal = rotated(c.normal, -gripper.angle);
+    c.normal = rotated({normal.x, -normal.y}, gripper.angle);
+  }
+  const auto angle_of = [&](double angle) { return 2.0 * gripper.angle - angle; };
+  for (BackbonePoint& p : finger.backbone) {
+    const Vec2 at = mirrored(gripper, {p[1], p[2]});
+    p = {p[0], at.x, at.y, angle_of(p[3]), -p[4]};
+  }
+  const Vec2 tip = mirrored(gripper, {finger.tip_x, finger.tip_y});
+  finger.tip_x = tip.x;
+  finger.tip_y = tip.y;
+  finger.tip_angle = angle_of(finger.tip_angle);
+  return finger;
 }
 
 }  // namespace
@@ -46,9 +86,65 @@ Vec2 mirrored(const GripperSpec& gripper, Vec2 point) {
   return palm_to_world(gripper, {local.x, -local.y});
 }
 
+std::string_view to_string(FingerName finger) { return finger == FingerName::upper ? "upper" : "lower"; }
+
+bool plans_both_fingers(const Scene& scene) {
+  if (!scene.gripper || scene.gripper->fingers == Fingers::mirrored) return false;
+  if (scene.gripper->fingers == Fingers::both || !scene.fingers.empty()) return true;
+  const bool heavy =
+      scene.tip_load.mass != 0.0 || std::any_of(scene.rod.segments.begin(), scene.rod.segments.end(),
+                                                [](const SegmentSpec& s) { return s.linear_density != 0.0; });
+  if (!scene.gravity || !heavy) return false;
+  const Vec2 gravity = rotated(*scene.gravity, -scene.gripper->angle);
+  return std::abs(gravity.y) > rounding_of_direction * norm(gravity);
+}
+
+Scene finger_of(const Scene& scene, FingerName name) {
+  Scene finger = scene;
+  GripperSpec& gripper = *finger.gripper;
+  gripper.fingers = Fingers::both;
+  if (!scene.fingers.empty()) {
+    const FingerSpec& own = scene.fingers[name == FingerName::upper ? 0 : 1];
+    finger.rod = own.rod;
+    gripper.finger_angle = own.finger_angle;
+    finger.contact.min_force = own.min_force;
+    finger.contact.max_force = own.max_force;
+    finger.fingers.clear();
+  }
+  if (name == FingerName::lower && finger.gravity) {
+    const Vec2 local = rotated(*finger.gravity, -gripper.angle);
+    finger.gravity = rotated({local.x, -local.y}, gripper.angle);
+  }
+  return finger;
+}
+
+Plan plan_of_finger(const Scene& scene, const Plan& plan, FingerName name) {
+  Plan own = plan;
+  if (name == FingerName::lower) {
+    const GripperSpec& gripper = *scene.gripper;
+    const FingerPlan lower = reflected(gripper, *plan.grasp->lower);
+    own.coordinates = lower.coordinates;
+    own.moments = lower.moments;
+    own.contacts = lower.contacts;
+    own.backbone = lower.backbone;
+    own.tip_x = lower.tip_x;
+    own.tip_y = lower.tip_y;
+    own.tip_angle = lower.tip_angle;
+    own.self_overlap = lower.self_overlap;
+  }
+  own.grasp->lower.reset();
+  return own;
+}
+
+FingerPlan lower_in_world(const Scene& scene, const Plan& plan) {
+  return reflected(*scene.gripper, {plan.coordinates, plan.moments, plan.contacts, plan.backbone, plan.tip_x,
+                                    plan.tip_y, plan.tip_angle, plan.self_overlap});
+}
+
 Scene finger_in_world(const Scene& scene) {
   const GripperSpec& gripper = *scene.gripper;
-  Scene finger = finger_scene(scene, {"object", "other finger"});
+  Scene finger =
+      plans_both_fingers(scene) ? finger_scene(scene, {"object"}) : finger_scene(scene, {"object", "other finger"});
   finger.problem = ProblemKind::execute;
   finger.rod.base_position = palm_to_world(gripper, {0.0, gripper.half_palm});
   finger.rod.base_angle = gripper.angle + gripper.finger_angle;
@@ -66,6 +162,7 @@ std::vector<std::unique_ptr<Obstacle>> obstacles_of_finger(const Scene& scene, d
   std::vector<std::unique_ptr<Obstacle>> all;
   all.push_back(
       std::make_unique<Circle>(Vec2{length(center.x), length(center.y)}, length(0.5 * gripper.object_diameter)));
+  if (plans_both_fingers(scene)) return all;
   all.push_back(std::make_unique<Wall>(Vec2{length(gripper.position.x), length(gripper.position.y)},
                                        rotated({0.0, 1.0}, gripper.angle)));
   return all;
@@ -73,7 +170,11 @@ std::vector<std::unique_ptr<Obstacle>> obstacles_of_finger(const Scene& scene, d
 
 Scene finger_in_palm_frame(const Scene& scene) {
   const GripperSpec& gripper = *scene.gripper;
-  Scene finger = finger_scene(scene, {"object", "other finger", "palm"});
+  const bool both = plans_both_fingers(scene);
+  Scene finger =
+      both ? finger_scene(scene, {"object", "palm"}) : finger_scene(scene, {"object", "other finger", "palm"});
+  // Gravity is turned below: from here on it says nothing about the axis.
+  finger.gripper->fingers = both ? Fingers::both : Fingers::mirrored;
   finger.rod.base_position = {0.0, gripper.half_palm};
   finger.rod.base_angle = gripper.finger_angle;
   if (finger.gravity) finger.gravity = rotated(*finger.gravity, -gripper.angle);
@@ -84,18 +185,18 @@ Scene finger_in_palm_frame(const Scene& scene) {
 
 void set_up_grasp(Problem::Data& data) {
   const GripperSpec& gripper = *data.scene.gripper;
-  // What an exact rotation leaves of gravity along the axis is rounding.
-  if (data.rod.has_gravity() && std::abs(data.rod.gravity.y) > 1e-12) {
-    throw SceneError(
-        "gravity",
-        "gravity has a component across the axis of the gripper: both fingers would have to be planned, "
-        "which is not available in this version; expected gravity along the axis, or fingers without mass");
+  const bool mirrored = !plans_both_fingers(data.scene);
+  if (std::abs(data.rod.gravity.y) <= rounding_of_direction) data.rod.gravity.y = 0.0;
+  if (mirrored && data.rod.has_gravity() && data.rod.gravity.y != 0.0) {
+    throw SceneError("gravity",
+                     "gravity has a component across the axis of the gripper, so that mirrored fingers cannot both be "
+                     "in equilibrium; expected fingers = \"both\" in [gripper], gravity along the axis, or fingers "
+                     "without mass");
   }
-  data.rod.gravity.y = 0.0;
   const auto length = [&](double si) { return data.scale.to_dimensionless(si, dimension::length); };
   const double radius = length(0.5 * gripper.object_diameter);
   data.own_obstacles.push_back(std::make_unique<Circle>(Vec2{0.0, 0.0}, radius));
-  data.own_obstacles.push_back(std::make_unique<Wall>(Vec2{0.0, 0.0}, Vec2{0.0, 1.0}));
+  if (mirrored) data.own_obstacles.push_back(std::make_unique<Wall>(Vec2{0.0, 0.0}, Vec2{0.0, 1.0}));
   data.own_obstacles.push_back(std::make_unique<Wall>(Vec2{0.0, 0.0}, Vec2{1.0, 0.0}));
   for (const auto& obstacle : data.own_obstacles) data.obstacles.push_back(obstacle.get());
   data.carried = 1;
@@ -126,9 +227,10 @@ std::string grasp_obstruction(const Problem::Data& data, double reach) {
     return "the object is too large: its radius of " + metres(radius * length) +
            " is more than the largest palm distance, " + metres(farthest * length);
   }
-  // One balanced contact is where the object's normal is square to the axis.
+  // One balanced contact is where the object's normal is square to the axis, if the other finger is the mirror image.
   const Vec2 base = data.rod.base;
-  const bool balanced = data.palm->balance && data.scene.contact.count == 1;
+  const bool mirrored = !plans_both_fingers(data.scene);
+  const bool balanced = mirrored && data.palm->balance && data.scene.contact.count == 1;
   const double nearest = data.palm->minimum;
   const double away = balanced ? std::hypot(nearest, base.y - radius) : std::hypot(nearest, base.y) - radius;
   if (!(away > reach)) return "";
@@ -140,18 +242,40 @@ std::string grasp_obstruction(const Problem::Data& data, double reach) {
          " from it";
 }
 
+std::string pair_obstruction(const Problem::Data& upper, double upper_reach, double lower_reach) {
+  // Contacts C + r n and C - r n at distances from the bases (0, w) and (0, -w) of at most a and b: the parallelogram
+  // law gives |C|^2 + |r n - (0, w)|^2 <= (a^2 + b^2) / 2.
+  const double radius = upper.obstacles[0]->smallest_radius() * upper.scale.length;
+  const double nearest = upper.palm->minimum * upper.scale.length;
+  const double away = std::hypot(nearest, upper.rod.base.y * upper.scale.length - radius);
+  const double reach = std::hypot(upper_reach, lower_reach) / std::sqrt(2.0);
+  if (!(away > reach)) return "";
+  const bool by_limit = nearest > radius * (1.0 + 1e-9);
+  return std::string("out of reach: the object is too ") + (by_limit ? "far away" : "large") +
+         ": at a palm distance of " + metres(nearest) + (by_limit ? ", the smallest allowed, " : ", its radius, ") +
+         "opposite contacts are at least " + metres(away) +
+         " from the fingers' bases (root mean square), and these parts of the fingers end " + metres(upper_reach) +
+         " and " + metres(lower_reach) + " from them";
+}
+
 void finish_grasp(const Problem::Data& data, PoseProgram& program, ConstVectorRef x, Plan& plan) {
-  const GripperSpec& gripper = *data.scene.gripper;
-  const double length = data.scale.length;
-  const double distance = program.palm_distance(x) * length;
+  const double distance = program.palm_distance(x) * data.scale.length;
+  finger_to_world(*data.scene.gripper, distance, plan);
+  plan.grasp = grasp_of(data.scene, distance, plan.contacts);
+  const FingerResponse one = finger_response(program, x, data.scale);
+  // Both fingers answer alike to a move along the axis, and oppositely to one across it, which the mirror image turns
+  // into the same sum.
+  GraspQuality& quality = plan.grasp->quality.emplace();
+  quality.axial_stiffness = 2.0 * one.axial_stiffness;
+  quality.lateral_stiffness = 2.0 * one.lateral_stiffness;
+  quality.force_by_moment = one.force_by_moment;
+  for (const PlannedContact& c : plan.contacts) quality.force_margins.push_back(data.scene.contact.max_force - c.force);
+}
+
+void finger_to_world(const GripperSpec& gripper, double distance, Plan& plan) {
   for (PlannedContact& c : plan.contacts) {
     c.point = palm_to_world(gripper, c.point + Vec2{distance, 0.0});
     c.normal = rotated(c.normal, gripper.angle);
-  }
-  plan.grasp = grasp_of(data.scene, distance, plan.contacts);
-  plan.grasp->quality = grasp_quality(program, x, data.scale);
-  for (const PlannedContact& c : plan.contacts) {
-    plan.grasp->quality->force_margins.push_back(data.scene.contact.max_force - c.force);
   }
   for (BackbonePoint& p : plan.backbone) {
     const Vec2 at = palm_to_world(gripper, {p[1] + distance, p[2]});
@@ -168,17 +292,23 @@ void finish_grasp(const Problem::Data& data, PoseProgram& program, ConstVectorRe
 
 GraspPlan grasp_of(const Scene& scene, double palm_distance, const std::vector<PlannedContact>& contacts) {
   const GripperSpec& gripper = *scene.gripper;
-  GraspPlan grasp;
-  grasp.palm_distance = palm_distance;
-  grasp.object_radius = 0.5 * gripper.object_diameter;
-  grasp.object_center = palm_to_world(gripper, {palm_distance, 0.0});
-  for (const PlannedContact& c : contacts) {
-    if (c.obstacle != 0) continue;
-    const Vec2 normal = rotated(c.normal, -gripper.angle);
-    grasp.axial_force -= 2.0 * c.force * normal.x;
-    grasp.lateral_force += c.force * normal.y;
-  }
+  GraspPlan grasp = object_at(scene, palm_distance);
+  const Vec2 force = pressing(gripper, contacts);
+  grasp.axial_force = 2.0 * force.x;
+  grasp.lateral_force = -force.y;
   grasp.net_force = rotated({grasp.axial_force, 0.0}, gripper.angle);
+  return grasp;
+}
+
+GraspPlan grasp_of(const Scene& scene, double palm_distance, const std::vector<PlannedContact>& upper,
+                   const std::vector<PlannedContact>& lower) {
+  const GripperSpec& gripper = *scene.gripper;
+  GraspPlan grasp = object_at(scene, palm_distance);
+  const Vec2 from_above = pressing(gripper, upper);
+  const Vec2 from_below = pressing(gripper, lower);
+  grasp.axial_force = from_above.x + from_below.x;
+  grasp.lateral_force = 0.5 * (from_below.y - from_above.y);
+  grasp.net_force = rotated(from_above + from_below, gripper.angle);
   return grasp;
 }
 

@@ -5,15 +5,28 @@
 namespace tendril {
 
 /// The upper finger in the palm's frame, with gravity and loads turned into it and the obstacles named that its program
-/// respects: object, other finger, palm.
+/// respects: object, other finger (where it is the mirror image), palm.
 Scene finger_in_palm_frame(const Scene& scene);
 
-/// Obstacles, palm and limits of a grasp. Throws SceneError where the scene asks for what one mirrored finger cannot
+/// Obstacles, palm and limits of a finger. Throws SceneError where the scene asks for what one mirrored finger cannot
 /// do.
 void set_up_grasp(Problem::Data& data);
 
+/// The lower finger of a problem whose upper one has been set up, terms included; both get the range of palm distances
+/// that is left by either. Throws SceneError where the scene asks for what two fingers cannot do yet.
+void add_lower_finger(Problem::Data& upper, const Scene& scene);
+
+/// The programs of a grasp of both fingers, one for each pair of ways of touching.
+Description describe_both_fingers(const Problem::Data& upper, Description common);
+
+/// Plans both fingers.
+Plan plan_both_fingers(Problem::Data& upper, const PlanControl& control);
+
 /// Why no contact of a finger whose part reaches up to `reach` (s/L) can hold the object; empty: nothing is known.
 std::string grasp_obstruction(const Problem::Data& data, double reach);
+
+/// The same for two fingers whose parts reach so far (m) and press from opposite sides.
+std::string pair_obstruction(const Problem::Data& upper, double upper_reach, double lower_reach);
 
 /// How many starts grasp_start() knows of, for each way of being in contact.
 inline constexpr int grasp_starts = 5;
@@ -23,11 +36,22 @@ inline constexpr int grasp_starts = 5;
 /// moments.
 StartShape grasp_start(const Problem::Data& data, const Mode& mode, int index);
 
+/// Brings contacts and backbone of a finger's program, whose frame is fixed to the object, into the world of the
+/// finger's scene. `distance`: of the palm, m.
+void finger_to_world(const GripperSpec& gripper, double distance, Plan& plan);
+
 /// Brings a plan of the program's frame, fixed to the object, into the world, and adds what only a grasp has.
 void finish_grasp(const Problem::Data& data, PoseProgram& program, ConstVectorRef x, Plan& plan);
 
-/// What small errors do to a grasp: the equilibrium system (rows of equilibrium, gap and closest point in coordinates,
-/// places and forces) differentiated at x. `program` is moved to x.
-GraspQuality grasp_quality(PoseProgram& program, ConstVectorRef x, const Scale& scale);
+/// What small errors do to one finger of a grasp: the equilibrium system (rows of equilibrium, gap and closest point in
+/// coordinates, places and forces) differentiated at x. Force on the object along the axis and across it, away from the
+/// axis; SI units.
+struct FingerResponse {
+  double axial_stiffness = 0.0;       ///< N/m
+  double lateral_stiffness = 0.0;     ///< N/m
+  std::vector<Vec2> force_by_moment;  ///< N, for 1 % of each actuator's moment
+};
+/// `program` is moved to x.
+FingerResponse finger_response(PoseProgram& program, ConstVectorRef x, const Scale& scale);
 
 }  // namespace tendril

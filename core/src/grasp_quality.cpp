@@ -60,23 +60,21 @@ Response response_of(PoseProgramSpec spec, Vec2 axis, double shift, ConstVectorR
 
 }  // namespace
 
-GraspQuality grasp_quality(PoseProgram& program, ConstVectorRef x, const Scale& scale) {
+FingerResponse finger_response(PoseProgram& program, ConstVectorRef x, const Scale& scale) {
   program.constraints(x);
   const Response axial = response_of(program.spec(), {1.0, 0.0}, 0.0, x, program);
   const Response lateral = response_of(program.spec(), {0.0, 1.0}, 0.0, x, program);
-  GraspQuality q;
-  // Both fingers answer alike to a move along the axis, and oppositely to one across it, which the mirror image turns
-  // into the same sum.
+  FingerResponse out;
   const double stiffness = scale.force() / scale.length;
-  q.axial_stiffness = -2.0 * axial.by_object * stiffness;
-  q.lateral_stiffness = -2.0 * lateral.by_object * stiffness;
+  out.axial_stiffness = -axial.by_object * stiffness;
+  out.lateral_stiffness = -lateral.by_object * stiffness;
   for (std::size_t a = 0; a < axial.by_moment.size(); ++a) {
     const int variable = program.moment_variable(static_cast<int>(a));
     const double one_percent = variable < 0 ? 0.0 : 0.01 * x[variable];
-    q.force_by_moment.push_back(
+    out.force_by_moment.push_back(
         {axial.by_moment[a] * one_percent * scale.force(), lateral.by_moment[a] * one_percent * scale.force()});
   }
-  return q;
+  return out;
 }
 
 }  // namespace tendril

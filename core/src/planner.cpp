@@ -224,6 +224,7 @@ void Planner::search_further(int starts, const std::vector<std::size_t>& order) 
 
 bool Problem::follow_without_solver(Plan& plan) {
   Data& d = *data_;
+  if (d.lower) return false;
   if (!d.follower || !d.follower->stands_at(plan)) d.follower = Follower::from(d, plan);
   if (d.follower && d.follower->step(plan)) return true;
   d.follower.reset();
@@ -246,8 +247,7 @@ Plan Problem::plan(const PlanControl& control) {
     Plan followed = *control.start;
     if (follow_without_solver(followed)) return followed;
   }
-  Planner planner(*data_, control);
-  Plan plan = planner.run();
+  Plan plan = data_->lower ? plan_both_fingers(*data_, control) : Planner(*data_, control).run();
   plan.seconds_assemble = data_->seconds_assemble;
   plan.seconds_solve = now() - begin - plan.seconds_certify;
   if (!data_->palm) plan.start_backbone = outline(data_->scene_start(), data_->rod, data_->scale.length);

@@ -9,6 +9,7 @@
 #include "clock.hpp"
 #include "load_path.hpp"
 #include "problem_data.hpp"
+#include "program_search.hpp"
 #include "tendril/certificate.hpp"
 #include "tendril/feasibility.hpp"
 #include "tendril/tolerances.hpp"
@@ -16,14 +17,10 @@
 namespace tendril {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-inline constexpr int least_iterations = 10;  ///< that a solve of a grasp is thought to take
-/// Iterations of a solve of a grasp with a plan, over those of the slowest solve that converged.
-inline constexpr int patience = 8;
-inline constexpr int most_starts = 5;        ///< per mode, before a program may be called infeasible
-inline constexpr int further_starts = 2;     ///< per mode, where all of these led to no plan
-inline constexpr double most_of_time = 0.4;  ///< of what is left, for one solve: there are other ways if it gets stuck
-inline constexpr double little_time = 0.7;   ///< of the time limit: with less left and no plan, the search hurries
-inline constexpr double beats = 1e-12;       ///< an objective must be lower by this to win
+inline constexpr int most_starts = 5;       ///< per mode, before a program may be called infeasible
+inline constexpr int further_starts = 2;    ///< per mode, where all of these led to no plan
+inline constexpr double little_time = 0.7;  ///< of the time limit: with less left and no plan, the search hurries
+inline constexpr double beats = 1e-12;      ///< an objective must be lower by this to win
 
 /// A mode's best point so far and what is known about it.
 struct Candidate {
@@ -37,48 +34,27 @@ struct Candidate {
   bool certified() const { return has_point && certificate.valid(); }
 };
 
-struct Tally {
-  EvaluationCounts evaluations;     ///< that solvers asked for
-  EvaluationCounts outside_solver;  ///< that polish and restoration asked for
-  int iterations = 0;
-  double seconds = 0.0, seconds_evaluating = 0.0, seconds_certifying = 0.0;
-};
-
 class Planner {
  public:
   Planner(Problem::Data& data, const PlanControl& control)
-      : d_(data), control_(control), modes_(data.modes), deadline_(now() + data.scene.solver.time_limit) {}
+      : d_(data),
+        control_(control),
+        modes_(data.modes),
+        steps_(*data.components.solver, data.scene.solver, control.stop) {}
 
   Plan run();
 
  private:
-  struct ModeState {
+  struct ModeState : Attempt {
     int mode = 0;
-    ModeRecord record;
     Candidate best;
-    int starts_used = 0;
-    int stationary_violations = 0;  ///< starts that ended where no direction reduces the violation
-    std::string trouble;            ///< how the last attempt failed
-    OptimalityReport last;          ///< of the last solve
-    StartShape nearest;             ///< where the violation of the rows was least, as long as there is no point
-    double violation = infinity;    ///< there
-    std::string limits;             ///< that bind there
-    bool deferred = false;          ///< the last start was left to times without any plan
+    StartShape nearest;     ///< where the violation of the rows was least, as long as there is no point
+    bool deferred = false;  ///< the last start was left to times without any plan
   };
 
-  bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
+  bool must_stop() const { return steps_.must_stop(); }
   /// So much time has gone without a plan that what is left has to be enough for all that was not tried.
-  bool hurried() const { return !have_plan_ && deadline_ - now() < little_time * d_.scene.solver.time_limit; }
-  SolveControl limits() const {
-    SolveControl c;
-    c.tolerance = d_.scene.solver.tolerance;
-    c.max_iterations = d_.scene.solver.max_iterations;
-    // Programs of a grasp differ little: a search that takes many times as long as others took ends nowhere.
-    if (balanced_by_row() && have_plan_) c.max_iterations = std::min(c.max_iterations, patience * slowest_converged_);
-    c.time_limit = std::max(1e-3, most_of_time * (deadline_ - now()));
-    c.stop = control_.stop;
-    return c;
-  }
+  bool hurried() const { return !have_plan_ && steps_.deadline() - now() < little_time * d_.scene.solver.time_limit; }
 
   StartShape start_shape(int index, const Mode& mode) const;
   /// Loads decide how the rod hangs.
@@ -132,8 +108,8 @@ class Planner {
   bool restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
   /// A quick look where time is short: the violation has a stationary point near x, and no solver is asked.
   bool nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x);
-  /// Remembers where the violation is least, and whether it is stationary there.
-  void note_violation(ModeState& state, const PoseProgram& program, const FeasibilityReport& f);
+  /// Keeps the shape where the violation is least, if it was larger than this before.
+  void keep_nearest(ModeState& state, const PoseProgram& program, const FeasibilityReport& f, double least);
   /// After a check point moved and neither polish nor solver followed: reduces the violation alone, then tries both
   /// again.
   bool recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
@@ -165,36 +141,19 @@ class Planner {
   }
   Plan report(std::vector<ModeState>& states, int winner);
   std::string nearest_failure(const std::vector<ModeState>& states) const;
-  static std::string limits_at(const PoseProgram& program, ConstVectorRef x);
 
   Problem::Data& d_;
   const PlanControl& control_;
   std::vector<Mode> modes_;  ///< those of the problem, then what the search adds
-  double deadline_;
-  Tally tally_;
+  ProgramSearch steps_;
   std::vector<ModeState> states_;
   int winner_ = -1;
-  bool have_plan_ = false;                    ///< some mode is certified
-  int slowest_converged_ = least_iterations;  ///< most iterations of a solve that converged
-  bool following_ = false;                    ///< only Newton may move points
-  double balanced_objective_ = infinity;      ///< scaled, of start_from_balance()
-  bool deferring_ = false;                    ///< starts of a grasp that do not look promising wait for the others
-  std::string unfit_;                         ///< a term that gave no number, in words
-  bool every_assignment_tried_ = false;       ///< although they are too many to begin with
+  bool have_plan_ = false;                ///< some mode is certified
+  bool following_ = false;                ///< only Newton may move points
+  double balanced_objective_ = infinity;  ///< scaled, of start_from_balance()
+  bool deferring_ = false;                ///< starts of a grasp that do not look promising wait for the others
+  std::string unfit_;                     ///< a term that gave no number, in words
+  bool every_assignment_tried_ = false;   ///< although they are too many to begin with
 };
-
-inline void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
-  to.values += more.values;
-  to.first_derivatives += more.first_derivatives;
-  to.hessians += more.hessians;
-  to.seconds += more.seconds;
-}
-
-inline void add_difference(EvaluationCounts& to, const EvaluationCounts& after, const EvaluationCounts& before) {
-  to.values += after.values - before.values;
-  to.first_derivatives += after.first_derivatives - before.first_derivatives;
-  to.hessians += after.hessians - before.hessians;
-  to.seconds += after.seconds - before.seconds;
-}
 
 }  // namespace tendril

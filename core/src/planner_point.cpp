@@ -25,11 +25,7 @@ constexpr double slowest_shrinking = 0.95;              ///< per step on the way
 constexpr int most_exchanges = 25;
 constexpr int moving_exchanges = 8;  ///< after so many rounds check points stay: moved ones may go to and fro
 constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
-constexpr int most_pieces_away = 3;       ///< of an unsplit rod, from where the start comes nearest to the obstacle
-constexpr int most_restorations = 400;    ///< steps
-constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
-constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
-constexpr double at_limit = 1e-9;         ///< a variable this near to its limit stands at it, in reports
+constexpr int most_pieces_away = 3;  ///< of an unsplit rod, from where the start comes nearest to the obstacle
 
 void keep_unique(std::vector<CheckPoint>& checks) {
   const auto key = [](const CheckPoint& c) { return std::tuple(c.obstacle, c.piece, c.sigma); };
@@ -53,24 +49,13 @@ void set_branches(PoseProgram& program, const std::vector<Branch>& branches) {
 
 OptimalityReport Planner::solve(ModeState& state, NonlinearProgram& program, const Eigen::VectorXd& x,
                                 const OptimalityReport* warm) {
-  SolverStart start;
-  start.x = x;
-  if (warm != nullptr) {
-    start.multipliers = warm->multipliers;
-    start.bound_multipliers = warm->bound_multipliers;
-  }
-  OptimalityReport report = d_.components.solver->solve(program, start, limits());
-  ++state.record.solves;
-  state.record.iterations += report.iterations;
-  state.record.evaluations += report.evaluations.values;
-  state.record.seconds_evaluating += report.seconds_evaluating;
-  state.last = report;
-  if (report.status == SolveStatus::converged) slowest_converged_ = std::max(slowest_converged_, report.iterations);
-  tally_.iterations += report.iterations;
-  tally_.seconds += report.seconds;
-  tally_.seconds_evaluating += report.seconds_evaluating;
-  add_counts(tally_.evaluations, report.evaluations);
-  return report;
+  steps_.limit_patience(balanced_by_row() && have_plan_);
+  return steps_.solve(state, program, x, warm);
+}
+
+bool Planner::sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed) {
+  steps_.limit_patience(balanced_by_row() && have_plan_);
+  return steps_.sharpen(state, program, x, solver_allowed && !following_);
 }
 
 bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartShape& shape, Branch forced,
@@ -113,7 +98,7 @@ bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartSh
     ++state.record.polishes;
     const EvaluationCounts before = easier.counts();
     const PolishReport p = polish(easier, at, {});
-    add_difference(tally_.outside_solver, easier.counts(), before);
+    add_difference(steps_.tally.outside_solver, easier.counts(), before);
     if (p.converged && p.infeasibility <= tolerance::equilibrium) {
       at = p.x;
       radius = next;
@@ -168,37 +153,6 @@ bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, 
   return report.infeasibility <= nearly_feasible;
 }
 
-bool Planner::sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed) {
-  const auto counted_polish = [&](const Eigen::VectorXd& from) {
-    ++state.record.polishes;
-    const EvaluationCounts before = program.counts();
-    PolishOptions options;
-    options.stop = [this] { return must_stop(); };
-    PolishReport report = polish(program, from, {}, options);
-    add_difference(tally_.outside_solver, program.counts(), before);
-    return report;
-  };
-  PolishReport p = counted_polish(x);
-  if (p.converged && p.infeasibility <= tolerance::equilibrium) {
-    x = p.x;
-    return true;
-  }
-  if (!solver_allowed || following_ || must_stop()) return false;
-  // On a decided branch the program is an ordinary one.
-  const OptimalityReport r = solve(state, program, x);
-  if (!r.x.allFinite() || r.x.size() != x.size()) return false;
-  p = counted_polish(r.x);
-  if (p.converged && p.infeasibility <= tolerance::equilibrium) {
-    x = p.x;
-    return true;
-  }
-  // The solver's own point may already be good enough for the certificate.
-  if (r.infeasibility <= 1e-8) x = r.x;
-  state.trouble = "the polish did not converge (" + std::string(p.reason) +
-                  "); solver: " + std::string(to_string(r.status)) + (r.message.empty() ? "" : ", " + r.message);
-  return r.infeasibility <= 1e-8;
-}
-
 bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced) {
   const int contacts = program.layout().forces;
   const Eigen::VectorXd start = x;
@@ -226,40 +180,29 @@ bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd
 
 bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
   if (must_stop() || following_ || !x.allFinite()) return false;
-  const EvaluationCounts before = program.counts();
-  const FeasibilityReport f =
-      restore_feasibility(program, x, restored, most_restorations, [this] { return must_stop(); });
-  add_difference(tally_.outside_solver, program.counts(), before);
+  const double least = state.violation;
+  const FeasibilityReport f = steps_.restore(state, program, x);
   if (f.feasible) {
     const OptimalityReport r = solve(state, program, f.x);
     x = r.x.allFinite() && r.x.size() == x.size() && r.infeasibility <= nearly_feasible ? r.x : f.x;
     return true;
   }
-  note_violation(state, program, f);
+  keep_nearest(state, program, f, least);
   return false;
 }
 
-void Planner::note_violation(ModeState& state, const PoseProgram& program, const FeasibilityReport& f) {
-  if (f.stationary_violation) ++state.stationary_violations;
-  if (f.x.allFinite() && f.infeasibility < state.violation) {
-    // Only the search over assignments goes on from there.
-    if (!d_.enumerated) state.nearest = program.shape_of(f.x);
-    state.violation = f.infeasibility;
-    state.limits = limits_at(program, f.x);
-  }
-  char text[96];
-  std::snprintf(text, sizeof text, "no feasible point near: violation %.2e%s", f.infeasibility,
-                f.stationary_violation ? ", stationary" : "");
-  state.trouble = text;
+void Planner::keep_nearest(ModeState& state, const PoseProgram& program, const FeasibilityReport& f, double least) {
+  // Only the search over assignments goes on from there.
+  if (!d_.enumerated && state.violation < least) state.nearest = program.shape_of(f.x);
 }
 
 bool Planner::nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x) {
-  const EvaluationCounts before = program.counts();
-  const FeasibilityReport f =
-      restore_feasibility(program, x, restored, most_restorations, [this] { return must_stop(); });
-  add_difference(tally_.outside_solver, program.counts(), before);
-  if (f.stationary_violation) note_violation(state, program, f);
-  return f.stationary_violation;
+  const FeasibilityReport f = steps_.look(program, x);
+  if (!f.stationary_violation) return false;
+  const double least = state.violation;
+  ProgramSearch::note(state, program, f);
+  keep_nearest(state, program, f, least);
+  return true;
 }
 
 bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
@@ -334,7 +277,7 @@ bool Planner::bring_to_certificate(ModeState& state, const std::vector<int>& reg
   for (int refinement = 0; refinement < 5; ++refinement) {
     const double begin = now();
     c.certificate = c.certifier->certify(*c.program, x);
-    tally_.seconds_certifying += now() - begin;
+    steps_.tally.seconds_certifying += now() - begin;
     if (!(c.certificate.quadrature > tolerance::quadrature) || !sharp || must_stop() || nodes > 600) break;
     nodes = nodes + nodes / 2;
     build();
@@ -407,20 +350,8 @@ bool Planner::promising(PoseProgramSpec spec, const std::vector<CheckPoint>& che
   PoseProgram program(spec);
   set_branches(program, std::vector<Branch>(spec.contacts.size(), Branch::touching));
   const bool feasible = restore_feasibility(program, program.start_from(shape), restored).feasible;
-  add_difference(tally_.outside_solver, program.counts(), {});
+  add_difference(steps_.tally.outside_solver, program.counts(), {});
   return feasible;
-}
-
-/// The variables that are at a limit at x.
-std::string Planner::limits_at(const PoseProgram& program, ConstVectorRef x) {
-  std::string text;
-  for (int i = 0; i < program.variable_count(); ++i) {
-    if (program.lower()[i] == program.upper()[i]) continue;
-    const bool low = x[i] <= program.lower()[i] + at_limit;
-    if (!low && x[i] < program.upper()[i] - at_limit) continue;
-    text += (text.empty() ? "" : ", ") + program.variable_name(i) + (low ? " at its smallest" : " at its largest");
-  }
-  return text;
 }
 
 void Planner::try_start(ModeState& state, const StartShape& shape) {

@@ -63,7 +63,7 @@ std::vector<std::vector<double>> Planner::sampled_moments() const {
 bool Planner::come_to_rest(const std::vector<double>& moments, double share, Plan& rest) const {
   ExecuteControl control;
   control.stop = control_.stop;
-  control.time_limit = std::max(1e-3, share * (deadline_ - now()));
+  control.time_limit = std::max(1e-3, share * (steps_.deadline() - now()));
   control.with_obstacles = !d_.obstacles.empty();
   // A start through the middle of an obstacle leads nowhere: the rod is bent out of the way.
   Scene scene = d_.scene;

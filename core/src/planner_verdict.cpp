@@ -109,12 +109,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
       if (state.record.solves > 0) plan.solver = state.last;
     }
   }
-  plan.solver.iterations = tally_.iterations;
-  plan.solver.evaluations = tally_.evaluations;
-  plan.evaluations = tally_.evaluations;
-  add_counts(plan.evaluations, tally_.outside_solver);
-  plan.solver.seconds = tally_.seconds;
-  plan.solver.seconds_evaluating = tally_.seconds_evaluating;
+  report_tally(steps_.tally, plan);
 
   // The verdict.
   const bool stopped = control_.stop != nullptr && control_.stop->load();
@@ -123,7 +118,7 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   } else if (stopped) {
     plan.status = PlanStatus::interrupted;
     plan.message = "interrupted before a plan was certified";
-  } else if (now() > deadline_) {
+  } else if (now() > steps_.deadline()) {
     plan.status = PlanStatus::time_limit;
     plan.message = "the time limit of " + std::to_string(d_.scene.solver.time_limit) +
                    " s was reached before a plan was certified";
@@ -192,7 +187,6 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.backbone = sampled_backbone(chosen.best.certifier->finer(x), length);
   plan.self_overlap = self_overlap(plan.backbone);
   if (d_.palm) finish_grasp(d_, program, x, plan);
-  plan.seconds_certify = tally_.seconds_certifying;
   return plan;
 }
 

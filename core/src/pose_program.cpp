@@ -36,7 +36,7 @@ PoseProgram::Data::Data(PoseProgramSpec s)
       chain(*spec.rod, *spec.model, knot_stretches(spec), spec.nodes, spec.tables.get()),
       backbone(chain, spec.rod->base, spec.rod->base_angle),
       terms(weighted_terms(spec), spec.target, static_cast<int>(spec.contacts.size()),
-            static_cast<int>(spec.rod->actuators.size())),
+            static_cast<int>(spec.rod->actuators.size()), spec.term_units),
       sums(chain, false),
       gram_sums(chain, true) {
   pieces = chain.piece_count();

@@ -9,6 +9,7 @@
 #include "plan_report.hpp"
 #include "problem_data.hpp"
 #include "tendril/chain.hpp"
+#include "tendril/grasp.hpp"
 
 namespace tendril {
 namespace {
@@ -65,9 +66,13 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
                                     "\" cannot be planned here, expected \"pose\", \"trajectory\" or \"grasp\"" +
                                     (scene.problem == ProblemKind::execute ? ", or the command 'execute'" : ""));
   }
-  d.scene = grasp ? finger_in_palm_frame(scene) : scene;
+  const bool both = grasp && plans_both_fingers(scene);
+  d.scene = !grasp ? scene : finger_in_palm_frame(both ? finger_of(scene, FingerName::upper) : scene);
   d.components = std::move(components);
-  d.scale = scale_of(scene);
+  d.model = d.components.coordinates.get();
+  d.scale = scale_of(d.scene);
+  d.scene_scale = scale_of(scene);
+  d.term_units = {d.scale.length / d.scene_scale.length, d.scale.force() / d.scene_scale.force()};
   d.rod = make_rod(d.scene, d.scale);
   if (!d.components.coordinates) throw Error("a problem needs a coordinate model");
   if (!d.components.solver) throw Error("a problem needs a solver");
@@ -89,7 +94,7 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
     }
   }
   d.contact_obstacles = static_cast<int>(d.obstacles.size());
-  d.max_force = d.scale.to_dimensionless(scene.contact.max_force, dimension::force);
+  d.max_force = d.scale.to_dimensionless(d.scene.contact.max_force, dimension::force);
   d.min_force = scene.contact.mode == ContactModeName::require
                     ? d.scale.to_dimensionless(scene.contact.min_force, dimension::force)
                     : 0.0;
@@ -178,7 +183,7 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
   } else {
     if (d.palm->minimum == d.palm->maximum) d.left_out.push_back({"palm distance", "it is fixed"});
     if (!d.palm->balance) d.left_out.push_back({"force balance as a row", "the scene leaves it to an objective"});
-    d.left_out.push_back({"the lower finger", "it is the mirror image of the upper one"});
+    if (!both) d.left_out.push_back({"the lower finger", "it is the mirror image of the upper one"});
     d.left_out.push_back({"complementarity of the contacts", "a grasp holds its object: every contact touches"});
   }
 
@@ -209,14 +214,18 @@ Problem::Problem(const Scene& scene, Components components) : data_(std::make_un
     }
   }
 
-  // Angle to be resolved per piece: what the moments can bend, or the start shows; the certificate checks the choice.
+  d.nodes = d.first_nodes();
+  if (both) add_lower_finger(d, scene);
+  d.seconds_assemble = now() - begin;
+}
+
+int Problem::Data::first_nodes() const {
   double angle = std::max(1.0, std::abs(scene.start_tip_angle));
-  for (const Rod::Actuator& a : d.rod.actuators) {
+  for (const Rod::Actuator& a : rod.actuators) {
     const double largest = std::max(std::abs(a.minimum), std::abs(a.maximum));
     if (std::isfinite(largest)) angle = std::max(angle, largest * (a.to - a.from));
   }
-  d.nodes = suggested_nodes(d.components.coordinates->function_count(), std::min(angle, 30.0));
-  d.seconds_assemble = now() - begin;
+  return suggested_nodes(model->function_count(), std::min(angle, 30.0));
 }
 
 Mode Problem::Data::mode(std::vector<ContactSetup> contacts) const {
@@ -240,7 +249,7 @@ Mode Problem::Data::mode(std::vector<ContactSetup> contacts) const {
 PoseProgramSpec Problem::Data::spec(const Mode& mode, const std::vector<int>& regions, int with_nodes) const {
   PoseProgramSpec s;
   s.rod = &rod;
-  s.model = components.coordinates.get();
+  s.model = model;
   s.obstacles = obstacles;
   s.terms = terms;
   s.target = target;
@@ -254,12 +263,13 @@ PoseProgramSpec Problem::Data::spec(const Mode& mode, const std::vector<int>& re
   s.carried = carried;
   s.least_margin = least_margin;
   s.least_convexity = least_convexity;
+  s.term_units = term_units;
   s.tables = tables;
   return s;
 }
 
 std::vector<int> Problem::Data::pieces_of_stretch(int stretch) const {
-  const auto parts = static_cast<int>(components.coordinates->subdivision().size());
+  const auto parts = static_cast<int>(model->subdivision().size());
   std::vector<int> pieces(static_cast<std::size_t>(parts));
   std::iota(pieces.begin(), pieces.end(), stretch * parts);
   return pieces;
@@ -335,6 +345,7 @@ Description Problem::describe() const {
          "not described, but tried by a plan"});
   }
   if (!d.enumerated) shown.push_back(d.largest_mode());
+  if (d.lower) return describe_both_fingers(d, std::move(out));
   for (const Mode& mode : shown) {
     std::vector<int> regions;
     for (const ContactSetup& c : mode.contacts) {

@@ -23,7 +23,10 @@ struct Mode {
 struct Problem::Data {
   Scene scene;
   Components components;
+  const CoordinateModel* model = nullptr;  ///< of the components; of a lower finger those of the upper one
   Scale scale;
+  Scale scene_scale;       ///< in which terms see everything; another one where fingers of a grasp differ
+  TermUnits term_units{};  ///< units of `scale` in those of `scene_scale`
   Rod rod;
   std::vector<std::unique_ptr<Obstacle>> own_obstacles;  ///< of a grasp
   std::vector<const Obstacle*> obstacles;                ///< those that the plan respects
@@ -45,6 +48,7 @@ struct Problem::Data {
   int nodes = 0;
   double seconds_assemble = 0.0;
   std::unique_ptr<Follower> follower;  ///< of the plan that was followed last
+  std::unique_ptr<Data> lower;         ///< of a grasp whose fingers are both planned: this one is then the upper finger
 
   Data();
   ~Data();
@@ -60,6 +64,8 @@ struct Problem::Data {
   std::vector<CheckPoint> first_checks(const PoseProgramSpec& spec, const StartShape& shape) const;
   StartShape scene_start() const { return constant_curvature(scene.start_tip_angle); }
   bool contact_planned() const;
+  /// Gauss nodes for what the moments can bend, or the start shows; the certificate checks the choice.
+  int first_nodes() const;
   void take_target(const TargetSpec& wanted);
 };
 

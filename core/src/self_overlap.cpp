@@ -53,4 +53,19 @@ std::optional<std::pair<double, double>> self_overlap(std::span<const BackbonePo
   return std::nullopt;
 }
 
+std::optional<std::pair<double, double>> meeting_of(std::span<const BackbonePoint> a,
+                                                    std::span<const BackbonePoint> b) {
+  const auto point = [](const BackbonePoint& p) { return Vec2{p[1], p[2]}; };
+  const auto arc = [](std::span<const BackbonePoint> rod, std::size_t i, double t) {
+    return rod[i][0] + t * (rod[i + 1][0] - rod[i][0]);
+  };
+  for (std::size_t i = 0; i + 1 < a.size(); ++i) {
+    for (std::size_t k = 0; k + 1 < b.size(); ++k) {
+      const auto met = meeting(point(a[i]), point(a[i + 1]), point(b[k]), point(b[k + 1]));
+      if (met) return std::pair(arc(a, i, met->first), arc(b, k, met->second));
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace tendril

@@ -6,8 +6,8 @@
 #include "tendril/error.hpp"
 
 namespace tendril {
-TermEvaluator::TermEvaluator(WeightedTerm term, const Target& target, int contacts, int moments)
-    : weighted_(std::move(term)), reads_(weighted_.term->reads()) {
+TermEvaluator::TermEvaluator(WeightedTerm term, const Target& target, int contacts, int moments, const TermUnits& units)
+    : weighted_(std::move(term)), reads_(weighted_.term->reads()), units_(units) {
   for (const double s : reads_.samples) {
     if (!(s >= 0.0 && s <= 1.0)) {
       throw Error("objective '" + weighted_.name +
@@ -66,12 +66,13 @@ void TermEvaluator::set_target(const Target& target) {
   dual_quantities_.target = target;
 }
 
-void TermEvaluator::add_input(double& value, HyperDual& dual, int base) {
+void TermEvaluator::add_input(double& value, HyperDual& dual, int base, double unit) {
   if (base < 0) return;
   Input input;
   input.value = &value;
   input.dual = &dual;
   input.base[0] = base;
+  input.unit = input.factor[0] = unit;
   inputs_.push_back(input);
 }
 
@@ -81,6 +82,7 @@ void TermEvaluator::add_surface_input(double& value, HyperDual& dual, Kind kind,
   input.dual = &dual;
   input.kind = kind;
   input.contact = contact;
+  if (kind == Kind::gap) input.unit = units_.length;
   const BaseIndex::Point& p = index_->contacts[static_cast<std::size_t>(contact)].point;
   input.base[0] = p.x;
   input.base[1] = p.y;
@@ -90,37 +92,40 @@ void TermEvaluator::add_surface_input(double& value, HyperDual& dual, Kind kind,
 void TermEvaluator::bind(const BaseIndex& index, std::size_t first_sample) {
   index_ = &index;
   inputs_.clear();
+  const double length = units_.length;
+  const double moment = units_.force * units_.length;
   FingerQuantities<double>& f = finger_[0];
   FingerQuantities<HyperDual>& d = dual_finger_[0];
   if (reads_.tip_position) {
-    add_input(f.tip.x, d.tip.x, index.tip.x);
-    add_input(f.tip.y, d.tip.y, index.tip.y);
+    add_input(f.tip.x, d.tip.x, index.tip.x, length);
+    add_input(f.tip.y, d.tip.y, index.tip.y, length);
   }
-  if (reads_.tip_angle) add_input(f.tip.angle, d.tip.angle, index.tip.angle);
+  if (reads_.tip_angle) add_input(f.tip.angle, d.tip.angle, index.tip.angle, 1.0);
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const BaseIndex::Point& p = index.samples[first_sample + i];
-    add_input(samples_[i].x, dual_samples_[i].x, p.x);
-    add_input(samples_[i].y, dual_samples_[i].y, p.y);
-    add_input(samples_[i].angle, dual_samples_[i].angle, p.angle);
-    add_input(samples_[i].curvature, dual_samples_[i].curvature, p.curvature);
+    add_input(samples_[i].x, dual_samples_[i].x, p.x, length);
+    add_input(samples_[i].y, dual_samples_[i].y, p.y, length);
+    add_input(samples_[i].angle, dual_samples_[i].angle, p.angle, 1.0);
+    add_input(samples_[i].curvature, dual_samples_[i].curvature, p.curvature, 1.0 / length);
   }
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const BaseIndex::Contact& c = index.contacts[k];
     if (reads_.contact_point) {
-      add_input(contacts_[k].x, dual_contacts_[k].x, c.point.x);
-      add_input(contacts_[k].y, dual_contacts_[k].y, c.point.y);
+      add_input(contacts_[k].x, dual_contacts_[k].x, c.point.x, length);
+      add_input(contacts_[k].y, dual_contacts_[k].y, c.point.y, length);
     }
     if (reads_.contact_gap) add_surface_input(contacts_[k].gap, dual_contacts_[k].gap, Kind::gap, static_cast<int>(k));
     if (reads_.contact_normal) {
       add_surface_input(contacts_[k].normal_x, dual_contacts_[k].normal_x, Kind::normal_x, static_cast<int>(k));
       add_surface_input(contacts_[k].normal_y, dual_contacts_[k].normal_y, Kind::normal_y, static_cast<int>(k));
     }
-    if (reads_.contact_force) add_input(contacts_[k].force, dual_contacts_[k].force, c.force);
-    if (reads_.contact_arc_length) add_input(contacts_[k].arc_length, dual_contacts_[k].arc_length, c.arc_length);
+    if (reads_.contact_force) add_input(contacts_[k].force, dual_contacts_[k].force, c.force, units_.force);
+    if (reads_.contact_arc_length)
+      add_input(contacts_[k].arc_length, dual_contacts_[k].arc_length, c.arc_length, length);
   }
-  for (std::size_t a = 0; a < moments_.size(); ++a) add_input(moments_[a], dual_moments_[a], index.moments[a]);
-  if (reads_.bending_energy) add_input(f.bending_energy, d.bending_energy, index.energy);
-  if (reads_.palm_distance) add_input(quantities_.palm_distance, dual_quantities_.palm_distance, index.palm);
+  for (std::size_t a = 0; a < moments_.size(); ++a) add_input(moments_[a], dual_moments_[a], index.moments[a], moment);
+  if (reads_.bending_energy) add_input(f.bending_energy, d.bending_energy, index.energy, moment);
+  if (reads_.palm_distance) add_input(quantities_.palm_distance, dual_quantities_.palm_distance, index.palm, length);
   input_gradient_.resize(inputs_.size());
   input_hessian_.resize(inputs_.size() * inputs_.size());
 }
@@ -128,27 +133,30 @@ void TermEvaluator::bind(const BaseIndex& index, std::size_t first_sample) {
 void TermEvaluator::evaluate(const BaseValues& at, double& cost, double& rest, double* residuals) {
   for (Input& input : inputs_) {
     if (input.kind == Kind::plain) {
-      *input.value = at.base[input.base[0]];
+      *input.value = input.unit * at.base[input.base[0]];
       continue;
     }
     const SurfacePoint& s = at.surfaces[static_cast<std::size_t>(input.contact)];
-    *input.value = input.kind == Kind::gap ? s.distance : input.kind == Kind::normal_x ? s.normal.x : s.normal.y;
+    *input.value = input.kind == Kind::gap        ? input.unit * s.distance
+                   : input.kind == Kind::normal_x ? s.normal.x
+                                                  : s.normal.y;
   }
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     // A tip contact has no arc length among its variables, yet sits at 1.
     if (reads_.contact_arc_length && index_->contacts[k].arc_length < 0) {
-      contacts_[k].arc_length = 1.0;
-      dual_contacts_[k].arc_length = 1.0;
+      contacts_[k].arc_length = units_.length;
+      dual_contacts_[k].arc_length = units_.length;
     }
     if (!reads_.contact_point) continue;
-    contacts_[k].reference_x = at.references[k].x;
-    contacts_[k].reference_y = at.references[k].y;
-    dual_contacts_[k].reference_x = at.references[k].x;
-    dual_contacts_[k].reference_y = at.references[k].y;
+    const Vec2 reference = units_.length * at.references[k];
+    contacts_[k].reference_x = reference.x;
+    contacts_[k].reference_y = reference.y;
+    dual_contacts_[k].reference_x = reference.x;
+    dual_contacts_[k].reference_y = reference.y;
   }
   if (reads_.palm_distance && index_->palm < 0) {
-    quantities_.palm_distance = at.palm;
-    dual_quantities_.palm_distance = at.palm;
+    quantities_.palm_distance = units_.length * at.palm;
+    dual_quantities_.palm_distance = units_.length * at.palm;
   }
   Contribution<double> out{residual_values_};
   weighted_.term->evaluate(quantities_, out);
@@ -182,8 +190,8 @@ void TermEvaluator::refresh_factors(const BaseValues& at) {
     const SurfacePoint& s = at.surfaces[static_cast<std::size_t>(input.contact)];
     const Vec2 tau = turned(s.normal);
     if (input.kind == Kind::gap) {
-      input.factor[0] = s.normal.x;
-      input.factor[1] = s.normal.y;
+      input.factor[0] = input.unit * s.normal.x;
+      input.factor[1] = input.unit * s.normal.y;
     } else {
       const double row = s.curvature * (input.kind == Kind::normal_x ? tau.x : tau.y);
       input.factor[0] = row * tau.x;
@@ -270,16 +278,18 @@ void TermEvaluator::add_hessian(const BaseValues& at, double sigma, Eigen::Matri
     const Symmetric2 second = input.kind == Kind::gap
                                   ? distance_hessian(s)
                                   : normal_hessian(s, input.kind == Kind::normal_x ? Vec2{1.0, 0.0} : Vec2{0.0, 1.0});
-    hessian(input.base[0], input.base[0]) += input_gradient_[i] * second.xx;
-    hessian(input.base[0], input.base[1]) += input_gradient_[i] * second.xy;
-    hessian(input.base[1], input.base[0]) += input_gradient_[i] * second.xy;
-    hessian(input.base[1], input.base[1]) += input_gradient_[i] * second.yy;
+    const double slope = input.unit * input_gradient_[i];
+    hessian(input.base[0], input.base[0]) += slope * second.xx;
+    hessian(input.base[0], input.base[1]) += slope * second.xy;
+    hessian(input.base[1], input.base[0]) += slope * second.xy;
+    hessian(input.base[1], input.base[1]) += slope * second.yy;
   }
 }
 
-TermSet::TermSet(const std::vector<WeightedTerm>& terms, const Target& target, int contacts, int moments) {
+TermSet::TermSet(const std::vector<WeightedTerm>& terms, const Target& target, int contacts, int moments,
+                 const TermUnits& units) {
   for (const WeightedTerm& term : terms) {
-    terms_.emplace_back(term, target, contacts, moments);
+    terms_.emplace_back(term, target, contacts, moments, units);
     residual_count_ += terms_.back().residual_count();
   }
 }

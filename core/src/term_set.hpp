@@ -7,6 +7,7 @@
 #include "tendril/nonlinear_program.hpp"
 #include "tendril/objective_term.hpp"
 #include "tendril/obstacle.hpp"
+#include "tendril/pose_program.hpp"
 
 namespace tendril {
 
@@ -48,7 +49,7 @@ struct BaseValues {
 /// never be missing in silence.
 class TermEvaluator {
  public:
-  TermEvaluator(WeightedTerm term, const Target& target, int contacts, int moments);
+  TermEvaluator(WeightedTerm term, const Target& target, int contacts, int moments, const TermUnits& units);
   TermEvaluator(const TermEvaluator&) = delete;
   TermEvaluator(TermEvaluator&&) = default;
   TermEvaluator& operator=(const TermEvaluator&) = delete;
@@ -82,9 +83,10 @@ class TermEvaluator {
     Kind kind = Kind::plain;
     int contact = -1;
     int base[2] = {-1, -1};
+    double unit = 1.0;  ///< of the quantity, in units of the scene
     double factor[2] = {1.0, 0.0};
   };
-  void add_input(double& value, HyperDual& dual, int base);
+  void add_input(double& value, HyperDual& dual, int base, double unit);
   void add_surface_input(double& value, HyperDual& dual, Kind kind, int contact);
   /// Derivatives of the inputs with respect to base quantities at the current surfaces.
   void refresh_factors(const BaseValues& at);
@@ -92,6 +94,7 @@ class TermEvaluator {
 
   WeightedTerm weighted_;
   Reads reads_;
+  TermUnits units_;
   const BaseIndex* index_ = nullptr;
   std::vector<Input> inputs_;
   int residuals_ = 0;
@@ -116,7 +119,8 @@ class TermEvaluator {
 /// The whole objective as a function of base quantities.
 class TermSet {
  public:
-  TermSet(const std::vector<WeightedTerm>& terms, const Target& target, int contacts, int moments);
+  TermSet(const std::vector<WeightedTerm>& terms, const Target& target, int contacts, int moments,
+          const TermUnits& units);
 
   bool reads_tip() const;
   bool reads_energy() const;

@@ -53,22 +53,23 @@ void validate_trajectory(const Scene& scene) {
   }
 }
 
-void validate_rod(const RodSpec& rod) {
-  if (rod.segments.empty()) throw SceneError("rod", "the rod has no length");
+/// `at`: the table of the rod.
+void validate_rod(const RodSpec& rod, const std::string& at) {
+  if (rod.segments.empty()) throw SceneError(at, "the rod has no length");
   for (std::size_t i = 0; i < rod.segments.size(); ++i) {
-    const std::string path = rod.segments.size() == 1 ? "rod" : "rod.segment[" + std::to_string(i) + "]";
+    const std::string path = rod.segments.size() == 1 ? at : at + ".segment[" + std::to_string(i) + "]";
     const SegmentSpec& s = rod.segments[i];
     require_positive(s.length, path + ".length", "the length", "m");
     require_positive(s.bending_stiffness, path + ".bending_stiffness", "the bending stiffness", "N m^2");
     require_not_negative(s.linear_density, path + ".linear_density", "the linear density", "kg/m");
     require_finite(s.rest_curvature, path + ".rest_curvature");
   }
-  require_finite(rod.base_position.x, "rod.base.position");
-  require_finite(rod.base_position.y, "rod.base.position");
-  require_finite(rod.base_angle, "rod.base.angle");
+  require_finite(rod.base_position.x, at + ".base.position");
+  require_finite(rod.base_position.y, at + ".base.position");
+  require_finite(rod.base_angle, at + ".base.angle");
   const double length = rod.length();
   for (std::size_t i = 0; i < rod.actuators.size(); ++i) {
-    const std::string path = "rod.actuator[" + std::to_string(i) + "]";
+    const std::string path = at + ".actuator[" + std::to_string(i) + "]";
     const ActuatorSpec& a = rod.actuators[i];
     // A part in 1e9 of the length is the rounding of unit conversions, not a mistake.
     if (!(a.from >= 0.0 && a.from < length)) {
@@ -91,9 +92,23 @@ void validate_rod(const RodSpec& rod) {
   }
 }
 
+/// `at`: the table that has the limits.
+void require_force_limits(double least, double largest, const std::string& at) {
+  require_not_negative(least, at + ".min_force", "the least contact force", "N");
+  if (std::isnan(largest) || largest < 0.0) {
+    throw SceneError(at + ".max_force",
+                     "the largest contact force must not be negative, but is " + text(largest) + " N");
+  }
+  if (least > largest) {
+    throw SceneError(at + ".min_force", "the limits contradict each other: at least " + text(least) +
+                                            " N and at most " + text(largest) + " N");
+  }
+}
+
 void validate_gripper(const Scene& scene) {
   if (scene.problem != ProblemKind::grasp) {
     if (scene.gripper) throw SceneError("gripper", "[gripper] needs problem = \"grasp\"");
+    if (!scene.fingers.empty()) throw SceneError("finger", "[[finger]] needs problem = \"grasp\"");
     return;
   }
   if (!scene.gripper) throw SceneError("gripper", "problem \"grasp\" needs a [gripper]");
@@ -101,11 +116,36 @@ void validate_gripper(const Scene& scene) {
   require_positive(g.half_palm, "gripper.half_palm", "half the palm's width", "m");
   require_positive(g.object_diameter, "gripper.object_diameter", "the object's diameter", "m");
   constexpr double square = 1.57079632679489662;
-  if (!(std::abs(g.finger_angle) < square)) {
-    throw SceneError("gripper.finger_angle",
+  const auto require_away = [](double angle, const std::string& path) {
+    if (std::abs(angle) < square) return;
+    throw SceneError(path,
                      "the fingers have to point away from the palm: expected an angle between "
                      "-pi/2 and pi/2, found " +
-                         text(g.finger_angle) + " rad");
+                         text(angle) + " rad");
+  };
+  require_away(g.finger_angle, "gripper.finger_angle");
+  if (!scene.fingers.empty() && scene.fingers.size() != 2) {
+    throw SceneError("finger",
+                     "found " + std::to_string(scene.fingers.size()) +
+                         " [[finger]], expected two, the upper one and then the lower one; what a finger does "
+                         "not state is taken from [rod], [contact] and [gripper]");
+  }
+  if (!scene.fingers.empty() && g.fingers == Fingers::mirrored) {
+    throw SceneError(
+        "gripper.fingers",
+        "found \"mirrored\" beside [[finger]], expected \"both\": fingers that are described one by one are "
+        "planned one by one");
+  }
+  for (std::size_t i = 0; i < scene.fingers.size(); ++i) {
+    const FingerSpec& finger = scene.fingers[i];
+    const std::string path = "finger[" + std::to_string(i) + "]";
+    validate_rod(finger.rod, path);
+    require_away(finger.finger_angle, path + ".angle");
+    require_force_limits(finger.min_force, finger.max_force, path);
+    if (finger.max_force == 0.0) throw SceneError(path + ".max_force", "a grasp needs a max_force above 0");
+    if (finger.rod.base_position.x != 0.0 || finger.rod.base_position.y != 0.0 || finger.rod.base_angle != 0.0) {
+      throw SceneError(path, "the fingers stand on the palm, expected their place in [gripper]");
+    }
   }
   require_finite(g.position.x, "gripper.position");
   require_finite(g.position.y, "gripper.position");
@@ -142,7 +182,7 @@ void validate_gripper(const Scene& scene) {
 }  // namespace
 
 void validate(const Scene& scene) {
-  validate_rod(scene.rod);
+  validate_rod(scene.rod, "rod");
   if (scene.gravity) {
     require_finite(scene.gravity->x, "gravity");
     require_finite(scene.gravity->y, "gravity");
@@ -161,15 +201,7 @@ void validate(const Scene& scene) {
   validate_gripper(scene);
 
   const ContactSpec& c = scene.contact;
-  require_not_negative(c.min_force, "contact.min_force", "the least contact force", "N");
-  if (std::isnan(c.max_force) || c.max_force < 0.0) {
-    throw SceneError("contact.max_force",
-                     "the largest contact force must not be negative, but is " + text(c.max_force) + " N");
-  }
-  if (c.min_force > c.max_force) {
-    throw SceneError("contact.min_force", "the limits contradict each other: at least " + text(c.min_force) +
-                                              " N and at most " + text(c.max_force) + " N");
-  }
+  require_force_limits(c.min_force, c.max_force, "contact");
   if (c.count < 1) throw SceneError("contact.count", "expected at least 1 contact, found " + std::to_string(c.count));
   if (c.check_points < 0 || c.check_points > 10000) {
     throw SceneError("contact.check_points",

@@ -8,6 +8,8 @@
 
 #include "counting_malloc.hpp"
 #include "tendril/circle.hpp"
+#include "tendril/grasp_program.hpp"
+#include "tendril/wall.hpp"
 
 namespace tendril::test {
 
@@ -78,6 +80,49 @@ TEST_P(PoseProgramAllocation, IsNothingAfterConstruction) {
   for (int step = 0; step < 20; ++step) {
     x[0] += 1e-3;
     // In the order of a line search (values only), then all derivatives.
+    sum += program.cost(x) + program.constraints(x)[0];
+    x[1] += 1e-3;
+    sum += program.jacobian(x)(0, 1) + program.gradient(x)[0];
+    sum += program.residuals(x)[0] + program.residual_jacobian(x)(0, 0) + program.rest(x) + program.rest_gradient(x)[0];
+    sum += program.hessian(x, 0.7, multipliers)(0, 1);
+  }
+  EXPECT_EQ(allocations(), before) << sum;
+}
+
+// Two fingers as one program.
+TEST(GraspProgramAllocation, IsNothingAfterConstruction) {
+  Rod rod;
+  rod.segments = {{0.0, 1.0, 1.0, 1.7, 0.2}};
+  rod.actuators = {{0.0, 1.0, -3.0, 3.0}, {0.4, 1.0, -1.0, 1.0}};
+  rod.gravity = {0.0, -1.0};
+  rod.base = {0.0, 0.2};
+  const LegendreBasis basis(6);
+  const Circle object({}, 0.25);
+  const Wall palm({}, {1.0, 0.0});
+  const Mixed mixed;
+  GraspProgramSpec spec;
+  for (PoseProgramSpec& finger : spec.fingers) {
+    finger.rod = &rod;
+    finger.model = &basis;
+    finger.obstacles = {&object, &palm};
+    finger.carried = 1;
+    finger.terms = {{&mixed, 2.0, "mixed"}};
+    finger.contacts = {{0, false, 1}};
+    finger.checks = {{0, 0.5, 0}, {1, 0.5, 1}};
+    finger.nodes = 40;
+    finger.palm = PalmSetup{};
+  }
+  spec.fingers[1].term_units = {0.8, 1.4};
+  spec.palm_minimum = 0.3;
+  spec.palm_maximum = 0.9;
+  spec.separations = {{2, 1.0, 2, 1.0, {0.0, 1.0}}};
+  GraspProgram program(spec);
+  Eigen::VectorXd x = program.start_from(constant_curvature(-0.5), constant_curvature(-0.3));
+  const Eigen::VectorXd multipliers = Eigen::VectorXd::Constant(program.row_count(), 0.3);
+  double sum = 0.0;
+  const long before = allocations();
+  for (int step = 0; step < 20; ++step) {
+    x[0] += 1e-3;
     sum += program.cost(x) + program.constraints(x)[0];
     x[1] += 1e-3;
     sum += program.jacobian(x)(0, 1) + program.gradient(x)[0];

@@ -68,6 +68,32 @@ TEST(Study, OfADistalMomentSaysWhereThePlannedOneOpensTheFinger) {
   EXPECT_NE(opening.out.find(sentence), std::string::npos) << opening.out;
 }
 
+/// Where both fingers are planned a case is carried out with both.
+TEST(Study, OfTwoFingersPlannedApart) {
+  const TemporaryDirectory directory;
+  const std::string text = test::read_file(scene_path("grasp_unequal.toml")) +
+                           "\n[study]\ndiameters = [\"45 mm\", \"50 mm\"]\nforce_limits = [\"2 N\"]\n";
+  const test::CommandRun run = tendril({"study", directory.write("s.toml", text), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto json = nlohmann::json::parse(run.out);
+  ASSERT_EQ(json["cases"].size(), 2U);
+  for (const auto& one : json["cases"]) {
+    EXPECT_EQ(one["status"], "solved");
+    EXPECT_EQ(one["moments"].size(), 4U);
+    EXPECT_EQ(one["pressures"].size(), 4U);
+    EXPECT_NEAR(one["contact_force"].get<double>(), 2.0, 1e-6);
+    EXPECT_LT(std::abs(one["axial_force"].get<double>()), 1e-6);
+    // Six functions per piece.
+    EXPECT_LT(one["model_error"].get<double>(), 1e-6);
+    // The lower finger is no mirror image of the upper one.
+    EXPECT_GT(std::abs(one["lines"][0].back()[0].get<double>() - one["lines"][1].back()[0].get<double>()), 0.01);
+  }
+  const test::CommandRun swept =
+      tendril({"study", directory.write("m.toml", text + "moments = [\"1 N mm\"]\n"), "--json"});
+  EXPECT_EQ(swept.exit_code, 2);
+  EXPECT_NE(swept.err.find("both fingers of this scene are planned"), std::string::npos) << swept.err;
+}
+
 /// A study's case is what `plan` says about the same scene.
 TEST(Study, AgreesWithPlan) {
   const TemporaryDirectory directory;

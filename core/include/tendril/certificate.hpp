@@ -8,6 +8,12 @@
 
 namespace tendril {
 
+/// Fills `failures` from the numbers: one line for each requirement that is not met.
+TENDRIL_API void list_failures(Certificate& certificate);
+
+/// The worse of two judgements in every number, and the failures of both.
+TENDRIL_API Certificate worse_of(const Certificate& a, const Certificate& b);
+
 /// Judges points of one pose program without asking a solver (model.md section 7): on a rule with twice the nodes, with
 /// the true shape between check points, and with the stability of the equilibrium itself.
 class TENDRIL_API Certifier {
@@ -28,6 +34,9 @@ class TENDRIL_API Certifier {
   /// Then a valid certificate allocates nothing after the first of one number of pressing contacts.
   void certify(PoseProgram& program, ConstVectorRef x, Certificate& out, const Eigen::VectorXd* multipliers,
                const Eigen::VectorXd* bound_multipliers);
+  /// The part of the judgement that concerns the rod alone: everything but balance, stationarity and the list of
+  /// failures, which a larger program around this one has its own of. `x` must be finite.
+  void measure(PoseProgram& program, ConstVectorRef x, Certificate& out);
   /// The target of the program to be judged is another from now on.
   void set_target(const Target& target);
 

@@ -74,7 +74,9 @@ struct Target {
 
 /// Everything a term may read, dimensionless (model.md section 1). What Reads did not ask for is zero.
 /// A pose has one finger, and so has a grasp whose other finger is its mirror image. In a grasp points are measured
-/// from the object's centre, x along the axis of symmetry; the palm is at x = -palm_distance.
+/// from the object's centre, x along the axis of symmetry; the palm is at x = -palm_distance. Where both fingers are
+/// planned the term is asked for each in turn, for the lower one in its mirror image, and the sum is taken: a term that
+/// is no sum over the fingers is refused there. Units are those of the scene's rod, whatever the fingers are like.
 template <class T>
 struct Quantities {
   std::span<const FingerQuantities<T>> fingers{};  ///< one entry

@@ -82,19 +82,34 @@ struct GraspQuality {
   double axial_stiffness = 0.0;    ///< N/m
   double lateral_stiffness = 0.0;  ///< N/m
   /// N, for each actuator of the upper finger: change of the force on the object (along the axis, across it) if that
-  /// moment alone is 1 % larger.
+  /// moment alone is 1 % larger. Where both fingers are planned those of the lower one follow.
   std::vector<Vec2> force_by_moment;
-  std::vector<double> force_margins;  ///< N, distance of each contact force to its limit
+  std::vector<double> force_margins;  ///< N, distance of each contact force to its limit; of the lower finger as above
 };
 
-/// What only a grasp has. The plan's rod and contacts are those of the upper finger; the lower one is its mirror image.
+/// The lower finger of a grasp where it is planned on its own, in the world.
+struct FingerPlan {
+  std::vector<double> coordinates;  ///< dimensionless, of the finger's mirror image
+  /// N m, one per actuator. Like their limits those of the mirror image: a closing moment is negative for both fingers.
+  std::vector<double> moments;
+  std::vector<PlannedContact> contacts;  ///< all planned ones
+  std::vector<BackbonePoint> backbone;   ///< from the base on
+  double tip_x = 0.0;                    ///< m
+  double tip_y = 0.0;                    ///< m
+  double tip_angle = 0.0;                ///< rad
+  /// As Plan::self_overlap.
+  std::optional<std::pair<double, double>> self_overlap;
+};
+
+/// What only a grasp has. The plan's rod and contacts are those of the upper finger.
 struct GraspPlan {
+  std::optional<FingerPlan> lower;      ///< none: the lower finger is the mirror image of the upper one
   double palm_distance = 0.0;           ///< m
   Vec2 object_center{};                 ///< m
   double object_radius = 0.0;           ///< m
   Vec2 net_force{};                     ///< N, of both fingers on the object
   double axial_force = 0.0;             ///< N, the same along the axis; positive: away from the palm
-  double lateral_force = 0.0;           ///< N, with which each finger presses across the axis
+  double lateral_force = 0.0;           ///< N, with which each finger presses across the axis; the mean of both
   std::optional<GraspQuality> quality;  ///< of plans; an execution has none
 };
 

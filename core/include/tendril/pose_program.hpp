@@ -46,6 +46,13 @@ struct PoseProgramTerm {
   std::string name;                     ///< for reports
 };
 
+/// The units of a rod's own program in those of the scene, in which terms see everything. They differ where two fingers
+/// of a grasp have rods of their own.
+struct TermUnits {
+  double length = 1.0;  ///< L of the rod / L of the scene
+  double force = 1.0;   ///< EI/L^2 of the rod / the same of the scene
+};
+
 /// The palm that a finger stands on (model.md section 6, "grasp"). The program's frame is fixed to the object, whose
 /// centre is the origin: the rod's base stands at `Rod::base` minus the palm distance times `axis`, so that every point
 /// of the rod has the same constant derivative with respect to the distance.
@@ -71,6 +78,10 @@ struct PoseProgramSpec {
   double max_force = infinity;             ///< of every contact, units of EI0/L^2
   std::optional<PalmSetup> palm{};         ///< of a grasp
   int carried = 0;  ///< the last so many obstacles stand on the palm: they move with the rod's base
+  /// The last so many obstacles bound no body: they measure how far check points lie along a direction, for rows of a
+  /// program that this one is a part of. No clearance is kept from them.
+  int measures = 0;
+  TermUnits term_units{};                ///< in which terms see this rod
   std::shared_ptr<TableStore> tables{};  ///< shared by programs of one rod and model; null: each makes its own
   /// A row keeps the margin of stability (model.md section 7) at this or above; absent: there is no such row. Its
   /// second derivatives are learned from its gradients as the program is evaluated; everything else stays exact.

@@ -127,16 +127,33 @@ struct MeasurementSpec {
   std::vector<double> moments;        ///< N m, one per actuator; empty: not given
 };
 
-/// Two mirrored fingers on a palm and the round object between them (model.md section 6, "grasp").
+/// Which fingers of a grasp are planned.
+enum class Fingers {
+  as_needed,  ///< both if one mirrored finger cannot stand for the two: they differ, or gravity acts across the axis
+  mirrored,   ///< one; the other is its mirror image
+  both        ///< each on its own
+};
+
+/// A finger that is not like the other one. Everything is said as of an upper finger: of the lower one it is the mirror
+/// image that is described.
+struct FingerSpec {
+  RodSpec rod;                  ///< instead of the scene's, without its place
+  double finger_angle = 0.0;    ///< rad, of its base against the axis, as GripperSpec::finger_angle
+  double min_force = 0.0;       ///< N, of its contact
+  double max_force = infinity;  ///< N, of its contact
+};
+
+/// Two fingers on a palm and the round object between them (model.md section 6, "grasp").
 struct GripperSpec {
   double half_palm = 0.0;               ///< m, from the axis of symmetry to the base of either finger
-  double finger_angle = 0.0;            ///< rad, of the upper finger's base against the axis
+  double finger_angle = 0.0;            ///< rad, of the upper finger's base against the axis; the lower is mirrored
   double object_diameter = 0.0;         ///< m
   std::optional<double> palm_distance;  ///< m, from the palm to the object's centre, if it is fixed
   std::optional<std::pair<double, double>> palm_distance_range;  ///< m; neither: free
   Vec2 position{};                                               ///< m, the palm's middle
   double angle = 0.0;                                            ///< rad, direction of the axis, away from the palm
-  bool exact_balance = true;  ///< no force along the axis, as a constraint; else an objective sees to it
+  bool exact_balance = true;             ///< no net force on the object, as a constraint; else an objective sees to it
+  Fingers fingers = Fingers::as_needed;  ///< which of them are planned
 };
 
 /// Everything that a scene file says.
@@ -155,6 +172,7 @@ struct Scene {
   MeasurementSpec measurement;              ///< for an estimate
   TrajectorySpec trajectory;                ///< for a trajectory
   std::optional<GripperSpec> gripper;       ///< for a grasp
+  std::vector<FingerSpec> fingers;          ///< of a grasp: none (both are like `rod`), or the upper and the lower one
   std::vector<ObjectiveSpec> objectives;    ///< their sum is minimized
   SolverSpec solver;                        ///< who solves the programs
   QuantityReader read_quantity;             ///< for numbers with units inside raw options; may be empty

@@ -14,4 +14,8 @@ namespace tendril {
 /// them; between two of them the rod is taken as straight.
 TENDRIL_API std::optional<std::pair<double, double>> self_overlap(std::span<const BackbonePoint> backbone);
 
+/// Where two rods cross or touch: an arc length of each (m), the first one along `a`; none if they are apart.
+TENDRIL_API std::optional<std::pair<double, double>> meeting_of(std::span<const BackbonePoint> a,
+                                                                std::span<const BackbonePoint> b);
+
 }  // namespace tendril

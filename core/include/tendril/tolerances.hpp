@@ -4,9 +4,9 @@
 /// in EI/L.
 namespace tendril::tolerance {
 
-inline constexpr double equilibrium = 1e-9;      ///< residual of the equilibrium rows
-inline constexpr double balance = 1e-9;          ///< force along the axis of a grasp
-inline constexpr double bounds = 1e-9;           ///< moments, forces, arc lengths beyond their limits
+inline constexpr double equilibrium = 1e-9;  ///< residual of the equilibrium rows
+inline constexpr double balance = 1e-9;  ///< net force on the object of a grasp (of mirrored fingers: of one of them)
+inline constexpr double bounds = 1e-9;   ///< moments, forces, arc lengths beyond their limits
 inline constexpr double penetration = 1e-9;      ///< certified depth
 inline constexpr double complementarity = 1e-9;  ///< min(gap, force)
 inline constexpr double closest_point = 1e-8;    ///< tangent . normal

@@ -40,7 +40,6 @@ struct KeySpec {
   bool required = false;
   std::vector<KeySpec> keys{};  ///< of a table
   bool takes_options = false;   ///< a table whose other keys are options of a component
-  std::string unavailable{};    ///< not empty: refused, with this reason
 };
 
 /// All keys of a scene, as one tree.

@@ -45,8 +45,9 @@ class Session {
   /// two seconds after the time limit ends the process with exit code 1. Options of the scene that were dropped are
   /// added to the plan's left_out.
   Plan plan(const std::optional<std::filesystem::path>& start);
-  /// What the rod does under `moments` (N m, one per actuator), from an earlier result or from the scene's start.
-  /// `palm_distance`: m, where a grasp holds its object; null: where the scene fixes it.
+  /// What the rod does under `moments` (N m, one per actuator; of the upper finger, then of the lower one, where both
+  /// are planned), from an earlier result or from the scene's start. `palm_distance`: m, where a grasp holds its
+  /// object; null: where the scene fixes it.
   Execution execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start,
                     std::optional<double> palm_distance = std::nullopt);
   /// Executes the plan and judges it by what comes of it (core's verify()). A grasp is settled from its own shape,

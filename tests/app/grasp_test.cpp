@@ -1,0 +1,148 @@
+// Grasps whose fingers are both planned, through the real command: what it writes, carries out and refuses.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "command.hpp"
+
+namespace tendril::app {
+namespace {
+
+using nlohmann::json;
+using test::CommandRun;
+using test::read_file;
+using test::scene_path;
+using test::TemporaryDirectory;
+using test::tendril;
+
+/// scenes/grasp_unequal.toml with one piece of text replaced; fails the test if it does not occur.
+std::string unequal_with(const std::string& from, const std::string& to) {
+  std::string text = read_file(scene_path("grasp_unequal.toml"));
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+TEST(GraspOfTwoFingers, IsWrittenDownFingerByFingerAndCarriedOut) {
+  const TemporaryDirectory directory;
+  const CommandRun planned =
+      tendril({"plan", scene_path("grasp_unequal.toml"), "--verify", "--output", directory / "out"});
+  ASSERT_EQ(planned.exit_code, 0) << planned.err << planned.out;
+  EXPECT_NE(planned.out.find("upper finger: settled from the plan's own shape"), std::string::npos) << planned.out;
+  EXPECT_NE(planned.out.find("lower finger: settled from the plan's own shape"), std::string::npos) << planned.out;
+  const json result = json::parse(read_file(directory / "out/result.json"));
+  ASSERT_EQ(result["fingers"].size(), 2U);
+  ASSERT_EQ(result["moments"].size(), 4U);
+  ASSERT_EQ(result["contacts"].size(), 2U);
+  const char* names[] = {"upper", "lower"};
+  const double lengths[] = {0.12, 0.09};
+  for (std::size_t which = 0; which < 2; ++which) {
+    const json& finger = result["fingers"][which];
+    EXPECT_EQ(finger["finger"], names[which]);
+    EXPECT_EQ(result["contacts"][which]["finger"], names[which]);
+    EXPECT_EQ(finger["contacts"][0], result["contacts"][which]);
+    for (std::size_t a = 0; a < 2; ++a) EXPECT_EQ(finger["moments"][a], result["moments"][2 * which + a]);
+    EXPECT_NEAR(finger["backbone"].back()[0].get<double>(), lengths[which], 1e-12);
+    EXPECT_NEAR(finger["backbone"].back()[1].get<double>(), finger["tip"]["x"].get<double>(), 1e-12);
+  }
+  // In the world the lower finger is below.
+  EXPECT_LT(result["fingers"][1]["backbone"][0][2].get<double>(), 0.0);
+  EXPECT_LT(result["contacts"][1]["normal"][1].get<double>(), 0.0);
+  for (const char* file : {"out/figure.png", "out/figure.svg"}) EXPECT_GT(read_file(directory / file).size(), 1000U);
+
+  // Its own moments from its own shape: the state that was planned.
+  const CommandRun done = tendril({"execute", scene_path("grasp_unequal.toml"), "--plan", directory / "out/result.json",
+                                   "--start", directory / "out/result.json", "--json"});
+  ASSERT_EQ(done.exit_code, 0) << done.err << done.out;
+  const json reached = json::parse(done.out);
+  for (std::size_t which = 0; which < 2; ++which) {
+    for (const char* c : {"x", "y", "angle"}) {
+      // Six functions per piece.
+      EXPECT_NEAR(reached["fingers"][which]["tip"][c].get<double>(), result["fingers"][which]["tip"][c].get<double>(),
+                  1e-6);
+    }
+    EXPECT_NEAR(reached["contacts"][which]["force"].get<double>(), 3.0, 1e-6);
+  }
+  EXPECT_LT(std::abs(reached["net_force"][0].get<double>()), 1e-6);
+  // A plan from an earlier one is the same.
+  const CommandRun again =
+      tendril({"plan", scene_path("grasp_unequal.toml"), "--start", directory / "out/result.json", "--json"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NEAR(json::parse(again.out)["objective"].get<double>(), result["objective"].get<double>(), 1e-9);
+}
+
+TEST(GraspOfTwoFingers, IsDescribedAsOneProgram) {
+  const CommandRun run = tendril({"describe", scene_path("grasp_unequal.toml"), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json described = json::parse(run.out);
+  EXPECT_EQ(described["modes"].size(), 9U);
+  for (const json& variable : described["variables"]) {
+    if (variable["name"] == "moments") {
+      EXPECT_EQ(variable["count"], 4);
+    } else if (variable["name"] == "contact_force") {
+      EXPECT_EQ(variable["count"], 1);
+    }
+  }
+}
+
+struct Refusal {
+  const char* old_text;
+  const char* new_text;
+  const char* message;
+};
+
+void PrintTo(const Refusal& refusal, std::ostream* out) { *out << refusal.new_text; }
+
+class RefusedGrasp : public testing::TestWithParam<Refusal> {};
+
+TEST_P(RefusedGrasp, NamesThePlace) {
+  const TemporaryDirectory directory;
+  const CommandRun run =
+      tendril({"plan", directory.write("s.toml", unequal_with(GetParam().old_text, GetParam().new_text)), "--json"});
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_EQ(run.out, "");
+  EXPECT_NE(run.err.find(GetParam().message), std::string::npos) << run.err;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, RefusedGrasp,
+    testing::Values(
+        Refusal{"object_diameter", "fingers = \"mirrored\"\nobject_diameter",
+                "s.toml:8:11: found \"mirrored\" beside [[finger]], expected \"both\""},
+        Refusal{"object_diameter", "fingers = \"bth\"\nobject_diameter", "s.toml:8:11: found \"bth\", expected one of"},
+        Refusal{"[[finger]]\nlength = \"90 mm\"\nbending_stiffness = \"0.015 N m^2\"\nrest_curvature = \"-2 1/m\"\n"
+                "max_force = \"3 N\"",
+                "", "found 1 [[finger]], expected two"},
+        Refusal{"length = \"90 mm\"", "length = \"60 mm\"",
+                "s.toml:33:1: found an actuator from 0.07 m to 0.06 m, expected from < to"},
+        Refusal{"length = \"90 mm\"", "length = \"90 N\"", "s.toml:34:10: found \"90 N\", whose unit"},
+        Refusal{"max_force = \"3 N\"", "max_force = 0", "s.toml:37:13: a grasp needs a max_force above 0"},
+        Refusal{"max_force = \"3 N\"", "max_force = \"1 N\"\nmin_force = \"2 N\"", "s.toml:38:13: found min_force 2 N"},
+        Refusal{"problem = \"grasp\"", "problem = \"pose\"", "[gripper] needs problem = \"grasp\""},
+        Refusal{"order = 6", "order = 6\nsplit_at_contact = false",
+                "s.toml:42:20: found false, but where both fingers are planned"}));
+
+TEST(GraspOfMirroredFingers, RefusesGravityAcrossWithItsPlace) {
+  const TemporaryDirectory directory;
+  std::string text = read_file(scene_path("grasp_60mm.toml"));
+  text.insert(0, "gravity = [0, -9.81]\n");
+  text.replace(text.find("[gripper]"), 9, "[gripper]\nfingers = \"mirrored\"");
+  text.replace(text.find("bending_stiffness"), 17, "linear_density = \"80 g/m\"\nbending_stiffness");
+  const CommandRun run = tendril({"plan", directory.write("s.toml", text), "--json"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("s.toml:1:"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("gravity has a component across the axis"), std::string::npos) << run.err;
+}
+
+TEST(GraspOfTwoFingers, IsExecutedWithAMomentForEachActuatorOfBoth) {
+  const CommandRun run = tendril(
+      {"execute", scene_path("grasp_unequal.toml"), "--moments", "0, 0", "--set", "gripper.palm_distance=\"55 mm\""});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("found 2 moments, expected one for each of the scene's 4 actuators"), std::string::npos)
+      << run.err;
+}
+
+}  // namespace
+}  // namespace tendril::app
