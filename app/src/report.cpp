@@ -54,13 +54,32 @@ std::string moments_text(const Scene& scene, const Plan& plan, const DisplayUnit
   return '\n' + grid.text("");
 }
 
+/// Contacts in a row that stand for the stretch along which the rod lies on one obstacle are one line: from where to
+/// where, the sum of their forces, the largest gap.
 std::string contacts_text(const Plan& plan, const DisplayUnits& units) {
   if (plan.contacts.empty()) return "";
   Grid grid;
   grid.row({"contact", "arc length", "force", "gap", "point"});
-  for (const PlannedContact& contact : plan.contacts) {
-    grid.row({printable(contact.obstacle_name) + (contact.at_tip ? " (tip)" : ""), units.lengths(contact.arc_length),
-              force(contact.force), units.lengths(contact.gap), units.point(contact.point)});
+  const std::vector<PlannedContact>& all = plan.contacts;
+  for (std::size_t first = 0, next = 0; first < all.size(); first = next) {
+    const PlannedContact& contact = all[first];
+    double sum = contact.force;
+    double gap = contact.gap;
+    for (next = first + 1; contact.extended && next < all.size(); ++next) {
+      if (!all[next].extended || all[next].obstacle != contact.obstacle) break;
+      sum += all[next].force;
+      if (std::abs(all[next].gap) > std::abs(gap)) gap = all[next].gap;
+    }
+    const PlannedContact& last = all[next - 1];
+    const std::string name = printable(contact.obstacle_name) + (last.at_tip ? " (tip)" : "");
+    if (next - first == 1) {
+      grid.row({name + (contact.extended ? " (extended)" : ""), units.lengths(contact.arc_length), force(contact.force),
+                units.lengths(contact.gap), units.point(contact.point)});
+      continue;
+    }
+    grid.row({name + fmt::format(" (extended, {} points)", next - first),
+              units.lengths(contact.arc_length) + " to " + units.lengths(last.arc_length), force(sum),
+              units.lengths(gap), units.point(contact.point) + " to " + units.point(last.point)});
   }
   return '\n' + grid.text("");
 }
@@ -151,6 +170,10 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
                                      to_string(plan.solver.status),
                                      plan.solver.native_status.empty() ? "-" : printable(plan.solver.native_status),
                                      plan.solver.iterations, plan.solver.evaluations.values));
+  // A plan can be certified although the solver broke down; that has to be seen.
+  if (plan.solver.status == SolveStatus::failed && plan.solver.message != plan.message) {
+    text += line("", printable(plan.solver.message));
+  }
   if (has_shape)
     text += moments_text(scene, plan, units) + contacts_text(plan, units) + grasp_text(scene, plan) +
             certificate_text(plan.certificate);

@@ -12,15 +12,15 @@ namespace {
 
 using test::brace_with;
 using test::CommandRun;
+using test::expect_refused;
+using test::plan_text;
 using test::scene_path;
 using test::TemporaryDirectory;
 using test::tendril;
 
 CommandRun plan(const std::string& scene, std::vector<std::string> more = {}) {
-  const TemporaryDirectory directory;
-  const std::string file = directory.write("s.toml", scene);
-  more.insert(more.begin(), {"plan", file, "--json", "--plugin-dir", HOSTILE_PLUGINS});
-  return tendril(more);
+  more.insert(more.begin(), {"--plugin-dir", HOSTILE_PLUGINS});
+  return plan_text(scene, more);
 }
 
 /// Told on standard error with exit code 2, or in the message of a plan that is not solved.
@@ -96,8 +96,7 @@ TEST(HostileDirectory, ThatAnybodyCanChangeIsRefused) {
   ASSERT_EQ(::chmod(directory.path().c_str(), 0777), 0);
   const CommandRun run =
       tendril({"plan", scene_path("brace.toml"), "--plugin-dir", directory.path().string(), "--solver", "nan_solver"});
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.err.find("refused, because others could have changed it"), std::string::npos) << run.err;
+  expect_refused(run, "refused, because others could have changed it");
 }
 
 }  // namespace
