@@ -25,6 +25,8 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr double time_limit = 5.0;
 /// Hundreds of coordinates take longer.
 constexpr double long_time_limit = 60.0;
+/// So do the finer models, where many starts lead nowhere.
+constexpr double finer_time_limit = 20.0;
 /// (L, and relative for forces above 1) A model whose error stays below this resolves its shape; what the fine basis
 /// promises of executions. Ten times what a penetration of tolerance::penetration moves.
 constexpr double resolved = 1e-8;
@@ -181,10 +183,12 @@ class Rows {
     scene->coordinates.split_at_contact = c.split;
     // Every model with every backend; refined models with the scene's own.
     for (const ExtremeModel& model : extent_.quick ? defaults_ : refined_) {
+      const std::size_t first = rows_.size();
       for (const std::string& backend : backends_) {
         if (!model.option.empty() && backend != scene->solver.plugin) continue;
         if (extent_.stopped()) return;
         Scene own = with_model(*scene, model);
+        if (!model.option.empty()) own.solver.time_limit = finer_time_limit;
         if (own.solver.plugin != backend) own.solver.options.clear();
         own.solver.plugin = backend;
         row.model = model.name;
@@ -192,6 +196,7 @@ class Rows {
         judge(c, own, c.targets.empty() ? planned(registry_, own) : led(registry_, own, c.targets), row, &model);
         rows_.push_back(row);
       }
+      explain_verdicts(c, with_model(*scene, model), model, first);
     }
   }
 
@@ -221,6 +226,31 @@ class Rows {
   std::vector<ExtremeRow> take() { return std::move(rows_); }
 
  private:
+  /// Where no backend comes to the verdict with this model, but the same model refined does, the verdict is the
+  /// model's limit. Where one backend does, the others have missed it.
+  void explain_verdicts(const ExtremeCase& c, const Scene& scene, const ExtremeModel& model, std::size_t first) {
+    const auto misses = [&](const ExtremeRow& row) {
+      return row.outcome == Outcome::not_met && row.got.rfind(c.verdict, 0) != 0;
+    };
+    const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(first);
+    if (begin == rows_.end() || c.verdict == "refused" || !std::all_of(begin, rows_.end(), misses)) return;
+    for (std::size_t level = 0; level < std::size(refinements); ++level) {
+      const std::optional<Scene> finer = refined(scene, model, static_cast<int>(level));
+      if (!finer || extent_.stopped()) continue;
+      ExtremeRow row;
+      judge(c, *finer, planned(registry_, *finer), row, nullptr);
+      if (row.got.rfind(c.verdict, 0) != 0) continue;
+      const double error = std::isnan(row.error) ? 0.0 : row.error;
+      if (error > tolerance::model_error) continue;
+      for (auto missed = begin; missed != rows_.end(); ++missed) {
+        missed->outcome = Outcome::explained;
+        missed->why = fmt::format("limit of the model, with {} coordinates: {}; as it is: {}",
+                                  coordinate_count(registry_, *finer), row.got, missed->why);
+      }
+      return;
+    }
+  }
+
   /// What is wrong with a row, collected.
   struct Findings {
     std::vector<std::string> wrong;
@@ -422,7 +452,22 @@ class Rows {
       decay.as_expected = left <= resolved || left <= error * std::pow(parts, -least_order);
       if (left <= resolved) break;
     }
-    if (done == 0) decay.text += ", and no finer one was solved";
+    // The finest of all, and a contact inside a piece, whose error depends on where in the piece it happens to lie:
+    // what half as many left.
+    if (!decay.as_expected && model.value > 1) {
+      ExtremeModel half = model;
+      half.value = model.value / 2;
+      const Scene coarser = with_model(scene, half);
+      const Result out = planned(registry_, coarser);
+      const ExactState exact = out.verdict == "solved" ? exact_of(coarser, out.plan) : ExactState{};
+      if (exact.found) {
+        const double left = distance(coarser, out.plan, exact);
+        const double parts =
+            static_cast<double>(plan.coordinates.size()) / static_cast<double>(out.plan.coordinates.size());
+        decay.text += fmt::format(", {:.1e} with {}", left, out.plan.coordinates.size());
+        decay.as_expected = error <= left * std::pow(parts, -least_order);
+      }
+    }
     return decays_.emplace(key, std::move(decay)).first->second;
   }
 

@@ -170,10 +170,6 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
                                      to_string(plan.solver.status),
                                      plan.solver.native_status.empty() ? "-" : printable(plan.solver.native_status),
                                      plan.solver.iterations, plan.solver.evaluations.values));
-  // A plan can be certified although the solver broke down; that has to be seen.
-  if (plan.solver.status == SolveStatus::failed && plan.solver.message != plan.message) {
-    text += line("", printable(plan.solver.message));
-  }
   if (has_shape)
     text += moments_text(scene, plan, units) + contacts_text(plan, units) + grasp_text(scene, plan) +
             certificate_text(plan.certificate);

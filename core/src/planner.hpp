@@ -37,6 +37,8 @@ struct Candidate {
 };
 
 struct Tally {
+  int solves = 0;
+  int useless_solves = 0;           ///< that the solver refused, or broke down in
   EvaluationCounts evaluations;     ///< that solvers asked for
   EvaluationCounts outside_solver;  ///< that polish and restoration asked for
   int iterations = 0;
@@ -55,6 +57,7 @@ class Planner {
     int mode = 0;
     ModeRecord record;
     Candidate best;
+    Candidate spread;  ///< a point that fails because its contact spreads, with only the first check points
     int starts_used = 0;
     int stationary_violations = 0;  ///< starts that ended where no direction reduces the violation
     std::string trouble;            ///< how the last attempt failed
@@ -145,6 +148,10 @@ class Planner {
   double best_objective() const {
     return winner_ < 0 ? infinity : states_[static_cast<std::size_t>(winner_)].best.objective;
   }
+  /// Whether the rod lies along an obstacle where a contact presses at x: no point contact is there.
+  static bool lies_along(Candidate& c, const Eigen::VectorXd& x, int contact);
+  /// Keeps a sharp point with such a contact, which the exchange of check points takes away.
+  void keep_spread(ModeState& state, Candidate& c, const Eigen::VectorXd& x);
   Plan report(std::vector<ModeState>& states, int winner);
   std::string nearest_failure(const std::vector<ModeState>& states) const;
   static std::string limits_at(const PoseProgram& program, ConstVectorRef x);

@@ -64,6 +64,10 @@ OptimalityReport Planner::solve(ModeState& state, NonlinearProgram& program, con
   state.record.evaluations += report.evaluations.values;
   state.record.seconds_evaluating += report.seconds_evaluating;
   state.last = report;
+  const bool useless = report.status == SolveStatus::failed || report.status == SolveStatus::unsupported ||
+                       report.status == SolveStatus::not_finite;
+  ++tally_.solves;
+  if (useless) ++tally_.useless_solves;
   if (report.status == SolveStatus::converged) slowest_converged_ = std::max(slowest_converged_, report.iterations);
   tally_.iterations += report.iterations;
   tally_.seconds += report.seconds;
@@ -284,6 +288,10 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
     sharp = recover(state, *c.program, x);
     if (!sharp && infeasibility(*c.program, x) > restored) return true;
   }
+  if (sharp && !following_ && !state.spread.has_point) {
+    keep_spread(state, c, x);
+    if (!c.program) build();
+  }
   for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
     if (!x.allFinite() || !exchange_checks(*c.program, x, *c.certifier, checks, violation_level)) break;
     every_check.insert(every_check.end(), checks.begin(), checks.end());
@@ -316,6 +324,25 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
                       (c.certified() == state.best.certified() && c.objective < state.best.objective - beats);
   if (better) state.best = std::move(c);
   return true;
+}
+
+bool Planner::lies_along(Candidate& c, const Eigen::VectorXd& x, int contact) {
+  return x[c.program->force_variable(contact)] > tolerance::force &&
+         !(c.certifier->contact_convexity(x, contact) > tolerance::convexity);
+}
+
+void Planner::keep_spread(ModeState& state, Candidate& c, const Eigen::VectorXd& x) {
+  bool any = false;
+  for (int k = 0; k < c.program->layout().forces; ++k) any = any || lies_along(c, x, k);
+  if (!any) return;
+  c.objective = c.program->cost(x);
+  if (!std::isfinite(c.objective)) return;
+  c.certificate = c.certifier->certify(*c.program, x);
+  c.x = x;
+  c.solver = state.last;
+  c.has_point = true;
+  state.spread = std::move(c);
+  c = {};
 }
 
 void Planner::note_unfit_term(PoseProgram& program, const Eigen::VectorXd& x) {

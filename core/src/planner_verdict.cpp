@@ -54,6 +54,8 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
         state.record.outcome += ": " + state.best.certificate.failures.front();
         if (!state.trouble.empty()) state.record.outcome += "; " + state.trouble;
       }
+    } else if (state.spread.has_point) {
+      state.record.outcome += "not certified: " + state.spread.certificate.failures.back();
     } else if (state.starts_used > 0) {
       state.record.outcome +=
           "not solved: " + (state.trouble.empty() ? std::string(to_string(state.last.status)) : state.trouble);
@@ -79,7 +81,18 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
     }
   }
 
-  plan.solver = (shown >= 0 ? states[static_cast<std::size_t>(shown)].best.solver : states.back().last);
+  Candidate* chosen = shown >= 0 ? &states[static_cast<std::size_t>(shown)].best : nullptr;
+  const bool stopped = control_.stop != nullptr && control_.stop->load();
+  const bool late = now() > deadline_;
+  // That the rod lies along an obstacle tells more than where the search for points ended instead.
+  bool spreads = false;
+  for (ModeState& state : states) {
+    if (winner >= 0 || stopped || late || !state.spread.has_point) continue;
+    if (!spreads || state.spread.objective < chosen->objective) chosen = &state.spread;
+    spreads = true;
+  }
+
+  plan.solver = chosen != nullptr ? chosen->solver : states.back().last;
   plan.solver.iterations = tally_.iterations;
   plan.solver.evaluations = tally_.evaluations;
   plan.evaluations = tally_.evaluations;
@@ -88,16 +101,26 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.solver.seconds_evaluating = tally_.seconds_evaluating;
 
   // The verdict.
-  const bool stopped = control_.stop != nullptr && control_.stop->load();
-  if (winner >= 0) {
+  // A solver that did nothing is no part of any plan, whatever restoration and Newton's method make of the start alone.
+  const bool no_solver = tally_.solves > 0 && tally_.useless_solves == tally_.solves;
+  if (no_solver && (winner >= 0 || (!stopped && !late))) {
+    plan.status = PlanStatus::failed;
+    plan.message = !unfit_.empty() ? unfit_
+                                   : "solver '" + plan.solver_name + "' ended every solve as " +
+                                         std::string(to_string(plan.solver.status)) +
+                                         (plan.solver.message.empty() ? "" : ": " + plan.solver.message);
+  } else if (winner >= 0) {
     plan.status = PlanStatus::solved;
   } else if (stopped) {
     plan.status = PlanStatus::interrupted;
     plan.message = "interrupted before a plan was certified";
-  } else if (now() > deadline_) {
+  } else if (late) {
     plan.status = PlanStatus::time_limit;
     plan.message = "the time limit of " + std::to_string(d_.scene.solver.time_limit) +
                    " s was reached before a plan was certified";
+  } else if (spreads) {
+    plan.status = PlanStatus::not_converged;
+    plan.message = chosen->certificate.failures.back();
   } else {
     const bool by_bound = std::all_of(states.begin(), states.end(), [&](const ModeState& state) {
       return !modes_[static_cast<std::size_t>(state.mode)].skip.empty();
@@ -111,8 +134,8 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
                                " starts per mode every search ended where no change of the plan reduces the violation "
                                "of its constraints" +
                                nearest_failure(states);
-    } else if (shown >= 0) {
-      const Certificate& c = states[static_cast<std::size_t>(shown)].best.certificate;
+    } else if (chosen != nullptr) {
+      const Certificate& c = chosen->certificate;
       const bool only_unstable =
           c.failures.size() == 1 && c.contact_convexity > tolerance::convexity && !(c.stability > tolerance::stability);
       plan.status = only_unstable ? PlanStatus::unstable : PlanStatus::not_converged;
@@ -137,14 +160,13 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
       }
     }
   }
-  if (shown < 0) return plan;
+  if (chosen == nullptr) return plan;
 
-  ModeState& chosen = states[static_cast<std::size_t>(shown)];
-  PoseProgram& program = *chosen.best.program;
-  const Eigen::VectorXd& x = chosen.best.x;
+  PoseProgram& program = *chosen->program;
+  const Eigen::VectorXd& x = chosen->x;
   program.cost(x);
-  plan.certificate = chosen.best.certificate;
-  plan.objective = chosen.best.objective * d_.objective_scale;
+  plan.certificate = chosen->certificate;
+  plan.objective = chosen->objective * d_.objective_scale;
   for (std::size_t i = 0; i < d_.terms.size(); ++i) {
     plan.terms.emplace_back(d_.terms[i].name, program.term_value(static_cast<int>(i)) * d_.objective_scale);
   }
@@ -160,7 +182,10 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.tip_angle = program.backbone().tip_angle();
   if (d_.target.has_position) plan.target_error = norm(tip - d_.target.position) * length;
   plan.contacts = planned_contacts(program, d_.obstacle_names, d_.scale);
-  plan.backbone = sampled_backbone(chosen.best.certifier->finer(x), length);
+  for (int k = 0; k < program.layout().forces; ++k) {
+    plan.contacts[static_cast<std::size_t>(k)].extended = lies_along(*chosen, x, k);
+  }
+  plan.backbone = sampled_backbone(chosen->certifier->finer(x), length);
   plan.self_overlap = self_overlap(plan.backbone);
   if (d_.palm) finish_grasp(d_, program, x, plan);
   plan.seconds_certify = tally_.seconds_certifying;
