@@ -470,8 +470,8 @@ void add_contacts(List& list) {
                      {-turned_by}, "boundary-value problem");
   levered_run.contacts = 1;
   ExtremeCase& levered_plan = list.plan(group, "force of 1e4 at an inner contact",
-                                        levered + actuator(-turned_by, -turned_by, 0.0, 0.04) + contact("allow") +
-                                            target(-0.5, 0.0) + weighted(1.0, 1e-9),
+                                        levered + actuator(-turned_by, -turned_by, 0.0, 0.04) + contact("require") +
+                                            "min_force = 1\n" + target(-0.94, -0.045) + weighted(1.0, 1e-9),
                                         "boundary-value problem");
   levered_plan.contacts = 1;
   levered_plan.quick = true;

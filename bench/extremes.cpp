@@ -12,6 +12,7 @@
 #include "scenes.hpp"
 #include "tendril/execute.hpp"
 #include "tendril/plugins/components.hpp"
+#include "tendril/rod.hpp"
 #include "tendril/tolerances.hpp"
 #include "tendril/trajectory.hpp"
 #include "workload.hpp"
@@ -33,8 +34,9 @@ constexpr double resolved = 1e-8;
 /// A coarser model is to gain at least this much of its error for every part that it is refined by: half the error for
 /// twice the coordinates. Piecewise constant curvature gains a quarter where it resolves the shape, all others more.
 constexpr double least_order = 1.0;
-/// Values of a counted option, or halvings of the rod's segments, that a coarse model is refined by.
+/// Values of a counted option, or parts of the rod's segments, that a coarse model is refined by.
 constexpr int refinements[] = {12, 24, 48};
+constexpr int parts[] = {3, 5, 9};
 constexpr int most_refinements = 2;
 /// (L) Where a run of check points begins: their distance.
 constexpr double check_point_distance = 2.0 / 160.0;
@@ -446,10 +448,10 @@ class Rows {
       if (!exact.found) continue;
       ++done;
       const double left = distance(*finer, out.plan, exact);
-      const double parts =
+      const double ratio =
           static_cast<double>(out.plan.coordinates.size()) / static_cast<double>(plan.coordinates.size());
       decay.text += fmt::format(", {:.1e} with {}", left, out.plan.coordinates.size());
-      decay.as_expected = left <= resolved || left <= error * std::pow(parts, -least_order);
+      decay.as_expected = left <= resolved || left <= error * std::pow(ratio, -least_order);
       if (left <= resolved) break;
     }
     // The finest of all, and a contact inside a piece, whose error depends on where in the piece it happens to lie:
@@ -462,17 +464,17 @@ class Rows {
       const ExactState exact = out.verdict == "solved" ? exact_of(coarser, out.plan) : ExactState{};
       if (exact.found) {
         const double left = distance(coarser, out.plan, exact);
-        const double parts =
+        const double ratio =
             static_cast<double>(plan.coordinates.size()) / static_cast<double>(out.plan.coordinates.size());
         decay.text += fmt::format(", {:.1e} with {}", left, out.plan.coordinates.size());
-        decay.as_expected = error <= left * std::pow(parts, -least_order);
+        decay.as_expected = error <= left * std::pow(ratio, -least_order);
       }
     }
     return decays_.emplace(key, std::move(decay)).first->second;
   }
 
-  /// The scene with a finer model: a larger value of what the plugin counts, or, where it counts nothing, with halved
-  /// segments, which halve every piece. None: it is finer already.
+  /// The scene with a finer model: a larger value of what the plugin counts, or, where it counts nothing, with segments
+  /// cut into parts, and every piece with them. None: it is finer already.
   std::optional<Scene> refined(const Scene& scene, const ExtremeModel& model, int level) {
     std::string option = model.option;
     for (const ExtremeModel& counted : counted_models(registry_, {refinements[level]})) {
@@ -489,14 +491,20 @@ class Rows {
       if (value <= model.value) return std::nullopt;
       return with_model(finer, {model.name, model.plugin, option, value});
     }
-    std::vector<SegmentSpec> halves;
-    for (const SegmentSpec& s : finer.rod.segments) {
-      for (int i = 0; i < 2 << level; ++i) {
-        halves.push_back(s);
-        halves.back().length = s.length / (2 << level);
+    // Every stretch between two fixed knots, so that pieces beside an actuator's end are cut, too.
+    const std::vector<double> knots = make_rod(scene, scale_of(scene)).fixed_knots();
+    std::vector<SegmentSpec> cut;
+    std::size_t segment = 0;
+    double end = scene.rod.segments[0].length;
+    for (std::size_t k = 0; k + 1 < knots.size(); ++k) {
+      const double middle = 0.5 * (knots[k] + knots[k + 1]) * scene.rod.length();
+      while (middle > end && segment + 1 < scene.rod.segments.size()) end += scene.rod.segments[++segment].length;
+      for (int i = 0; i < parts[level]; ++i) {
+        cut.push_back(scene.rod.segments[segment]);
+        cut.back().length = (knots[k + 1] - knots[k]) * scene.rod.length() / parts[level];
       }
     }
-    finer.rod.segments = std::move(halves);
+    finer.rod.segments = std::move(cut);
     return finer;
   }
 

@@ -20,6 +20,7 @@ inline constexpr int least_iterations = 10;  ///< that a solve of a grasp is tho
 inline constexpr int patience = 8;
 inline constexpr int most_starts = 5;        ///< per mode, before a program may be called infeasible
 inline constexpr int further_starts = 2;     ///< per mode, where all of these led to no plan
+inline constexpr int spread_starts = 2;      ///< per mode, to see whether a contact spreads
 inline constexpr double most_of_time = 0.4;  ///< of what is left, for one solve: there are other ways if it gets stuck
 inline constexpr double little_time = 0.7;   ///< of the time limit: with less left and no plan, the search hurries
 inline constexpr double beats = 1e-12;       ///< an objective must be lower by this to win
@@ -57,7 +58,7 @@ class Planner {
     int mode = 0;
     ModeRecord record;
     Candidate best;
-    Candidate spread;  ///< a point that fails because its contact spreads, with only the first check points
+    Candidate spread;  ///< a point that fails because its contact spreads
     int starts_used = 0;
     int stationary_violations = 0;  ///< starts that ended where no direction reduces the violation
     std::string trouble;            ///< how the last attempt failed
@@ -150,8 +151,9 @@ class Planner {
   }
   /// Whether the rod lies along an obstacle where a contact presses at x: no point contact is there.
   static bool lies_along(Candidate& c, const Eigen::VectorXd& x, int contact);
-  /// Keeps a sharp point with such a contact, which the exchange of check points takes away.
-  void keep_spread(ModeState& state, Candidate& c, const Eigen::VectorXd& x);
+  /// Where no plan was found: whether contacts hold the rod where it may run into obstacles elsewhere, and spread
+  /// there. Then it lies along an obstacle, which is why no point of contact keeps it outside.
+  void look_for_spread();
   Plan report(std::vector<ModeState>& states, int winner);
   std::string nearest_failure(const std::vector<ModeState>& states) const;
   static std::string limits_at(const PoseProgram& program, ConstVectorRef x);

@@ -240,8 +240,7 @@ bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   }
   if (f.stationary_violation) ++state.stationary_violations;
   if (f.x.allFinite() && f.infeasibility < state.violation) {
-    // Only the search over assignments goes on from there.
-    if (!d_.enumerated) state.nearest = program.shape_of(f.x);
+    state.nearest = program.shape_of(f.x);
     state.violation = f.infeasibility;
     state.limits = limits_at(program, f.x);
   }
@@ -288,10 +287,6 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
     sharp = recover(state, *c.program, x);
     if (!sharp && infeasibility(*c.program, x) > restored) return true;
   }
-  if (sharp && !following_ && !state.spread.has_point) {
-    keep_spread(state, c, x);
-    if (!c.program) build();
-  }
   for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
     if (!x.allFinite() || !exchange_checks(*c.program, x, *c.certifier, checks, violation_level)) break;
     every_check.insert(every_check.end(), checks.begin(), checks.end());
@@ -331,18 +326,38 @@ bool Planner::lies_along(Candidate& c, const Eigen::VectorXd& x, int contact) {
          !(c.certifier->contact_convexity(x, contact) > tolerance::convexity);
 }
 
-void Planner::keep_spread(ModeState& state, Candidate& c, const Eigen::VectorXd& x) {
-  bool any = false;
-  for (int k = 0; k < c.program->layout().forces; ++k) any = any || lies_along(c, x, k);
-  if (!any) return;
-  c.objective = c.program->cost(x);
-  if (!std::isfinite(c.objective)) return;
-  c.certificate = c.certifier->certify(*c.program, x);
-  c.x = x;
-  c.solver = state.last;
-  c.has_point = true;
-  state.spread = std::move(c);
-  c = {};
+void Planner::look_for_spread() {
+  if (d_.palm || !d_.scene.coordinates.split_at_contact) return;
+  for (std::size_t i = 0; i < d_.modes.size(); ++i) {
+    const Mode& mode = d_.modes[i];
+    if (mode.contacts.empty() || !mode.skip.empty()) continue;
+    std::vector<int> regions;
+    for (const ContactSetup& contact : mode.contacts) regions.push_back(contact.region);
+    // From where the violation was least, then from ordinary starts.
+    const int first = std::isfinite(states_[i].violation) ? -1 : 0;
+    for (int start = first; start < spread_starts && !states_[i].spread.has_point && !must_stop(); ++start) {
+      const PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+      Candidate c;
+      c.program = std::make_unique<PoseProgram>(spec);
+      c.certifier = std::make_unique<Certifier>(spec);
+      set_branches(*c.program, std::vector<Branch>(mode.contacts.size(), Branch::touching));
+      const StartShape shape = start < 0 ? states_[i].nearest : start_shape(start, mode);
+      const FeasibilityReport f = restore_feasibility(*c.program, c.program->start_from(shape), restored,
+                                                      most_restorations, [this] { return must_stop(); });
+      add_difference(tally_.outside_solver, c.program->counts(), {});
+      if (!f.feasible) continue;
+      c.x = f.x;
+      if (!sharpen(states_[i], *c.program, c.x, false)) continue;
+      bool spreads = false;
+      for (int k = 0; k < c.program->layout().forces; ++k) spreads = spreads || lies_along(c, c.x, k);
+      c.objective = c.program->cost(c.x);
+      if (!spreads || !std::isfinite(c.objective)) continue;
+      c.certificate = c.certifier->certify(*c.program, c.x);
+      c.solver = states_[i].last;
+      c.has_point = true;
+      states_[i].spread = std::move(c);
+    }
+  }
 }
 
 void Planner::note_unfit_term(PoseProgram& program, const Eigen::VectorXd& x) {
