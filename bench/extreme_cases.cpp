@@ -371,7 +371,8 @@ void add_obstacles(List& list) {
 void add_contacts(List& list) {
   const char* group = "contact";
   Numbers& number = list.number;
-  const std::string peg = circle(0.6, 0.3, number(0.15));
+  const double radius = number(0.15);
+  const std::string peg = circle(0.6, 0.3, radius);
   const std::string first = unit_rod() + actuator(-10.0, 10.0) + peg;
   const auto held = [&](double moment, const char* mode, int count) {
     return unit_rod() + actuator(moment, moment) + peg + contact(mode, count) +
@@ -393,8 +394,8 @@ void add_contacts(List& list) {
     planned.contacts = 1;
   }
   // Above 1/r the rod is bent more than the circle: beyond a single point it would run into it. It stands on a second
-  // one, its tip. Somewhat above, so that held-out radii are, too.
-  const double wrapping = 7.0 * 1.05;
+  // one, its tip.
+  const double wrapping = 1.1 / radius;
   const char* beyond = "above 1/r no single point holds the rod: its tip is the second one (boundary-value problem)";
   ExtremeCase& wrapped = list.execution(group, "first reference circle, bent beyond 1/r", first, {wrapping}, beyond);
   wrapped.contacts = 2;
@@ -407,11 +408,16 @@ void add_contacts(List& list) {
       list.plan(group, "first reference circle, bent beyond 1/r, one contact", held(wrapping, "require", 1), beyond);
   forced.verdict = "extended";
   forced.quick = true;
-  ExtremeCase& merged =
-      list.execution(group, "two contacts on one circle become one", first, {number(4.0)}, "boundary-value problem");
+  // Bent back, the two contacts become one at the moment 1/r, where the free end lies on the circle without a force: a
+  // place that no point contact has for its own. The path ends there and says so.
+  const double back = number(4.0);
+  ExtremeCase& merged = list.execution(group, "two contacts on one circle become one", first, {back},
+                                       "at the moment 1/r the free end has the circle's curvature");
+  merged.verdict = "not_converged";
   merged.before = {wrapping};
-  merged.contacts = 1;
   merged.contacts_before = 2;
+  merged.stops_at = (wrapping - 1.0 / radius) / (wrapping - back);
+  merged.message = "contact spreads";
   // Linear beam theory: the rod touches down at a = (72 h / w)^(1/4), and the wall carries all weight but what hangs in
   // between, of which the clamp has 2/3.
   const double height = number(1e-3);

@@ -42,6 +42,8 @@ constexpr int most_refinements = 2;
 constexpr double check_point_distance = 2.0 / 160.0;
 /// Force on a stretch, relative: what check points make of a distributed force.
 constexpr double stretch_force = 1e-2;
+/// Load fraction at which a path ends.
+constexpr double stop_digits = 1e-6;
 /// What the boundary-value problem itself leaves, beside the digits of a source.
 constexpr double exact_digits = 1e-11;
 
@@ -51,6 +53,7 @@ struct Result {
   Plan plan;
   double seconds = 0.0;
   int pieces = 0, snaps = 0;
+  double load = 1.0;            ///< load fraction that an execution came to
   std::vector<Plan> earlier{};  ///< what an execution started from, or the steps of a trajectory but the last
 };
 
@@ -110,6 +113,7 @@ Result carried_out(plugins::Registry& registry, const Scene& scene, const std::v
     }
     Execution last = execute(scene, obstacles, moments, control);
     out.pieces = last.pieces;
+    out.load = last.load;
     out.snaps = static_cast<int>(last.snaps.size());
     out.plan = std::move(last.result);
   });
@@ -294,6 +298,15 @@ class Rows {
     Findings found;
     if (out.verdict == "extended") {
       judge_extended(c, plan, scale, row, found);
+    } else if (out.verdict != "solved") {
+      row.outcome = Outcome::met;
+      row.got += ", " + plan.message;
+      row.allowed = stop_digits;
+      if (c.stops_at) {
+        row.error = std::abs(out.load - *c.stops_at);
+        found.compare("load fraction", row.error, row.allowed);
+      }
+      if (plan.message.find(c.message) == std::string::npos) found.wrong.push_back("it says something else");
     } else {
       judge_solved(c, scene, out, row, found, model);
     }
