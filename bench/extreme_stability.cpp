@@ -97,7 +97,7 @@ ExtremeRow row_of(const char* name, const ExtremeModel& model, bool resolving, c
   row.backend = "-";
   row.source = source;
   row.error = none;
-  row.accuracy = resolving ? critical_digits : none;
+  row.allowed = resolving ? critical_digits : none;
   row.expected = resolving ? "margin 0 at the exact load to 1e-6, unstable beyond"
                            : "not below the exact load, its error reported, unstable beyond";
   return row;
@@ -248,11 +248,11 @@ std::vector<ExtremeRow> conditioning_rows(plugins::Registry& registry, const Ext
         Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(h, Eigen::EigenvaluesOnly).eigenvalues();
     const double condition = values[values.size() - 1] / values[0];
     row.error = std::numeric_limits<double>::epsilon() * condition;
-    row.accuracy = tolerance::equilibrium;
+    row.allowed = tolerance::equilibrium;
     row.seconds = now() - begin;
     row.got = fmt::format("condition {:.3g} with {} coordinates, so {:.1e} relative error of a solve", condition,
                           values.size(), row.error);
-    row.outcome = row.error > 0.0 && row.error <= row.accuracy ? Outcome::met : Outcome::not_met;
+    row.outcome = row.error > 0.0 && row.error <= row.allowed ? Outcome::met : Outcome::not_met;
     if (row.outcome != Outcome::met) row.why = "too ill-conditioned";
     rows.push_back(std::move(row));
   }

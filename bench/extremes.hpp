@@ -15,7 +15,7 @@ namespace tendril::bench {
 
 enum class Outcome {
   met,        ///< what is known came out
-  explained,  ///< it did not, by a limit of double precision that was measured
+  explained,  ///< it did not, by a limit of the model that was measured
   not_met
 };
 std::string to_string(Outcome outcome);
@@ -26,11 +26,11 @@ struct ExtremeRow {
   std::string model;    ///< "-": none takes part
   std::string backend;  ///< "-": none takes part
   std::string expected, source, got, residuals;
-  double error = 0.0;     ///< against what is known, of what is worst; NaN: only a verdict is known
-  double accuracy = 0.0;  ///< that the model can have here: the error that is allowed
+  double error = 0.0;    ///< of the model: against the exact state, of what is worst; NaN: there is none
+  double allowed = 0.0;  ///< without any explanation
   double seconds = 0.0;
   Outcome outcome = Outcome::not_met;
-  std::string why{};  ///< it is explained or not met
+  std::string why{};  ///< how the error falls where the model is coarse, or why the row is not met
 };
 
 /// A coordinate model as the rows have it.

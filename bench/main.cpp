@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -185,7 +186,14 @@ int run(int argc, char** argv) {
   CLI::App* solvers_command =
       output(command("solvers", "Every solver, algorithm and treatment of complementarity on the same programs"));
   std::vector<const CLI::App*> part_commands;
-  for (const bench::Part& part : bench::parts()) part_commands.push_back(output(command(part.name, part.description)));
+  for (const bench::Part& part : bench::parts()) {
+    CLI::App* sub = output(command(part.name, part.description));
+    if (std::string_view(part.name) == "extremes") {
+      sub->add_option("--held-out", arguments.extent.held_out,
+                      "Seed of other numbers, each up to a tenth from those of the table");
+    }
+    part_commands.push_back(sub);
+  }
   CLI::App* campaign_command =
       output(command("campaign", "Random scenes, every plan checked: nothing may crash, hang or lie"));
   CLI::App* report_command = command("report", "All of these as one page, with a recommendation");

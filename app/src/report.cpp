@@ -61,16 +61,37 @@ std::string moments_text(const Scene& scene, const Plan& plan, const DisplayUnit
   return '\n' + grid.text("");
 }
 
+/// Contacts in a row that stand for the stretch along which the rod lies on one obstacle are one line: from where to
+/// where, the sum of their forces, the largest gap. `whose`: stands before the obstacle's name.
+void add_contacts(Grid& grid, const std::string& whose, const std::vector<PlannedContact>& all,
+                  const DisplayUnits& units) {
+  for (std::size_t first = 0, next = 0; first < all.size(); first = next) {
+    const PlannedContact& contact = all[first];
+    double sum = contact.force;
+    double gap = contact.gap;
+    for (next = first + 1; contact.extended && next < all.size(); ++next) {
+      if (!all[next].extended || all[next].obstacle != contact.obstacle) break;
+      sum += all[next].force;
+      if (std::abs(all[next].gap) > std::abs(gap)) gap = all[next].gap;
+    }
+    const PlannedContact& last = all[next - 1];
+    const std::string name = whose + printable(contact.obstacle_name) + (last.at_tip ? " (tip)" : "");
+    if (grid.empty()) grid.row({"contact", "arc length", "force", "gap", "point"});
+    if (next - first == 1) {
+      grid.row({name + (contact.extended ? " (extended)" : ""), units.lengths(contact.arc_length), force(contact.force),
+                units.lengths(contact.gap), units.point(contact.point)});
+      continue;
+    }
+    grid.row({name + fmt::format(" (extended, {} points)", next - first),
+              units.lengths(contact.arc_length) + " to " + units.lengths(last.arc_length), force(sum),
+              units.lengths(gap), units.point(contact.point) + " to " + units.point(last.point)});
+  }
+}
+
 std::string contacts_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
   Grid grid;
   for (const ShownFinger& finger : fingers_of(scene, plan)) {
-    for (const PlannedContact& contact : finger.state.contacts) {
-      if (grid.empty()) grid.row({"contact", "arc length", "force", "gap", "point"});
-      grid.row({finger.name + (finger.name.empty() ? "" : " with ") + printable(contact.obstacle_name) +
-                    (contact.at_tip ? " (tip)" : ""),
-                units.lengths(contact.arc_length), force(contact.force), units.lengths(contact.gap),
-                units.point(contact.point)});
-    }
+    add_contacts(grid, finger.name + (finger.name.empty() ? "" : " with "), finger.state.contacts, units);
   }
   return grid.empty() ? "" : '\n' + grid.text("");
 }

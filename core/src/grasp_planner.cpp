@@ -272,12 +272,17 @@ void GraspPlanner::judge(Plan& plan, const Pair* shown) const {
   const bool infeasible = std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& p) {
     return !p.skip.empty() || (!p.best.has_point() && p.stationary_violations >= most_starts);
   });
-  if (winner_ != nullptr) {
+  const bool stopped = control_.stop != nullptr && control_.stop->load();
+  const bool late = now() > steps_.deadline();
+  if (steps_.tally.solver_did_nothing() && (winner_ != nullptr || (!stopped && !late))) {
+    plan.status = PlanStatus::failed;
+    plan.message = told_uselessness(plan.solver_name, plan.solver);
+  } else if (winner_ != nullptr) {
     plan.status = PlanStatus::solved;
-  } else if (control_.stop != nullptr && control_.stop->load()) {
+  } else if (stopped) {
     plan.status = PlanStatus::interrupted;
     plan.message = "interrupted before a plan was certified";
-  } else if (now() > steps_.deadline()) {
+  } else if (late) {
     plan.status = PlanStatus::time_limit;
     plan.message = "the time limit of " + std::to_string(upper().scene.solver.time_limit) +
                    " s was reached before a plan was certified";
@@ -291,12 +296,7 @@ void GraspPlanner::judge(Plan& plan, const Pair* shown) const {
                    "of its constraints";
     const auto least = std::min_element(pairs_.begin(), pairs_.end(),
                                         [](const Pair& a, const Pair& b) { return a.violation < b.violation; });
-    if (std::isfinite(least->violation)) {
-      char text[48];
-      std::snprintf(text, sizeof text, "%.2e", least->violation);
-      plan.message += "; the nearest (" + least->record.mode + ") violates them by " + text +
-                      (least->limits.empty() ? ", with no variable at a limit" : ", with " + least->limits);
-    }
+    plan.message += told_failure(*least);
   } else if (shown != nullptr) {
     const Certificate& c = shown->best.certificate;
     const bool only_unstable =

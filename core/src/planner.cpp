@@ -140,6 +140,7 @@ Plan Planner::run() {
   search(order);
   search_further(starts(), order);
   settle(order);
+  if (winner_ < 0) look_for_spread();
   return report(states_, winner_);
 }
 

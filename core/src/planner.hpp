@@ -19,6 +19,7 @@ namespace tendril {
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
 inline constexpr int most_starts = 5;       ///< per mode, before a program may be called infeasible
 inline constexpr int further_starts = 2;    ///< per mode, where all of these led to no plan
+inline constexpr int spread_starts = 5;     ///< per mode, to see whether a contact spreads
 inline constexpr double little_time = 0.7;  ///< of the time limit: with less left and no plan, the search hurries
 inline constexpr double beats = 1e-12;      ///< an objective must be lower by this to win
 
@@ -48,6 +49,7 @@ class Planner {
   struct ModeState : Attempt {
     int mode = 0;
     Candidate best;
+    Candidate spread;       ///< a point that fails because its contact spreads
     StartShape nearest;     ///< where the violation of the rows was least, as long as there is no point
     bool deferred = false;  ///< the last start was left to times without any plan
   };
@@ -139,6 +141,11 @@ class Planner {
   double best_objective() const {
     return winner_ < 0 ? infinity : states_[static_cast<std::size_t>(winner_)].best.objective;
   }
+  /// Whether the rod lies along an obstacle where a contact presses at x: no point contact is there.
+  static bool lies_along(Candidate& c, const Eigen::VectorXd& x, int contact);
+  /// Where no plan was found: whether contacts hold the rod where it may run into obstacles elsewhere, and spread
+  /// there. Then it lies along an obstacle, which is why no point of contact keeps it outside.
+  void look_for_spread();
   Plan report(std::vector<ModeState>& states, int winner);
   std::string nearest_failure(const std::vector<ModeState>& states) const;
 

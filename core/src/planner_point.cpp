@@ -192,8 +192,7 @@ bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
 }
 
 void Planner::keep_nearest(ModeState& state, const PoseProgram& program, const FeasibilityReport& f, double least) {
-  // Only the search over assignments goes on from there.
-  if (!d_.enumerated && state.violation < least) state.nearest = program.shape_of(f.x);
+  if (state.violation < least) state.nearest = program.shape_of(f.x);
 }
 
 bool Planner::nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x) {
@@ -293,6 +292,43 @@ bool Planner::bring_to_certificate(ModeState& state, const std::vector<int>& reg
   }
   c.has_point = true;
   return true;
+}
+
+bool Planner::lies_along(Candidate& c, const Eigen::VectorXd& x, int contact) {
+  return x[c.program->force_variable(contact)] > tolerance::force &&
+         !(c.certifier->contact_convexity(x, contact) > tolerance::convexity);
+}
+
+void Planner::look_for_spread() {
+  if (d_.palm || !d_.scene.coordinates.split_at_contact) return;
+  for (std::size_t i = 0; i < d_.modes.size(); ++i) {
+    const Mode& mode = d_.modes[i];
+    if (mode.contacts.empty() || !mode.skip.empty()) continue;
+    std::vector<int> regions;
+    for (const ContactSetup& contact : mode.contacts) regions.push_back(contact.region);
+    // From where the violation was least, then from ordinary starts.
+    const int first = std::isfinite(states_[i].violation) ? -1 : 0;
+    for (int start = first; start < spread_starts && !states_[i].spread.has_point && !must_stop(); ++start) {
+      const PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+      Candidate c;
+      c.program = std::make_unique<PoseProgram>(spec);
+      c.certifier = std::make_unique<Certifier>(spec);
+      set_branches(*c.program, std::vector<Branch>(mode.contacts.size(), Branch::touching));
+      const StartShape shape = start < 0 ? states_[i].nearest : start_shape(start, mode);
+      const FeasibilityReport f = steps_.look(*c.program, c.program->start_from(shape));
+      if (!f.feasible) continue;
+      c.x = f.x;
+      if (!sharpen(states_[i], *c.program, c.x, false)) continue;
+      bool spreads = false;
+      for (int k = 0; k < c.program->layout().forces; ++k) spreads = spreads || lies_along(c, c.x, k);
+      c.objective = c.program->cost(c.x);
+      if (!spreads || !std::isfinite(c.objective)) continue;
+      c.certificate = c.certifier->certify(*c.program, c.x);
+      c.solver = states_[i].last;
+      c.has_point = true;
+      states_[i].spread = std::move(c);
+    }
+  }
 }
 
 void Planner::note_unfit_term(PoseProgram& program, const Eigen::VectorXd& x) {

@@ -15,11 +15,7 @@ namespace tendril {
 std::string Planner::nearest_failure(const std::vector<ModeState>& states) const {
   const auto least = std::min_element(states.begin(), states.end(),
                                       [](const ModeState& a, const ModeState& b) { return a.violation < b.violation; });
-  if (least == states.end() || !std::isfinite(least->violation)) return "";
-  char text[48];
-  std::snprintf(text, sizeof text, "%.2e", least->violation);
-  return "; the nearest (" + least->record.mode + ") violates them by " + text +
-         (least->limits.empty() ? ", with no variable at a limit" : ", with " + least->limits);
+  return least == states.end() ? "" : told_failure(*least);
 }
 
 Plan Planner::report(std::vector<ModeState>& states, int winner) {
@@ -75,6 +71,8 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
         state.record.outcome += ": " + state.best.certificate.failures.front();
         if (!state.trouble.empty()) state.record.outcome += "; " + state.trouble;
       }
+    } else if (state.spread.has_point) {
+      state.record.outcome += "not certified: " + state.spread.certificate.failures.back();
     } else if (state.starts_used > 0) {
       state.record.outcome +=
           "not solved: " + (state.trouble.empty() ? std::string(to_string(state.last.status)) : state.trouble);
@@ -100,8 +98,19 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
     }
   }
 
-  if (shown >= 0) {
-    plan.solver = states[static_cast<std::size_t>(shown)].best.solver;
+  Candidate* chosen = shown >= 0 ? &states[static_cast<std::size_t>(shown)].best : nullptr;
+  const bool stopped = control_.stop != nullptr && control_.stop->load();
+  const bool late = now() > steps_.deadline();
+  // That the rod lies along an obstacle tells more than where the search for points ended instead.
+  bool spreads = false;
+  for (ModeState& state : states) {
+    if (winner >= 0 || stopped || late || !state.spread.has_point) continue;
+    if (!spreads || state.spread.objective < chosen->objective) chosen = &state.spread;
+    spreads = true;
+  }
+
+  if (chosen != nullptr) {
+    plan.solver = chosen->solver;
   } else {
     // The last one that was asked; where restoration settled everything none was.
     plan.solver.status = SolveStatus::infeasible;
@@ -112,16 +121,21 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   report_tally(steps_.tally, plan);
 
   // The verdict.
-  const bool stopped = control_.stop != nullptr && control_.stop->load();
-  if (winner >= 0) {
+  if (steps_.tally.solver_did_nothing() && (winner >= 0 || (!stopped && !late))) {
+    plan.status = PlanStatus::failed;
+    plan.message = unfit_.empty() ? told_uselessness(plan.solver_name, plan.solver) : unfit_;
+  } else if (winner >= 0) {
     plan.status = PlanStatus::solved;
   } else if (stopped) {
     plan.status = PlanStatus::interrupted;
     plan.message = "interrupted before a plan was certified";
-  } else if (now() > steps_.deadline()) {
+  } else if (late) {
     plan.status = PlanStatus::time_limit;
     plan.message = "the time limit of " + std::to_string(d_.scene.solver.time_limit) +
                    " s was reached before a plan was certified";
+  } else if (spreads) {
+    plan.status = PlanStatus::not_converged;
+    plan.message = chosen->certificate.failures.back();
   } else {
     const bool by_bound = std::all_of(states.begin(), states.end(), [&](const ModeState& state) {
       return !modes_[static_cast<std::size_t>(state.mode)].skip.empty();
@@ -135,8 +149,8 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
                                " starts per mode every search ended where no change of the plan reduces the violation "
                                "of its constraints" +
                                nearest_failure(states);
-    } else if (shown >= 0) {
-      const Certificate& c = states[static_cast<std::size_t>(shown)].best.certificate;
+    } else if (chosen != nullptr) {
+      const Certificate& c = chosen->certificate;
       const bool only_unstable =
           c.failures.size() == 1 && c.contact_convexity > tolerance::convexity && !(c.stability > tolerance::stability);
       plan.status = only_unstable ? PlanStatus::unstable : PlanStatus::not_converged;
@@ -161,14 +175,13 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
       }
     }
   }
-  if (shown < 0) return plan;
+  if (chosen == nullptr) return plan;
 
-  ModeState& chosen = states[static_cast<std::size_t>(shown)];
-  PoseProgram& program = *chosen.best.program;
-  const Eigen::VectorXd& x = chosen.best.x;
+  PoseProgram& program = *chosen->program;
+  const Eigen::VectorXd& x = chosen->x;
   program.cost(x);
-  plan.certificate = chosen.best.certificate;
-  plan.objective = chosen.best.objective * d_.objective_scale;
+  plan.certificate = chosen->certificate;
+  plan.objective = chosen->objective * d_.objective_scale;
   for (std::size_t i = 0; i < d_.terms.size(); ++i) {
     plan.terms.emplace_back(d_.terms[i].name, program.term_value(static_cast<int>(i)) * d_.objective_scale);
   }
@@ -184,7 +197,10 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
   plan.tip_angle = program.backbone().tip_angle();
   if (d_.target.has_position) plan.target_error = norm(tip - d_.target.position) * length;
   plan.contacts = planned_contacts(program, d_.obstacle_names, d_.scale);
-  plan.backbone = sampled_backbone(chosen.best.certifier->finer(x), length);
+  for (int k = 0; k < program.layout().forces; ++k) {
+    plan.contacts[static_cast<std::size_t>(k)].extended = lies_along(*chosen, x, k);
+  }
+  plan.backbone = sampled_backbone(chosen->certifier->finer(x), length);
   plan.self_overlap = self_overlap(plan.backbone);
   if (d_.palm) finish_grasp(d_, program, x, plan);
   return plan;

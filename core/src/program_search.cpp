@@ -1,6 +1,7 @@
 #include "program_search.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "tendril/polish.hpp"
@@ -43,6 +44,19 @@ void add_difference(EvaluationCounts& to, const EvaluationCounts& after, const E
   to.seconds += after.seconds - before.seconds;
 }
 
+std::string told_failure(const Attempt& nearest) {
+  if (!std::isfinite(nearest.violation)) return "";
+  char text[48];
+  std::snprintf(text, sizeof text, "%.2e", nearest.violation);
+  return "; the nearest (" + nearest.record.mode + ") violates them by " + text +
+         (nearest.limits.empty() ? ", with no variable at a limit" : ", with " + nearest.limits);
+}
+
+std::string told_uselessness(const std::string& solver, const OptimalityReport& last) {
+  return "solver '" + solver + "' ended every solve as " + std::string(to_string(last.status)) +
+         (last.message.empty() ? "" : ": " + last.message);
+}
+
 void report_tally(const Tally& tally, Plan& plan) {
   plan.solver.iterations = tally.iterations;
   plan.solver.evaluations = tally.evaluations;
@@ -73,6 +87,10 @@ OptimalityReport ProgramSearch::solve(Attempt& attempt, NonlinearProgram& progra
   attempt.record.evaluations += report.evaluations.values;
   attempt.record.seconds_evaluating += report.seconds_evaluating;
   attempt.last = report;
+  const bool useless = report.status == SolveStatus::failed || report.status == SolveStatus::unsupported ||
+                       report.status == SolveStatus::not_finite;
+  ++tally.solves;
+  if (useless) ++tally.useless_solves;
   if (report.status == SolveStatus::converged) slowest_converged_ = std::max(slowest_converged_, report.iterations);
   tally.iterations += report.iterations;
   tally.seconds += report.seconds;

@@ -27,14 +27,25 @@ struct Attempt {
 };
 
 struct Tally {
+  int solves = 0;
+  int useless_solves = 0;           ///< that the solver refused, or broke down in
   EvaluationCounts evaluations;     ///< that solvers asked for
   EvaluationCounts outside_solver;  ///< that polish and restoration asked for
   int iterations = 0;
   double seconds = 0.0, seconds_evaluating = 0.0, seconds_certifying = 0.0;
+  /// A solver that did nothing is no part of any plan, whatever restoration and Newton's method make of the start
+  /// alone.
+  bool solver_did_nothing() const { return solves > 0 && useless_solves == solves; }
 };
 
 /// Adds what was evaluated between two counts.
 void add_difference(EvaluationCounts& to, const EvaluationCounts& after, const EvaluationCounts& before);
+
+/// What the nearest of all attempts failed by: its violation and the limits that bind there; empty: none got that far.
+std::string told_failure(const Attempt& nearest);
+
+/// What a plan says of a solver that did nothing.
+std::string told_uselessness(const std::string& solver, const OptimalityReport& last);
 
 /// Puts a tally into a plan: sums over all programs.
 void report_tally(const Tally& tally, Plan& plan);

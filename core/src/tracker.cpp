@@ -86,6 +86,8 @@ bool Tracker::advance() {
   }
   for (double length = length_;; length *= 0.5) {
     if (length < shortest_step || must_stop_()) {
+      // Where d_ss vanishes the contact has no place of its own.
+      if (!must_stop_() && spreads(vanishing_convexity)) return false;
       char text[120];
       std::snprintf(text, sizeof text, "the path could not be followed beyond load fraction %.9f",
                     now_.z[now_.statics->size()]);

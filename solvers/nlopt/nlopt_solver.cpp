@@ -95,24 +95,19 @@ class NloptSolver final : public Solver {
     int evaluations = 0;
     int gradients = 0;
     int not_finite = 0;
-    int repeats = 0;         ///< calls in a row at one point
     Eigen::VectorXd last{};  ///< the last point with finite values
     bool uses_gradient = true;
     bool halves_step = false;
     bool limit_met = false;
-    bool circles = false;  ///< it asked for one point again and again
-    int searched = 0;      ///< values since the last gradient
-    bool stuck = false;
+    int searched = 0;    ///< values since the last gradient
+    bool stuck = false;  ///< the last search went on for ever
   };
-
-  /// SLSQP's line search can go on for ever where rounding hides all progress. No search takes so many values.
-  static constexpr int longest_search = 1000;
 
   /// After so many shortened steps in a row there is nothing finite to step to.
   static constexpr int shortenings = 30;
-  /// So many calls in a row at one point are a loop: SLSQP's line search can shorten its step to nothing for ever where
-  /// rows are badly scaled.
-  static constexpr int most_repeats = 50;
+  /// Where rounding hides all progress, or badly scaled rows overflow its merit, SLSQP shortens its step for ever, at
+  /// last by nothing at all. A step halved so often is far below the rounding of any point.
+  static constexpr int longest_search = 100;
 
   static void stop(Run& run) {
     run.callbacks.record_exception();
@@ -147,10 +142,6 @@ class NloptSolver final : public Solver {
       if (point != run.last) {
         run.last = point;
         run.not_finite = 0;
-        run.repeats = 0;
-      } else if (++run.repeats > most_repeats) {
-        run.circles = true;
-        nlopt_force_stop(run.opt);
       }
       return cost;
     } catch (const NotFiniteError&) {
@@ -309,7 +300,7 @@ class NloptSolver final : public Solver {
 
   SolveStatus status_of(nlopt_result result, const Run& run) const {
     if (run.limit_met) return SolveStatus::iteration_limit;
-    if (run.circles || run.stuck) return SolveStatus::stalled;
+    if (run.stuck) return SolveStatus::stalled;
     switch (result) {
       case NLOPT_SUCCESS:
       case NLOPT_STOPVAL_REACHED:
@@ -445,8 +436,6 @@ class NloptSolver final : public Solver {
     Verdict best;
     for (int round = 0; round < 4; ++round) {
       double cost = 0.0;
-      run.repeats = 0;
-      run.circles = false;
       run.stuck = false;
       run.searched = 0;
       const nlopt_result result = nlopt_optimize(opt.get(), outcome.x.data(), &cost);

@@ -11,24 +11,11 @@ namespace {
 
 using test::brace_with;
 using test::CommandRun;
+using test::expect_refused;
+using test::plan_text;
 using test::scene_path;
 using test::TemporaryDirectory;
 using test::tendril;
-
-void expect_refused(const CommandRun& run, const std::string& part) {
-  EXPECT_EQ(run.exit_code, 2) << run.err;
-  EXPECT_EQ(run.out, "");
-  EXPECT_EQ(run.err.rfind("tendril: ", 0), 0U) << run.err;
-  EXPECT_NE(run.err.find(part), std::string::npos) << run.err;
-  EXPECT_EQ(run.err.find("internal error"), std::string::npos) << run.err;
-}
-
-CommandRun plan_text(const std::string& text, std::vector<std::string> more = {}) {
-  const TemporaryDirectory directory;
-  const std::string file = directory.write("s.toml", text);
-  more.insert(more.begin(), {"plan", file, "--json"});
-  return tendril(more);
-}
 
 CommandRun plan_brace(std::vector<std::string> more) {
   more.insert(more.begin(), {"plan", scene_path("brace.toml"), "--json"});

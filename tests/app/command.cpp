@@ -64,6 +64,20 @@ std::string read_file(const std::filesystem::path& path) {
   return text.str();
 }
 
+void expect_refused(const CommandRun& run, const std::string& part) {
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  EXPECT_EQ(run.out, "");
+  EXPECT_EQ(run.err.rfind("tendril: ", 0), 0U) << run.err;
+  EXPECT_NE(run.err.find(part), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("internal error"), std::string::npos) << run.err;
+}
+
+CommandRun plan_text(const std::string& text, std::vector<std::string> more) {
+  const TemporaryDirectory directory;
+  more.insert(more.begin(), {"plan", directory.write("s.toml", text), "--json"});
+  return tendril(more);
+}
+
 std::string scene_path(const std::string& name) { return std::string(TENDRIL_SCENES "/") + name; }
 
 std::string brace_with(const std::string& old_text, const std::string& new_text) {

@@ -36,6 +36,10 @@ class TemporaryDirectory {
 };
 
 std::string read_file(const std::filesystem::path& path);
+/// The command refused its input: exit code 2, nothing on standard output, and one message that holds `part`.
+void expect_refused(const CommandRun& run, const std::string& part);
+/// `tendril plan --json` for a scene with this text, and more arguments.
+CommandRun plan_text(const std::string& text, std::vector<std::string> more = {});
 std::string scene_path(const std::string& name);
 /// scenes/brace.toml with one piece of text replaced; fails the test if it does not occur exactly once.
 std::string brace_with(const std::string& old_text, const std::string& new_text);

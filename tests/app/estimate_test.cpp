@@ -12,6 +12,7 @@ namespace {
 
 using nlohmann::json;
 using test::CommandRun;
+using test::expect_refused;
 using test::read_file;
 using test::scene_path;
 using test::TemporaryDirectory;
@@ -35,13 +36,6 @@ CommandRun plan_text(const std::string& text, const std::string& csv = "", std::
   if (!csv.empty()) directory.write("p.csv", csv);
   more.insert(more.begin(), {"plan", directory.write("s.toml", text)});
   return tendril(more);
-}
-
-void expect_refused(const CommandRun& run, const std::string& part) {
-  EXPECT_EQ(run.exit_code, 2) << run.err;
-  EXPECT_EQ(run.out, "");
-  EXPECT_NE(run.err.find(part), std::string::npos) << run.err;
-  EXPECT_EQ(run.err.find("internal error"), std::string::npos) << run.err;
 }
 
 TEST(Estimate, OfTheExampleFindsThePeg) {

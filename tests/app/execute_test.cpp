@@ -134,6 +134,53 @@ TEST(Execute, ThatDoesNotArriveIsWrittenAllTheSame) {
   EXPECT_EQ(json::parse(read_file(directory / "out/result.json"))["status"], "not_converged");
 }
 
+/// A rod of length and stiffness 1.
+std::string unit_rod(const std::string& more) {
+  return "problem = \"pose\"\n[rod]\nlength = 1\nbending_stiffness = 1\n" + more +
+         "[coordinates]\nplugin = \"legendre\"\n[target]\nposition = [0.8, 0.4]\n[[objective]]\nplugin = "
+         "\"tip_pose\"\n[solver]\nplugin = \"" TENDRIL_TEST_SOLVER "\"\n";
+}
+
+// Bent more than the circle of radius 0.15, the rod would run into it beyond a single point.
+TEST(Extended, IsAPlannedContactThatSpreads) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.write(
+      "s.toml", unit_rod("[[rod.actuator]]\nmin = 7\nmax = 7\n[[obstacle]]\nshape = \"circle\"\ncenter = [0.6, 0.3]\n"
+                         "radius = 0.15\n[start]\ntip_angle = 0.5\n[contact]\nmode = \"require\"\nmin_force = 0.1\n"));
+  const json result = parsed({"plan", file}, 1);
+  EXPECT_EQ(result["status"], "not_converged");
+  EXPECT_NE(result["message"].get<std::string>().find("contact spreads"), std::string::npos) << result["message"];
+  ASSERT_EQ(result["contacts"].size(), 1U);
+  EXPECT_EQ(result["contacts"][0]["extended"], true);
+  // Nothing presses beyond the contact, so that the rod has the curvature 7 there.
+  EXPECT_NEAR(result["certificate"]["contact_convexity"].get<double>(), 1.0 / 0.15 - 7.0, 1e-6);
+  const CommandRun run = tendril({"plan", file});
+  EXPECT_NE(run.out.find("obstacle 1 (extended)"), std::string::npos) << run.out;
+}
+
+// It touches down at (72 h / w)^(1/4) = 0.1638; the wall carries w (1 - 2/3 of that) = 89.1.
+TEST(Extended, IsARunOfContactsThatAreCarriedOut) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.write(
+      "s.toml", "gravity = [0, -1]\n" + unit_rod("linear_density = 100\n[[obstacle]]\nname = \"floor\"\n"
+                                                 "shape = \"wall\"\npoint = [0, -1e-3]\nangle = 0\n"));
+  const json result = parsed({"execute", file, "--moments", ""}, 1);
+  EXPECT_EQ(result["status"], "not_converged");
+  ASSERT_GT(result["contacts"].size(), 50U);
+  double sum = 0.0;
+  for (const json& contact : result["contacts"]) {
+    EXPECT_EQ(contact["extended"], true);
+    sum += contact["force"].get<double>();
+  }
+  EXPECT_NEAR(sum, 89.1, 1.0);
+  const CommandRun run = tendril({"execute", file, "--moments", ""});
+  EXPECT_NE(run.out.find("floor (tip) (extended, " + std::to_string(result["contacts"].size()) + " points)"),
+            std::string::npos)
+      << run.out;
+}
+
+TEST(Extended, IsNotSaidOfPoints) { EXPECT_FALSE(execute_brace("2.5 N mm")["contacts"][0].contains("extended")); }
+
 TEST(Execute, KeepsTheTimeLimit) {
   const json result =
       parsed({"execute", scene_path("brace.toml"), "--moments", "1 N mm", "--set", "solver.time_limit=1e-9"}, 1);

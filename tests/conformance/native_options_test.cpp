@@ -54,6 +54,37 @@ TEST(Nlopt, RefusesInWordsWhatAnAlgorithmCannotTake) {
   EXPECT_EQ(message("LN_NEWUOA", "hs005"), "nlopt LN_NEWUOA cannot take bounds: variable 1 has one");
 }
 
+/// Slopes of 1e300 make the multiplier of the row as large, and SLSQP's merit overflows: no step is ever good enough,
+/// and it shortens its step for ever, at last by nothing.
+struct Overflowing {
+  int variables = 1;
+  int rows = 1;
+  int residuals = 0;
+  template <class T>
+  void operator()(const T* x, Values<T>& out) const {
+    using std::sin;
+    out.rest = 1e300 * (2.0 + sin(x[0]));
+    out.rows[0] = x[0];
+  }
+  void bounds(Bounds b) const { b.row_lower[0] = b.row_upper[0] = 0.0; }
+};
+
+TEST(Nlopt, EndsALineSearchThatGoesOnForEver) {
+  NEEDS("nlopt");
+  for (const double start : {1e9, 1e10, 1e12}) {
+    FormulaProgram<Overflowing> program;
+    SolveControl control;
+    control.time_limit = 60.0;
+    const OptimalityReport report =
+        make_solver("nlopt")->solve(program, {Eigen::VectorXd::Constant(1, start), {}, {}}, control);
+    // Stopped from outside, and not by a limit; what is feasible beside it is the only feasible point.
+    EXPECT_EQ(report.native_status, "FORCED_STOP") << start;
+    EXPECT_EQ(report.status, SolveStatus::converged) << start << ": " << report.message;
+    EXPECT_EQ(report.x[0], 0.0) << start;
+    EXPECT_LT(report.seconds, 30.0) << start;
+  }
+}
+
 struct SevenRows {
   int variables = 8;
   int rows = 7;

@@ -14,15 +14,10 @@ namespace {
 
 using test::brace_with;
 using test::CommandRun;
+using test::expect_refused;
 using test::scene_path;
 using test::TemporaryDirectory;
 using test::tendril;
-
-void expect_refused(const CommandRun& run, const std::string& part) {
-  EXPECT_EQ(run.exit_code, 2) << run.err;
-  EXPECT_EQ(run.out, "");
-  EXPECT_NE(run.err.find(part), std::string::npos) << run.err;
-}
 
 TEST(HostileFile, OfAGigabyteIsRefusedUnread) {
   const TemporaryDirectory directory;

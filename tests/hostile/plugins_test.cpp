@@ -12,15 +12,15 @@ namespace {
 
 using test::brace_with;
 using test::CommandRun;
+using test::expect_refused;
+using test::plan_text;
 using test::scene_path;
 using test::TemporaryDirectory;
 using test::tendril;
 
 CommandRun plan(const std::string& scene, std::vector<std::string> more = {}) {
-  const TemporaryDirectory directory;
-  const std::string file = directory.write("s.toml", scene);
-  more.insert(more.begin(), {"plan", file, "--json", "--plugin-dir", HOSTILE_PLUGINS});
-  return tendril(more);
+  more.insert(more.begin(), {"--plugin-dir", HOSTILE_PLUGINS});
+  return plan_text(scene, more);
 }
 
 /// Told on standard error with exit code 2, or in the message of a plan that is not solved.
@@ -74,19 +74,31 @@ TEST(HostileCoordinates, ThatMisbehaveAreNamed) {
   expect_blamed(with("negative_part"), "coordinates plugin 'negative_part'", "not positive");
 }
 
-// What such a solver returns is not believed. Newton's method may find a plan all the same; then the certificate holds.
-TEST(HostileSolver, IsNeverBelieved) {
+// Restoration and Newton's method alone lead to a certified point of this scene, but never to the plan that was asked
+// for: a solver that did nothing makes the plan a failed one, like any other plugin that breaks down.
+TEST(HostileSolver, ThatDoesNothingIsBlamed) {
   const std::string scene = brace_with("Brace on a peg", "Brace");
-  for (const char* name : {"throwing_solver", "short_solver", "nan_solver"}) {
+  const std::pair<const char*, const char*> reasons[] = {
+      {"throwing_solver", "no license"}, {"short_solver", "not finite"}, {"nan_solver", "not finite"}};
+  for (const auto& [name, reason] : reasons) {
+    SCOPED_TRACE(name);
     const CommandRun run = plan(scene, {"--solver", name});
-    ASSERT_TRUE(run.exit_code == 0 || run.exit_code == 1) << name << run.err;
+    EXPECT_EQ(run.exit_code, 1);
+    expect_blamed(run, std::string("solver '") + name + "'", reason);
     const nlohmann::json result = nlohmann::json::parse(run.out);
-    const std::string status = result["solver"]["status"];
-    EXPECT_TRUE(status == "failed" || status == "not_finite") << name << result["solver"];
-    const bool solved = result["status"] == "solved";
-    EXPECT_EQ(run.exit_code == 0, solved) << name;
-    EXPECT_EQ(result["certificate"]["failures"].empty(), solved) << name;
+    EXPECT_EQ(result["status"], "failed");
+    EXPECT_EQ(result["solver"]["name"], name);
+    EXPECT_EQ(result["solver"]["status"], std::string(name) == "throwing_solver" ? "failed" : "not_finite");
   }
+}
+
+// One that breaks down now and then is helped over it, and the certificate has the word.
+TEST(HostileSolver, ThatWorksOnceIsEnough) {
+  const CommandRun run = plan(brace_with("Brace on a peg", "Brace"), {"--solver", "moody_solver"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const nlohmann::json result = nlohmann::json::parse(run.out);
+  EXPECT_EQ(result["status"], "solved");
+  EXPECT_TRUE(result["certificate"]["failures"].empty());
 }
 
 TEST(HostileDirectory, ThatAnybodyCanChangeIsRefused) {
@@ -96,8 +108,7 @@ TEST(HostileDirectory, ThatAnybodyCanChangeIsRefused) {
   ASSERT_EQ(::chmod(directory.path().c_str(), 0777), 0);
   const CommandRun run =
       tendril({"plan", scene_path("brace.toml"), "--plugin-dir", directory.path().string(), "--solver", "nan_solver"});
-  EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.err.find("refused, because others could have changed it"), std::string::npos) << run.err;
+  expect_refused(run, "refused, because others could have changed it");
 }
 
 }  // namespace

@@ -30,10 +30,7 @@ class Shards : public testing::Test {
   test::CommandRun merge() const { return tendril({"study", scene_, "--output", out_, "--merge"}); }
   std::string journal(int i) const { return out_ + "/shard-" + std::to_string(i) + "-of-3.journal"; }
   void expect_refused(const std::string& message) const {
-    const test::CommandRun run = merge();
-    EXPECT_EQ(run.exit_code, 2);
-    EXPECT_EQ(run.out, "");
-    EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+    test::expect_refused(merge(), message);
     EXPECT_FALSE(std::filesystem::exists(out_ + "/study.json"));
   }
 

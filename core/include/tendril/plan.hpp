@@ -48,7 +48,8 @@ struct PlannedContact {
   Vec2 normal{};              ///< unit vector out of the obstacle
   double force = 0.0;         ///< N
   double gap = 0.0;           ///< m
-  /// Part of a run of contacts that stands for a stretch along which the rod lies on the obstacle (execute only).
+  /// The rod lies along the obstacle here: one of a run of contacts that stands for the stretch, or, in a plan that is
+  /// not solved for that reason, the point whose force would be spread.
   bool extended = false;
 };
 
