@@ -8,7 +8,9 @@
 
 namespace tendril {
 
-/// A point of either finger that must not pass the other along a direction: normal . (P_upper - P_lower) >= 0.
+/// A point of either finger that must not pass the other along a direction: normal . (P_upper - P_lower) >= 0. Two
+/// points on the right sides of a line are more than two curves that do not cross need: fingers that hook behind each
+/// other are not found.
 struct FingerSeparation {
   int upper_piece = 0;       ///< of the upper finger's chain
   double upper_sigma = 1.0;  ///< place on the piece, in (0,1]
@@ -32,8 +34,9 @@ struct GraspProgramSpec {
 /// distance): coordinates, moments and contact arc length of each in units of its own rod, then what they share in
 /// units of the grasp; no palm distance where it is fixed. One contact each presses on a round object, so that no force
 /// is left on it exactly if both forces are equal, which the shared variable sees to, and the normals are opposite: one
-/// row. (Forces of their own would make that row, the balance across the axis and the limits of both forces dependent
-/// at every solution.) Forces without friction pass through the centre: no moment is left either.
+/// row, the force along the axis. (Its other root, normals on the same side, leaves a force across the axis, which the
+/// certificate finds. Forces of their own would make that row, the balance across the axis and the limits of both
+/// forces dependent at every solution.) Forces without friction pass through the centre: no moment is left either.
 class TENDRIL_API GraspProgram : public NonlinearProgram {
  public:
   /// Throws Error for fingers that do not have one contact each.
