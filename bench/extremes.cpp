@@ -87,6 +87,7 @@ Result led(plugins::Registry& registry, const Scene& scene, const std::vector<Ve
   return timed([&](Result& out) {
     Problem problem(scene, plugins::make_components(registry, scene));
     std::vector<TargetSpec> all;
+    all.reserve(targets.size());
     for (const Vec2 at : targets) all.push_back({scene.rod.length() * at, std::nullopt});
     Trajectory trajectory = plan_trajectory(all, {}, [&](const TargetSpec& target, const Plan* start, bool follow) {
       problem.set_target(target);
@@ -95,6 +96,7 @@ Result led(plugins::Registry& registry, const Scene& scene, const std::vector<Ve
       control.follow = follow;
       return problem.plan(control);
     });
+    out.earlier.reserve(trajectory.steps.size());
     for (TrajectoryStep& step : trajectory.steps) out.earlier.push_back(std::move(step.plan));
     out.plan = std::move(out.earlier.back());
     out.earlier.pop_back();
