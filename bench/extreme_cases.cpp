@@ -409,16 +409,12 @@ void add_contacts(List& list) {
       list.plan(group, "first reference circle, bent beyond 1/r, one contact", held(wrapping, "require", 1), beyond);
   forced.verdict = "extended";
   forced.quick = true;
-  // Bent back, the two contacts become one at the moment 1/r, where the free end lies on the circle without a force: a
-  // place that no point contact has for its own. The path ends there and says so.
-  const double back = number(4.0);
-  ExtremeCase& merged = list.execution(group, "two contacts on one circle become one", first, {back},
-                                       "at the moment 1/r the free end has the circle's curvature");
-  merged.verdict = "not_converged";
+  // Bent back, the two contacts become one at the moment 1/r, where the free end has the circle's curvature.
+  ExtremeCase& merged =
+      list.execution(group, "two contacts on one circle become one", first, {number(4.0)}, "boundary-value problem");
   merged.before = {wrapping};
   merged.contacts_before = 2;
-  merged.stops_at = (wrapping - 1.0 / radius) / (wrapping - back);
-  merged.message = "contact spreads";
+  merged.contacts = 1;
   // Linear beam theory: the rod touches down at a = (72 h / w)^(1/4), and the wall carries all weight but what hangs in
   // between, of which the clamp has 2/3.
   const double height = number(1e-3);
