@@ -35,9 +35,6 @@ struct ExtremeCase {
   std::string source;     ///< of what is known
   bool executed = false;  ///< carried out, not planned: no coordinate model and no solver take part
   KnownAnswer known{};
-  /// Of an execution that does not arrive: load fraction at which it ends, and what its message says.
-  std::optional<double> stops_at{};
-  std::string message{};
   std::optional<StretchAnswer> stretch{};  ///< of an execution whose verdict is "extended"
   std::string same_as{};                   ///< plans of one family are the same dimensionless plan
   bool against_execution = false;          ///< compared with what the fine basis does under the same moments

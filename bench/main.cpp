@@ -191,6 +191,7 @@ int run(int argc, char** argv) {
     if (std::string_view(part.name) == "extremes") {
       sub->add_option("--held-out", arguments.extent.held_out,
                       "Seed of other numbers, each up to a tenth from those of the table");
+      sub->add_option("--only", arguments.extent.only, "Cases whose group or name holds this");
     }
     part_commands.push_back(sub);
   }
