@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "check_points.hpp"
 #include "earlier_plan.hpp"
@@ -211,7 +212,7 @@ bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
 bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& every_check,
                        Eigen::VectorXd x, const std::vector<Branch>& branches) {
   Candidate c;
-  if (!bring_to_certificate(state, regions, every_check, x, branches, c)) return false;
+  if (!bring_to_certificate(state, regions, every_check, std::move(x), branches, c)) return false;
   // Beside a contact no check point can be: there the rod stays out if the contact does not spread to either side.
   const bool dips =
       c.has_point && !c.certified() && !following_ && !c.program->spec().least_convexity &&
