@@ -32,7 +32,7 @@ TEST(Extremes, EveryGroupTakesPart) {
   std::set<std::string> groups;
   for (const ExtremeRow& row : quick_rows()) groups.insert(row.group);
   for (const char* group :
-       {"scale", "softness", "large angle", "orders", "obstacles", "contact", "instability", "programs"}) {
+       {"scale", "softness", "large angle", "orders", "obstacles", "contact", "shapes", "instability", "programs"}) {
     EXPECT_TRUE(groups.count(group)) << group;
   }
 }
