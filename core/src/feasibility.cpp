@@ -21,11 +21,17 @@ constexpr int most_guesses = 6;
 constexpr int floor_steps = 20;
 constexpr double floor_share = 1e-5;
 
+/// How a step of the restoration sees the violation.
+enum class View {
+  here,  ///< the rows that are violated now, linearly: small steps that mostly stay on their side of an obstacle
+  ahead  ///< rows and bounds that the step itself would meet, and curvature: ends where the other one creeps
+};
+
 /// Least squares of the violation of all rows, within bounds, by damped Newton steps.
 class Restoration {
  public:
-  Restoration(NonlinearProgram& program, ConstVectorRef start)
-      : program_(program), x_(start.cwiseMax(program.lower()).cwiseMin(program.upper())) {
+  Restoration(NonlinearProgram& program, ConstVectorRef start, View view)
+      : program_(program), view_(view), x_(start.cwiseMax(program.lower()).cwiseMin(program.upper())) {
     look(x_, rows_, violation_);
     merit_ = violation_.squaredNorm();
   }
@@ -91,8 +97,8 @@ class Restoration {
         const double merit = next_violation.squaredNorm();
         if (std::isfinite(merit) && merit < merit_) {
           // Almost no progress over a full step: the valley floor of an infeasible program.
-          const bool floor = curved_ && merit > merit_ * (1.0 - 1e-7) && damping_ < 1.0;
-          curved_ = merit > slow * merit_;
+          const bool floor = (curved_ || view_ == View::here) && merit > merit_ * (1.0 - 1e-7) && damping_ < 1.0;
+          curved_ = view_ == View::ahead && merit > slow * merit_;
           x_ = next;
           rows_ = next_rows;
           violation_ = next_violation;
@@ -162,6 +168,7 @@ class Restoration {
     Eigen::VectorXd step;
     for (int guess = 0; guess < most_guesses; ++guess) {
       if (!minimize(guessed, pinned, step)) return false;
+      if (view_ == View::here) break;
       const Eigen::VectorXd predicted = rows_ + jacobian_ * step;
       bool same = true;
       for (int i = 0; i < rows_.size(); ++i) {
@@ -209,6 +216,7 @@ class Restoration {
   }
 
   NonlinearProgram& program_;
+  View view_;
   Eigen::VectorXd x_;
   Eigen::VectorXd rows_, violation_;
   Eigen::MatrixXd jacobian_, curvature_;
@@ -222,7 +230,16 @@ class Restoration {
 
 FeasibilityReport restore_feasibility(NonlinearProgram& program, ConstVectorRef start, double tolerance,
                                       int max_iterations, const std::function<bool()>& stop) {
-  return Restoration(program, start).run(tolerance, max_iterations, stop);
+  FeasibilityReport near = Restoration(program, start, View::here).run(tolerance, max_iterations, stop);
+  if (near.feasible || (stop && stop())) return near;
+  // One stationary point of the violation is not the last word: the other way of looking may come around it.
+  FeasibilityReport far = Restoration(program, start, View::ahead).run(tolerance, max_iterations, stop);
+  far.iterations += near.iterations;
+  if (!far.feasible && near.stationary_violation && near.infeasibility < far.infeasibility) {
+    near.iterations = far.iterations;
+    return near;
+  }
+  return far;
 }
 
 }  // namespace tendril

@@ -140,7 +140,11 @@ Plan Planner::run() {
   search(order);
   search_further(starts(), order);
   settle(order);
-  if (winner_ < 0) look_for_spread();
+  // Where moments can be chosen and every search ended stationary, there is no plan; where none can, what the rod does
+  // is worth telling.
+  const bool chooses = std::any_of(d_.rod.actuators.begin(), d_.rod.actuators.end(),
+                                   [](const Rod::Actuator& a) { return a.minimum < a.maximum; });
+  if (winner_ < 0 && !(chooses && all_infeasible())) look_for_spread();
   return report(states_, winner_);
 }
 
