@@ -10,6 +10,7 @@
 #include <numbers>
 #include <random>
 
+#include "differences.hpp"
 #include "tendril/circle.hpp"
 #include "tendril/finger_clearance.hpp"
 #include "tendril/wall.hpp"
@@ -43,30 +44,6 @@ class Everything : public ObjectiveBase<Everything> {
     }
   }
 };
-
-// Sixth-order central differences, as for the program of one rod.
-constexpr double step = 3e-4;
-constexpr double tolerance = 1e-7;
-
-template <class F>
-Eigen::MatrixXd differences(const Eigen::VectorXd& x, F&& f) {
-  Eigen::MatrixXd out;
-  for (int i = 0; i < x.size(); ++i) {
-    const auto at = [&](double shift) {
-      Eigen::VectorXd moved = x;
-      moved[i] += shift;
-      return Eigen::VectorXd(f(moved));
-    };
-    const Eigen::VectorXd d = (45.0 * (at(step) - at(-step)) - 9.0 * (at(2.0 * step) - at(-2.0 * step)) +
-                               (at(3.0 * step) - at(-3.0 * step))) /
-                              (60.0 * step);
-    if (i == 0) out.resize(d.size(), x.size());
-    out.col(i) = d;
-  }
-  return out;
-}
-
-double largest(const Eigen::MatrixXd& m) { return m.size() == 0 ? 0.0 : m.cwiseAbs().maxCoeff(); }
 
 struct Case {
   const char* name;
@@ -140,37 +117,14 @@ class GraspDerivatives : public testing::TestWithParam<Case> {
 
 TEST_P(GraspDerivatives, FirstDerivativesAgreeWithDifferences) {
   std::mt19937 random(7);
-  for (int trial = 0; trial < 4; ++trial) {
-    const Eigen::VectorXd x = random_point(random);
-    const Eigen::MatrixXd jacobian = differences(x, [&](const Eigen::VectorXd& y) { return program->constraints(y); });
-    EXPECT_LT(largest(program->jacobian(x) - jacobian), tolerance * (1.0 + largest(jacobian)));
-    const Eigen::MatrixXd gradient =
-        differences(x, [&](const Eigen::VectorXd& y) { return Eigen::VectorXd::Constant(1, program->cost(y)); });
-    EXPECT_LT(largest(program->gradient(x).transpose() - gradient), tolerance * (1.0 + largest(gradient)));
-    const Eigen::MatrixXd residuals = differences(x, [&](const Eigen::VectorXd& y) { return program->residuals(y); });
-    EXPECT_LT(largest(program->residual_jacobian(x) - residuals), tolerance * (1.0 + largest(residuals)));
-    const Eigen::MatrixXd rest =
-        differences(x, [&](const Eigen::VectorXd& y) { return Eigen::VectorXd::Constant(1, program->rest(y)); });
-    EXPECT_LT(largest(program->rest_gradient(x).transpose() - rest), tolerance * (1.0 + largest(rest)));
-    EXPECT_NEAR(program->cost(x), program->residuals(x).squaredNorm() + program->rest(x),
-                1e-12 * (1.0 + std::abs(program->cost(x))));
-  }
+  for (int trial = 0; trial < 4; ++trial) expect_first_derivatives(*program, random_point(random));
 }
 
 TEST_P(GraspDerivatives, HessianOfTheLagrangianAgreesWithDifferencesOfItsGradient) {
   std::mt19937 random(11);
-  std::uniform_real_distribution<double> d(-1.0, 1.0);
   for (int trial = 0; trial < 4; ++trial) {
     const Eigen::VectorXd x = random_point(random);
-    Eigen::VectorXd y(program->row_count());
-    for (double& value : y) value = d(random);
-    const double sigma = 0.7;
-    const Eigen::MatrixXd expected = differences(x, [&](const Eigen::VectorXd& z) {
-      return Eigen::VectorXd(sigma * program->gradient(z) + program->jacobian(z).transpose() * y);
-    });
-    const Eigen::MatrixXd h = program->hessian(x, sigma, y);
-    EXPECT_LT(largest(h - expected), tolerance * (1.0 + largest(expected)));
-    EXPECT_LT(largest(h - h.transpose()), 1e-12 * (1.0 + largest(expected)));
+    expect_hessian(*program, x, random);
   }
 }
 
