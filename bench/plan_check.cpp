@@ -81,8 +81,10 @@ class Judge {
   void contacts(PlanCheck& check, double tolerance);
   double penetration(const RodShape::Grid& g);
   bool followed(const Touch& touch) const {
-    return !touch.at_tip && !bodies_[touch.body].half_plane && bodies_[touch.body].radius < tiny_radius;
+    return !touch.at_tip && !bodies_[touch.body].half_plane && bodies_[touch.body].radius < tiny_radius && round(touch);
   }
+  /// Whether the normal turns along the surface there: on the flat sides of capsules and polygons it does not.
+  bool round(const Touch& touch) const;
   /// Where contacts are when the shape is q: those with tiny obstacles at the closest point, the others where they
   /// were.
   std::vector<double> followed_places(const Eigen::VectorXd& q) const;
@@ -203,6 +205,17 @@ void Judge::contacts(PlanCheck& check, double tolerance) {
     const double allowed = closest_point_limit + (bodies_[touch.body].half_plane ? 0.0 : turn);
     if (off > allowed) check.defects.push_back(fmt::format("a contact is no closest point: {:.2e}", off));
   }
+}
+
+bool Judge::round(const Touch& touch) const {
+  const Vec2 at = shape_->point(q_, touch.s).at;
+  // A hundredth of the radius along the surface turns the normal of a round one by a hundredth.
+  constexpr double share = 1e-2;
+  Vec2 here{};
+  Vec2 there{};
+  gap(touch.body, at, here);
+  gap(touch.body, at + share * bodies_[touch.body].radius * turned(here), there);
+  return norm(there - here) > 0.5 * share;
 }
 
 std::vector<double> Judge::followed_places(const Eigen::VectorXd& q) const {
