@@ -31,10 +31,10 @@ struct GraspProgram::Data {
     bool palm = false;  ///< its program has a variable for the palm distance
     Eigen::VectorXd x, multipliers;
 
-    void move(ConstVectorRef whole, int force_variable, int palm_variable) {
+    void move(ConstVectorRef whole, int force, int distance) {
       x.head(own_variables) = whole.segment(first_variable, own_variables);
-      x[own_variables] = whole[force_variable] / force_unit;
-      if (palm) x[own_variables + 1] = whole[palm_variable] / length_unit;
+      x[own_variables] = whole[force] / force_unit;
+      if (palm) x[own_variables + 1] = whole[distance] / length_unit;
     }
   };
 
