@@ -62,6 +62,18 @@ struct Certifier::Data {
 
   double moment_balance(ConstVectorRef x);
   double margin(ConstVectorRef x) { return stability.margin(*program, x); }
+  /// A quadratic form that holds for half of all disturbances is positive there only if it is for all of them: a
+  /// contact at the end of the rod has to hold it as one that slides and as one at the tip.
+  double margin_to_both_sides(ConstVectorRef x) {
+    const double sliding = margin(x);
+    bool leans = false;
+    for (int k = 0; k < program->layout().forces; ++k) leans = leans || Stability::leans_on_end(*program, k);
+    if (!leans) return sliding;
+    stability.hold_ends(true);
+    const double held = margin(x);
+    stability.hold_ends(false);
+    return std::min(sliding, held);
+  }
   void set_branch(int contact, Branch branch) {
     if (program->branch(contact) != branch) program->set_branch(contact, branch);
   }
@@ -289,7 +301,7 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
     if (std::isnan(convexity) || convexity < c.contact_convexity) c.contact_convexity = convexity;
   }
   c.moment_balance = d.moment_balance(x);
-  c.stability = spreads(c) ? -infinity : d.margin(x);
+  c.stability = spreads(c) ? -infinity : d.margin_to_both_sides(x);
 }
 
 Certificate worse_of(const Certificate& a, const Certificate& b) {

@@ -10,8 +10,8 @@
 namespace tendril {
 namespace {
 
-constexpr int order = 6;                                       ///< functions per piece
-constexpr int pieces_per_rod = 8;                              ///< at least
+constexpr int fine_order = 6;                                  ///< functions per piece of the fine basis
+constexpr int pieces_per_rod = 8;                              ///< at least, of the fine basis
 constexpr int checks_per_rod = 160;                            ///< at least, per obstacle
 constexpr double first_stiffness = 1e4, last_stiffness = 1e7;  ///< of the penalty, energy per length squared
 constexpr double longest_step = 0.25;   ///< of the trust region, in the metric of the bending energy
@@ -24,11 +24,10 @@ constexpr int most_rounds = 40;         ///< of multipliers
 
 class Valley {
  public:
-  explicit Valley(const LoadPath& path)
-      : path_(path),
-        basis_(std::make_shared<LegendreBasis>(order, pieces(path.rod()))),
-        program_(std::make_unique<PoseProgram>(spec())) {
+  Valley(const LoadPath& path, std::shared_ptr<const CoordinateModel> basis)
+      : path_(path), basis_(std::move(basis)), program_(std::make_unique<PoseProgram>(spec())) {
     const Chain& chain = program_->chain();
+    const int functions = chain.functions();
     n_ = chain.coordinate_count();
     held_ = Eigen::VectorXd::Zero(program_->layout().checks);
     x_ = Eigen::VectorXd::Zero(program_->variable_count());
@@ -36,12 +35,12 @@ class Valley {
       x_[program_->moment_variable(a)] = path.moment(static_cast<std::size_t>(a), path.load());
     }
     const Eigen::LLT<Eigen::MatrixXd> llt(chain.table().stiffness);
-    const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(order, order);
+    const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(functions, functions);
     const Eigen::MatrixXd block = llt.matrixU().solve(unit);
     // q = T y makes the bending energy |y|^2 / 2.
     scale_ = Eigen::MatrixXd::Zero(n_, n_);
     for (int j = 0; j < chain.piece_count(); ++j) {
-      scale_.block(j * order, j * order, order, order) =
+      scale_.block(j * functions, j * functions, functions, functions) =
           std::sqrt(chain.length0()[j] / chain.piece(j).stiffness) * block;
     }
   }
@@ -54,7 +53,7 @@ class Valley {
         scaled[static_cast<std::size_t>(g)] =
             chain.length0()[j] * curvature(chain.start0()[j] + chain.length0()[j] * chain.table().sigma[g]);
       }
-      x_.segment(j * order, order) = chain.project(scaled);
+      x_.segment(j * chain.functions(), chain.functions()) = chain.project(scaled);
     }
   }
 
@@ -129,8 +128,6 @@ class Valley {
     }
     return all;
   }
-  const std::shared_ptr<const LegendreBasis>& basis() const { return basis_; }
-
   void move(const Eigen::VectorXd& step) { x_.head(n_) += scale_ * step; }
   int size() const { return n_; }
 
@@ -146,7 +143,7 @@ class Valley {
     const std::vector<CheckPoint>& checks = program_->spec().checks;
     std::vector<PressedRun> all;
     for (int o = 0; o < static_cast<int>(path_.obstacles().size()); ++o) {
-      int previous = -2;
+      int previous = -3;
       int station = -1;
       for (int i = 0; i < at.checks; ++i) {
         const CheckPoint& c = checks[static_cast<std::size_t>(i)];
@@ -176,17 +173,12 @@ class Valley {
   }
 
  private:
-  static int pieces(const Rod& rod) {
-    const auto stretches = static_cast<int>(rod.fixed_knots().size()) - 1;
-    return std::max(1, (pieces_per_rod + stretches - 1) / stretches);
-  }
-
   PoseProgramSpec spec() const {
     PoseProgramSpec s;
     s.rod = &path_.rod();
     s.model = basis_.get();
     s.obstacles = path_.obstacles();
-    s.nodes = suggested_nodes(order, 4.0);
+    s.nodes = suggested_nodes(basis_->function_count(), 4.0);
     const Chain chain(path_.rod(), *basis_, {}, 1);
     for (int o = 0; o < static_cast<int>(s.obstacles.size()); ++o) {
       if (s.obstacles[static_cast<std::size_t>(o)]->at(path_.rod().base).distance > 1.0) continue;
@@ -211,7 +203,7 @@ class Valley {
     for (int j = chain.piece_count() - 1; j >= 0; --j) {
       const Chain::Piece& piece = chain.piece(j);
       const double h = shape.length(j);
-      const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), order);
+      const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), chain.functions());
       double moment = piece.stiffness * piece.rest_curvature;
       for (int a = 0; a < chain.actuator_count(); ++a) {
         if (chain.actuated(a, j)) moment += x[program_->moment_variable(a)];
@@ -229,7 +221,7 @@ class Valley {
   }
 
   const LoadPath& path_;
-  std::shared_ptr<const LegendreBasis> basis_;
+  std::shared_ptr<const CoordinateModel> basis_;
   std::unique_ptr<PoseProgram> program_;
   int n_ = 0;
   Eigen::VectorXd x_;
@@ -256,13 +248,8 @@ Eigen::VectorXd trust_step(const Eigen::VectorXd& slopes, const Eigen::VectorXd&
   return (-slopes.array() / (bends.array() + high)).matrix();
 }
 
-}  // namespace
-
-Descent descend(const LoadPath& path, const std::function<double(double)>& curvature,
-                const std::function<bool()>& must_stop, bool rigid) {
+Descent go_down(Valley& valley, const std::function<bool()>& must_stop, bool rigid) {
   Descent result;
-  Valley valley(path);
-  valley.start(curvature);
   Eigen::VectorXd gradient;
   Eigen::MatrixXd hessian;
   double stiffness = first_stiffness;
@@ -323,12 +310,33 @@ Descent descend(const LoadPath& path, const std::function<double(double)>& curva
     result.points = valley.points();
     result.depth = valley.depth();
   }
-  result.basis = valley.basis();
   result.converged = true;
+  result.stiffness = stiffness;
   result.shape = valley.shape();
   result.runs = valley.runs(stiffness);
   result.energy = valley.energy(nullptr, stiffness);
   return result;
+}
+
+}  // namespace
+
+Descent descend(const LoadPath& path, const std::function<double(double)>& curvature,
+                const std::function<bool()>& must_stop, bool rigid) {
+  const auto stretches = static_cast<int>(path.rod().fixed_knots().size()) - 1;
+  const auto basis =
+      std::make_shared<const LegendreBasis>(fine_order, std::max(1, (pieces_per_rod + stretches - 1) / stretches));
+  Valley valley(path, basis);
+  valley.start(curvature);
+  Descent result = go_down(valley, must_stop, rigid);
+  result.basis = basis;
+  return result;
+}
+
+Descent descend_in(const CoordinateModel& model, const LoadPath& path, const std::function<double(double)>& curvature,
+                   const std::function<bool()>& must_stop) {
+  Valley valley(path, {std::shared_ptr<const CoordinateModel>(), &model});
+  valley.start(curvature);
+  return go_down(valley, must_stop, false);
 }
 
 }  // namespace tendril

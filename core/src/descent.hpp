@@ -30,11 +30,12 @@ struct Descent {
   Shape shape;
   std::vector<PressedRun> runs;
   double energy = 0.0;
+  double stiffness = 0.0;  ///< of the penalty at last, energy per length squared
   /// With rigid obstacles: every check point that presses, and what is left of the softness.
   std::vector<PressedPoint> points;
-  std::shared_ptr<const LegendreBasis> basis;
-  double depth = 0.0;     ///< of any check point
-  double gradient = 0.0;  ///< of the Lagrangian, in the metric of the bending energy
+  std::shared_ptr<const LegendreBasis> basis;  ///< of descend()
+  double depth = 0.0;                          ///< of any check point
+  double gradient = 0.0;                       ///< of the Lagrangian, in the metric of the bending energy
 };
 
 /// Walks downhill from a shape that is no stable equilibrium to one that is, at the loads of `path` as they stand:
@@ -44,5 +45,9 @@ struct Descent {
 /// points stay outside, and their multipliers are the force that is distributed along the rod.
 Descent descend(const LoadPath& path, const std::function<double(double)>& curvature,
                 const std::function<bool()>& must_stop, bool rigid = false);
+
+/// The same in the coordinates of a model, not split at contacts, with soft obstacles. `model` must outlive the result.
+Descent descend_in(const CoordinateModel& model, const LoadPath& path, const std::function<double(double)>& curvature,
+                   const std::function<bool()>& must_stop);
 
 }  // namespace tendril

@@ -1,15 +1,9 @@
 #include "margin_row.hpp"
 
+#include "equations_alone.hpp"
+
 namespace tendril {
 namespace {
-
-PoseProgramSpec without_row(PoseProgramSpec spec) {
-  spec.least_margin.reset();
-  spec.least_convexity.reset();
-  spec.checks.clear();
-  spec.terms.clear();
-  return spec;
-}
 
 /// With nothing left free there is nothing to be unstable: the margin of a rod without loads.
 double bounded(double margin) { return margin == infinity ? 1.0 : margin; }
@@ -17,7 +11,7 @@ double bounded(double margin) { return margin == infinity ? 1.0 : margin; }
 }  // namespace
 
 MarginRow::MarginRow(const PoseProgramSpec& spec)
-    : program_(without_row(spec)), stability_(program_), learned_(program_.variable_count()) {
+    : program_(equations_alone(spec)), stability_(program_), learned_(program_.variable_count()) {
   gradient_.setZero(program_.variable_count());
 }
 

@@ -13,6 +13,25 @@
 
 namespace tendril {
 void Planner::consider(ModeState& state, const StartShape& shape) {
+  if (rest_is_due(modes_[static_cast<std::size_t>(state.mode)])) start_from_rests();
+  consider(state, [&] {
+    try_start(state, shape);
+    // Where nothing presses, a plan of another mode nearly belongs to this one too: what costs more lies on another
+    // side of an obstacle, and the better side is worth a start. The contacts of a grasp always press, but where its
+    // balance is left to an objective, that has as many sides.
+    if (balanced_by_row() || winner_ < 0 || winner_ == state.mode || !state.best.certified() || must_stop() ||
+        !(state.best.objective > best_objective() + beats)) {
+      return;
+    }
+    const Candidate& better = states_[static_cast<std::size_t>(winner_)].best;
+    StartShape from = better.program->shape_of(better.x);
+    from.arc_lengths.clear();
+    from.forces.clear();
+    try_start(state, from);
+  });
+}
+
+void Planner::consider(ModeState& state, const std::function<void()>& trial) {
   if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty() || must_stop()) return;
   if (best_objective() <= d_.objective_bound + beats) {
     if (state.starts_used == 0) state.record.outcome = "skipped: no plan can cost less than the one found";
@@ -20,21 +39,14 @@ void Planner::consider(ModeState& state, const StartShape& shape) {
   }
   const int before = state.stationary_violations;
   const double begin = now();
-  try_start(state, shape);
-  // Where nothing presses, a plan of another mode nearly belongs to this one too: what costs more lies on another side
-  // of an obstacle, and the better side is worth a start. The contacts of a grasp always press, but where its
-  // balance is left to an objective, that has as many sides.
-  if (!balanced_by_row() && winner_ >= 0 && winner_ != state.mode && state.best.certified() && !must_stop() &&
-      state.best.objective > best_objective() + beats) {
-    const Candidate& better = states_[static_cast<std::size_t>(winner_)].best;
-    StartShape from = better.program->shape_of(better.x);
-    from.arc_lengths.clear();
-    from.forces.clear();
-    try_start(state, from);
-  }
+  trial();
   state.record.seconds += now() - begin;
   // One start is one piece of evidence, however many programs it led to.
   state.stationary_violations = std::min(state.stationary_violations, before + 1);
+  if (d_.least_margin && state.stationary_violations > before) {
+    state.stationary_violations = before;
+    ++state.unheld;
+  }
   // A grown mode whose new contact does not press is the smaller one with one more knot: no better a plan.
   const bool grown = static_cast<std::size_t>(state.mode) >= d_.modes.size();
   const bool repeats = grown && winner_ >= 0 && state.best.has_point && !all_press(state);
@@ -140,6 +152,7 @@ Plan Planner::run() {
   search(order);
   search_further(starts(), order);
   settle(order);
+  look_for_stable(order);
   // Where moments can be chosen and every search ended stationary, there is no plan; where none can, what the rod does
   // is worth telling.
   const bool chooses = std::any_of(d_.rod.actuators.begin(), d_.rod.actuators.end(),
@@ -154,6 +167,10 @@ void Planner::search(const std::vector<std::size_t>& order) {
     // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
     // families with several valleys of the effort; what follows its own starts is no equilibrium.
     if (winner_ >= 0 && (balanced_by_row() ? round >= earlier + grasp_starts : round > 0 && !d_.palm)) break;
+    round_ = round;
+    // Before the second start per mode the rod itself shows where it can be.
+    if (round > 0 && !d_.palm && !rested_ && winner_ < 0) start_from_rests();
+    if (winner_ >= 0 && round > 0 && !d_.palm) break;
     deferring_ = balanced_by_row();
     for (const std::size_t i : order) {
       states_[i].deferred = false;
@@ -196,11 +213,17 @@ void Planner::start_from_balance(const std::vector<std::size_t>& order) {
   consider(states_[static_cast<std::size_t>(mode)], shape);
 }
 
+bool Planner::without_stable_plan(const ModeState& state) const {
+  if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty()) return true;
+  if (state.best.certified()) return false;
+  // Rows that have no common point have none with stability either.
+  const int without = state.best.has_point ? 0 : state.stationary_violations;
+  return without + state.unheld >= most_starts;
+}
+
 bool Planner::all_infeasible() const {
-  return std::all_of(states_.begin(), states_.end(), [&](const ModeState& state) {
-    return !modes_[static_cast<std::size_t>(state.mode)].skip.empty() ||
-           (!state.best.has_point && state.stationary_violations >= most_starts);
-  });
+  return std::all_of(states_.begin(), states_.end(),
+                     [this](const ModeState& state) { return without_stable_plan(state); });
 }
 
 void Planner::search_further(int starts, const std::vector<std::size_t>& order) {

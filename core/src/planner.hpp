@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +13,7 @@
 #include "load_path.hpp"
 #include "problem_data.hpp"
 #include "program_search.hpp"
+#include "statics.hpp"
 #include "tendril/certificate.hpp"
 #include "tendril/feasibility.hpp"
 #include "tendril/tolerances.hpp"
@@ -23,6 +27,13 @@ inline constexpr int spread_starts = 5;     ///< per mode, to see whether a cont
 inline constexpr double little_time = 0.7;  ///< of the time limit: with less left and no plan, the search hurries
 inline constexpr double beats = 1e-12;      ///< an objective must be lower by this to win
 
+/// A stable shape of the rod under moments that are known.
+struct Rest {
+  std::function<double(double)> curvature;
+  std::vector<double> moments;  ///< EI/L, one per actuator
+  std::vector<PointContact> contacts;
+};
+
 /// A mode's best point so far and what is known about it.
 struct Candidate {
   std::unique_ptr<PoseProgram> program;
@@ -33,6 +44,26 @@ struct Candidate {
   OptimalityReport solver;      ///< of the solve that led here
   bool has_point = false;
   bool certified() const { return has_point && certificate.valid(); }
+};
+
+/// While it lives, programs have rows that keep equilibria stable and contacts points.
+class HeldStable {
+ public:
+  explicit HeldStable(Problem::Data& data)
+      : data_(data), margin_before_(data.least_margin), convexity_before_(data.least_convexity) {
+    data_.least_margin = tolerance::held_margin;
+    data_.least_convexity = tolerance::held_convexity;
+  }
+  ~HeldStable() {
+    data_.least_margin = margin_before_;
+    data_.least_convexity = convexity_before_;
+  }
+  HeldStable(const HeldStable&) = delete;
+  HeldStable& operator=(const HeldStable&) = delete;
+
+ private:
+  Problem::Data& data_;
+  std::optional<double> margin_before_, convexity_before_;
 };
 
 class Planner {
@@ -52,36 +83,68 @@ class Planner {
     Candidate spread;       ///< a point that fails because its contact spreads
     StartShape nearest;     ///< where the violation of the rows was least, as long as there is no point
     bool deferred = false;  ///< the last start was left to times without any plan
+    int unheld = 0;         ///< starts that ended where the violation of the rows, stability among them, is stationary
   };
 
   bool must_stop() const { return steps_.must_stop(); }
   /// So much time has gone without a plan that what is left has to be enough for all that was not tried.
-  bool hurried() const { return !have_plan_ && steps_.deadline() - now() < little_time * d_.scene.solver.time_limit; }
+  bool hurried() const {
+    const bool looked = rested_ && round_ > 0;  // every mode had its start, and the rod was asked
+    return !have_plan_ && (looked || steps_.deadline() - now() < little_time * d_.scene.solver.time_limit);
+  }
 
   StartShape start_shape(int index, const Mode& mode) const;
   /// Loads decide how the rod hangs.
   bool loaded() const;
+  double load_size() const;  ///< of all that pulls at the rod, EI/L^2
   /// The rod without moments as its loads pull it: along them but for a bend next to the clamp.
   StartShape hanging(bool long_way) const;
   /// Where no plan was found: more starts, then every assignment of contacts if there are not too many.
   void search_further(int starts, const std::vector<std::size_t>& order);
   /// Every mode that could be had ended where its violation is stationary.
   bool all_infeasible() const;
+  /// From enough starts no stable plan of this mode is near: its rows have none, or none that is stable.
+  bool without_stable_plan(const ModeState& state) const;
+  /// Where equilibria were found, but no stable one: looks for one from every start, until the violation of the rows,
+  /// with stability and point contact among them, is known to be stationary from enough of them.
+  void look_for_stable(const std::vector<std::size_t>& order);
   /// Where every search ended at an equilibrium that is not stable, or at none: what the rod would do under the moments
   /// found, or under the least ones, shows stable shapes to start from. If that is not enough, programs that keep a
   /// margin of stability are solved from there.
   void settle(const std::vector<std::size_t>& order);
   /// The best point that fails because it is unstable, or null.
   const Candidate* best_unstable() const;
-  /// The plan's moments of a point, or the least ones that the limits allow; N m.
+  /// The plan's moments of a point, or the least ones that the limits allow; EI/L.
   std::vector<double> moments_of(const Candidate* point) const;
-  /// Moments over the range of the limits, N m: the least ones, and single actuators at and towards their limits.
+  /// Moments over the range of the limits, EI/L: the least ones, then single actuators at and towards their limits,
+  /// then two of them.
   std::vector<std::vector<double>> sampled_moments() const;
-  /// Where the rod comes to rest under these moments (N m). False: nowhere that can be told in `share` of the time
-  /// left.
-  bool come_to_rest(const std::vector<double>& moments, double share, Plan& rest) const;
+  /// What the rod does under these moments (EI/L), in the executor's own coordinates. Nothing: it cannot be told in
+  /// `share` of the time left.
+  std::optional<Rest> executed(const std::vector<double>& moments, double share) const;
+  /// Downhill from a shape in the coordinates of the plan, which are few, or the same as executed() where they are
+  /// many: these bend as the executor's do.
+  std::optional<Rest> come_to_rest(const std::vector<double>& moments, const StartShape& from, double share) const;
+  /// The shape of a rest for a mode, with its contacts as far as it has them.
+  static StartShape shape_of_rest(const Rest& rest, const Mode& mode);
+  /// The contacts that press, in order along the rod; nothing where a plan may not have so many, or none.
+  std::optional<std::vector<ContactSetup>> contacts_of_rest(const Rest& rest) const;
+  /// A plan from a rest, touching what it touches: the moments are chosen along stable equilibria.
+  void consider_rest(const Rest& rest);
+  void start_from_rest(ModeState& state, const Rest& rest);
+  /// Along the equilibria that x belongs to, to the best moments near: the solver sees these alone.
+  void slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
+  /// Whether a program is so large that it is solved along equilibria alone.
+  bool slides(const PoseProgram& program) const;
+  /// From x, with every contact closed, to an equilibrium near that the rows allow, and along equilibria from there.
+  /// False: there is none near.
+  bool come_to_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
+  /// Whether so much was tried without a plan that the rod itself is asked for one; once.
+  bool rest_is_due(const Mode& mode);
+  /// Plans from where the rod rests under the least moments.
+  void start_from_rests();
   /// The objective may fall along stable equilibria up to their end: the plan is then held at the limit of stability.
-  void hold_stable(const std::vector<Plan>& rests, const std::vector<std::size_t>& order);
+  void hold_stable(const std::vector<Rest>& rests, const std::vector<std::size_t>& order);
   /// A start of a grasp. Without a force the row of the balance says nothing about where the contact should be.
   StartShape held(double tip_angle, const Mode& mode) const;
   /// Looks for plans from every start that there is for the modes in `order`.
@@ -128,6 +191,7 @@ class Planner {
   int follow();
   /// Whether a plan from this start could still win; then it is looked for.
   void consider(ModeState& state, const StartShape& shape);
+  void consider(ModeState& state, const std::function<void()>& trial);
   /// Adds contacts to the best modes of each size.
   void grow();
   std::size_t state_of(const std::vector<ContactSetup>& contacts);
@@ -146,19 +210,24 @@ class Planner {
   /// Where no plan was found: whether contacts hold the rod where it may run into obstacles elsewhere, and spread
   /// there. Then it lies along an obstacle, which is why no point of contact keeps it outside.
   void look_for_spread();
-  Plan report(std::vector<ModeState>& states, int winner);
-  std::string nearest_failure(const std::vector<ModeState>& states) const;
+  Plan report(std::deque<ModeState>& states, int winner);
+  std::string told_infeasibility(const std::deque<ModeState>& states) const;
+  std::string nearest_failure(const std::deque<ModeState>& states) const;
 
   Problem::Data& d_;
   const PlanControl& control_;
   std::vector<Mode> modes_;  ///< those of the problem, then what the search adds
   ProgramSearch steps_;
-  std::vector<ModeState> states_;
+  std::deque<ModeState> states_;  ///< one per mode; stay where they are as modes are added
   int winner_ = -1;
   bool have_plan_ = false;                ///< some mode is certified
   bool following_ = false;                ///< only Newton may move points
   double balanced_objective_ = infinity;  ///< scaled, of start_from_balance()
   bool deferring_ = false;                ///< starts of a grasp that do not look promising wait for the others
+  bool proving_ = false;                  ///< a look at the violation comes before every search
+  bool rested_ = false;                   ///< start_from_rests() was done
+  int round_ = 0;                         ///< of search(): each has one start per mode
+  int values_tried_ = 0;                  ///< coordinates of all programs that led to no plan
   std::string unfit_;                     ///< a term that gave no number, in words
   bool every_assignment_tried_ = false;   ///< although they are too many to begin with
 };

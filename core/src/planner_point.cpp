@@ -197,7 +197,7 @@ void Planner::keep_nearest(ModeState& state, const PoseProgram& program, const F
 }
 
 bool Planner::nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x) {
-  const FeasibilityReport f = steps_.look(program, x);
+  const FeasibilityReport f = steps_.look(program, x, proving_);
   if (!f.stationary_violation) return false;
   const double least = state.violation;
   ProgramSearch::note(state, program, f);
@@ -359,7 +359,14 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
       spec.checks = checks;
       PoseProgram program(spec);
       Eigen::VectorXd x = program.start_from(shape);
-      if (hurried() && nothing_near(state, program, x)) break;
+      if ((proving_ || hurried()) && nothing_near(state, program, x)) break;
+      // Of many values most follow from the moments: what a solver would do with all of them takes it minutes.
+      if (slides(program)) {
+        if (!come_to_point(state, program, x)) break;
+        touching = true;
+        if (complete(state, regions, checks, x, branches_of(program))) break;
+        continue;
+      }
       if (!swell(state, spec, shape, branch, program, x) && !find_point(state, program, x, branch)) {
         if (state.last.status == SolveStatus::not_finite) note_unfit_term(program, x);
         break;
@@ -372,13 +379,15 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
     return touching;
   };
   const int stationary_before = state.stationary_violations;
-  const bool touching = search(required ? Branch::touching : Branch::open);
+  // A contact that does not touch belongs to a smaller mode, and has its proof there.
+  const bool direct = required || proving_ || slides(PoseProgram(spec));
+  const bool touching = search(direct ? Branch::touching : Branch::open);
   // A contact that the treatment let go, or could not decide: the branch that touches is a program of its own. It is
   // part of the one just searched, so where that has nothing feasible and a plan is at hand, it is not searched again.
   const bool hopeless = have_plan_ && !state.best.has_point && state.stationary_violations > stationary_before;
   const bool out_of_time = hurried() && state.stationary_violations > stationary_before;
   const bool missing =
-      !mode.contacts.empty() && !required && !hopeless && !out_of_time && (!touching || !state.best.certified());
+      !mode.contacts.empty() && !direct && !hopeless && !out_of_time && (!touching || !state.best.certified());
   if (missing && !must_stop()) search(Branch::touching);
 }
 

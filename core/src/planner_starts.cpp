@@ -50,7 +50,9 @@ StartShape Planner::start_shape(int index, const Mode& mode) const {
   return d_.palm ? held(angle, mode) : constant_curvature(angle);
 }
 
-bool Planner::loaded() const { return !d_.palm && norm(load_of(d_.rod)) > bends; }
+double Planner::load_size() const { return norm(load_of(d_.rod)); }
+
+bool Planner::loaded() const { return !d_.palm && load_size() > bends; }
 
 StartShape Planner::hanging(bool long_way) const {
   const Vec2 load = load_of(d_.rod);

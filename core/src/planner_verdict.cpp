@@ -12,13 +12,25 @@
 
 namespace tendril {
 /// Where the violation was least, and which limits stood in the way.
-std::string Planner::nearest_failure(const std::vector<ModeState>& states) const {
+std::string Planner::nearest_failure(const std::deque<ModeState>& states) const {
   const auto least = std::min_element(states.begin(), states.end(),
                                       [](const ModeState& a, const ModeState& b) { return a.violation < b.violation; });
   return least == states.end() ? "" : told_failure(*least);
 }
 
-Plan Planner::report(std::vector<ModeState>& states, int winner) {
+std::string Planner::told_infeasibility(const std::deque<ModeState>& states) const {
+  const bool some = std::any_of(states.begin(), states.end(), [](const ModeState& s) { return s.best.has_point; });
+  char kept[160];
+  std::snprintf(
+      kept, sizeof kept,
+      "; a margin of stability of %g and contact at points are among these: without them there are equilibria",
+      tolerance::held_margin);
+  return "infeasible: from " + std::to_string(most_starts) +
+         " starts per mode every search ended where no change of the plan reduces the violation of its constraints" +
+         (some ? kept : "") + nearest_failure(states);
+}
+
+Plan Planner::report(std::deque<ModeState>& states, int winner) {
   Plan plan;
   plan.coordinates_name = d_.scene.coordinates.plugin;
   plan.order = d_.components.coordinates->function_count();
@@ -143,12 +155,8 @@ Plan Planner::report(std::vector<ModeState>& states, int winner) {
     // A search that is no enumeration proves nothing; but a contact out of reach stays out of reach beside others.
     if (all_infeasible() && (d_.enumerated || every_assignment_tried_ || by_bound)) {
       plan.status = PlanStatus::infeasible;
-      plan.message = by_bound
-                         ? "infeasible by a bound: " + (d_.palm ? modes_.back() : modes_.front()).skip
-                         : "infeasible: from " + std::to_string(most_starts) +
-                               " starts per mode every search ended where no change of the plan reduces the violation "
-                               "of its constraints" +
-                               nearest_failure(states);
+      plan.message = by_bound ? "infeasible by a bound: " + (d_.palm ? modes_.back() : modes_.front()).skip
+                              : told_infeasibility(states);
     } else if (chosen != nullptr) {
       const Certificate& c = chosen->certificate;
       const bool only_unstable =

@@ -14,7 +14,8 @@ namespace {
 constexpr int patience = 8;             ///< iterations of a solve, over those of the slowest solve that converged
 constexpr double most_of_time = 0.4;    ///< of what is left, for one solve: there are other ways if it gets stuck
 constexpr int most_restorations = 400;  ///< steps
-constexpr double at_limit = 1e-9;       ///< a variable this near to its limit stands at it, in reports
+constexpr int patient_restorations = 4000;
+constexpr double at_limit = 1e-9;  ///< a variable this near to its limit stands at it, in reports
 
 void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
   to.values += more.values;
@@ -130,10 +131,10 @@ bool ProgramSearch::sharpen(Attempt& attempt, NonlinearProgram& program, Eigen::
   return r.infeasibility <= restored;
 }
 
-FeasibilityReport ProgramSearch::look(NonlinearProgram& program, const Eigen::VectorXd& x) {
+FeasibilityReport ProgramSearch::look(NonlinearProgram& program, const Eigen::VectorXd& x, bool patiently) {
   const EvaluationCounts before = program.counts();
-  FeasibilityReport report =
-      restore_feasibility(program, x, restored, most_restorations, [this] { return must_stop(); });
+  FeasibilityReport report = restore_feasibility(
+      program, x, restored, patiently ? patient_restorations : most_restorations, [this] { return must_stop(); });
   add_difference(tally.outside_solver, program.counts(), before);
   return report;
 }

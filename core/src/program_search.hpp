@@ -69,8 +69,8 @@ class ProgramSearch {
   bool sharpen(Attempt& attempt, NonlinearProgram& program, Eigen::VectorXd& x, bool solver_allowed);
   /// Reduces the violation alone, and remembers where there is nothing feasible near.
   FeasibilityReport restore(Attempt& attempt, NonlinearProgram& program, const Eigen::VectorXd& x);
-  /// The same as a look that leaves no trace but its counts.
-  FeasibilityReport look(NonlinearProgram& program, const Eigen::VectorXd& x);
+  /// The same as a look that leaves no trace but its counts; `patiently`: however slowly the violation falls.
+  FeasibilityReport look(NonlinearProgram& program, const Eigen::VectorXd& x, bool patiently = false);
 
   /// Remembers what such a look came to, where it ended at no feasible point.
   static void note(Attempt& attempt, const NonlinearProgram& program, const FeasibilityReport& f);

@@ -26,6 +26,11 @@ Stability::Stability(const PoseProgram& program) {
   touching_.reserve(program.spec().contacts.size());
 }
 
+bool Stability::leans_on_end(const PoseProgram& program, int contact) {
+  return !program.spec().contacts[static_cast<std::size_t>(contact)].at_tip &&
+         program.contacts()[static_cast<std::size_t>(contact)].arc_length >= 1.0 - 2.0 * knot_clearance;
+}
+
 void Stability::second_variation(PoseProgram& program, ConstVectorRef x, Eigen::MatrixXd& h) {
   const int n = program.layout().coordinates;
   // dh_e/dq is minus the second derivative of Pi plus the turning of the contact forces, all at frozen knots.
@@ -34,6 +39,7 @@ void Stability::second_variation(PoseProgram& program, ConstVectorRef x, Eigen::
     const PoseProgram::ContactState& c = program.contacts()[static_cast<std::size_t>(k)];
     if (program.spec().contacts[static_cast<std::size_t>(k)].at_tip || !(std::abs(c.force) > tolerance::force))
       continue;
+    if (ends_hold_ && leans_on_end(program, k)) continue;
     program.contact_rows(k, point_x_, point_y_, angle_);
     const Vec2 tau = turned(c.surface.normal);
     const double along = c.surface.curvature * dot(tau, c.tangent);

@@ -18,6 +18,12 @@ class Stability {
   /// For programs on the chain of `program`, with its variables.
   explicit Stability(const PoseProgram& program);
 
+  /// Contacts inside the rod that lean on its end slide no farther: disturbed to that side they are contacts at the
+  /// tip.
+  void hold_ends(bool hold) { ends_hold_ = hold; }
+  /// Whether contact k inside the rod leans on its end at the point computed last.
+  static bool leans_on_end(const PoseProgram& program, int contact);
+
   /// H before projection at x: coordinates() squared.
   void second_variation(PoseProgram& program, ConstVectorRef x, Eigen::MatrixXd& h);
   /// The margin mu at x. Infinity where contacts leave nothing free, minus infinity where H is not finite.
@@ -32,6 +38,7 @@ class Stability {
   void find_multipliers();
   void sum_gradient(PoseProgram& program, ConstVectorRef x, double eigenvalue, VectorRef gradient);
 
+  bool ends_hold_ = false;
   Eigen::MatrixXd inverse_;  ///< U^-1 of the basis' stiffness U^T U
   std::vector<int> touching_;
   Eigen::MatrixXd hessian_, block_, normals_, free_, shifted_;

@@ -18,7 +18,7 @@ constexpr double newton_step = 1e-9;      ///< likewise for the last step in the
 
 }  // namespace
 
-Shape::Shape(std::shared_ptr<const LegendreBasis> basis, const Backbone& backbone, ConstVectorRef coordinates)
+Shape::Shape(std::shared_ptr<const CoordinateModel> basis, const Backbone& backbone, ConstVectorRef coordinates)
     : basis_(std::move(basis)) {
   const Chain& chain = backbone.chain();
   for (int j = 0; j < chain.piece_count(); ++j) {

@@ -11,18 +11,18 @@
 
 namespace tendril {
 
-/// A curvature in pieces of Legendre series, by value: how a shape passes from one basis to another.
+/// A curvature in pieces, by value: how a shape passes from one basis to another.
 class Shape {
  public:
   Shape() = default;
-  Shape(std::shared_ptr<const LegendreBasis> basis, const Backbone& backbone, ConstVectorRef coordinates);
+  Shape(std::shared_ptr<const CoordinateModel> basis, const Backbone& backbone, ConstVectorRef coordinates);
   double curvature(double s) const;
   bool empty() const { return lengths_.empty(); }
   /// This curvature plus `factor` times another one.
   std::function<double(double)> plus(double factor, const Shape& other) const;
 
  private:
-  std::shared_ptr<const LegendreBasis> basis_;
+  std::shared_ptr<const CoordinateModel> basis_;
   std::vector<double> starts_, lengths_;
   Eigen::MatrixXd coordinates_;  // functions x pieces
 };

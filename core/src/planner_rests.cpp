@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "check_points.hpp"
+#include "contact_search.hpp"
+#include "descent.hpp"
+#include "plan_report.hpp"
+#include "planner.hpp"
+#include "problem_data.hpp"
+#include "tendril/error.hpp"
+#include "tendril/execute.hpp"
+#include "tendril/reduced_program.hpp"
+
+namespace tendril {
+namespace {
+
+/// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
+constexpr int few_values = 60;         ///< coordinates, up to which the rod settles in those of the plan
+constexpr int many_values = 150;       ///< coordinates of programs that led to no plan, before the rod itself is asked
+constexpr int most_exchanges = 8;      ///< rounds in which check points are added along equilibria
+constexpr int useless_rests = 6;       ///< in a row, before plans are sought in other ways
+constexpr double deepest = 1e-2;       ///< (L) of soft obstacles: a rod that is pressed in farther is not resting
+constexpr double resting_time = 0.1;   ///< of what is left, for one rest
+constexpr double sampling_time = 0.3;  ///< of what is left, for all before the ordinary search goes on
+
+}  // namespace
+
+std::optional<Rest> Planner::executed(const std::vector<double>& moments, double share) const {
+  ExecuteControl control;
+  control.stop = control_.stop;
+  control.time_limit = std::max(1e-3, share * (steps_.deadline() - now()));
+  control.with_obstacles = !d_.obstacles.empty();
+  std::vector<double> in_si;
+  for (const double m : moments) in_si.push_back(m * d_.scale.moment());
+  // A start through the middle of an obstacle leads nowhere: the rod is bent out of the way.
+  Scene scene = d_.scene;
+  Plan plan;
+  for (const double bent : {0.0, 1.0, -1.0, 2.0, -2.0}) {
+    scene.start_tip_angle = d_.scene.start_tip_angle + bent;
+    try {
+      plan = execute(scene, d_.components.obstacles, in_si, control).result;
+      break;
+    } catch (const SceneError&) {
+      plan = {};
+    }
+  }
+  if (plan.backbone.empty()) return std::nullopt;
+  Rest rest{curvature_of(plan, d_.scale.length), moments, {}};
+  for (const PlannedContact& c : plan.contacts) {
+    if (!(c.force > 0.0)) continue;
+    const double s = c.at_tip ? 1.0 : std::min(1.0, c.arc_length / d_.scale.length);
+    rest.contacts.push_back(
+        {{c.obstacle, c.at_tip, c.at_tip ? 0 : stretch_at(d_.rod, s)}, s, c.force / d_.scale.force()});
+  }
+  sort_contacts(rest.contacts);
+  return rest;
+}
+
+std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from,
+                                          double share) const {
+  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
+  if (chain.coordinate_count() > few_values) return executed(moments, share);
+  LoadPath path(d_.rod, d_.obstacles, {moments, moments, false});
+  path.apply(1.0);
+  const double until = now() + share * (steps_.deadline() - now());
+  const Descent down =
+      descend_in(*d_.components.coordinates, path, from.curvature, [&] { return must_stop() || now() > until; });
+  if (!down.converged) return std::nullopt;
+  Rest rest{[shape = down.shape](double s) { return shape.curvature(s); }, moments, {}};
+  for (const PressedRun& run : down.runs) {
+    // Held between obstacles that leave no room it rests nowhere.
+    if (run.contact.force > deepest * down.stiffness) return std::nullopt;
+    PointContact c = run.contact;
+    if (c.setup.at_tip) c.s = 1.0;
+    c.setup.region = c.setup.at_tip ? 0 : stretch_at(d_.rod, c.s);
+    rest.contacts.push_back(c);
+  }
+  sort_contacts(rest.contacts);
+  return rest;
+}
+
+StartShape Planner::shape_of_rest(const Rest& rest, const Mode& mode) {
+  StartShape shape;
+  shape.curvature = rest.curvature;
+  shape.moments = rest.moments;
+  std::vector<bool> used(rest.contacts.size(), false);
+  for (const ContactSetup& c : mode.contacts) {
+    double s = std::numeric_limits<double>::quiet_NaN();
+    double f = 0.0;
+    for (std::size_t i = 0; i < rest.contacts.size(); ++i) {
+      const PointContact& own = rest.contacts[i];
+      if (used[i] || own.setup.obstacle != c.obstacle || own.setup.at_tip != c.at_tip) continue;
+      used[i] = true;
+      s = own.s;
+      f = own.force;
+      break;
+    }
+    shape.arc_lengths.push_back(s);
+    shape.forces.push_back(f);
+  }
+  return shape;
+}
+
+std::optional<std::vector<ContactSetup>> Planner::contacts_of_rest(const Rest& rest) const {
+  if (static_cast<int>(rest.contacts.size()) > (d_.contact_planned() ? d_.scene.contact.count : 0)) return std::nullopt;
+  if (rest.contacts.empty() && d_.min_force > 0.0) return std::nullopt;
+  std::vector<ContactSetup> contacts;
+  contacts.reserve(rest.contacts.size());
+  for (const PointContact& c : rest.contacts) contacts.push_back(c.setup);
+  return contacts;
+}
+
+void Planner::slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
+  if (must_stop() || !ReducedProgram::applies(program)) return;
+  ReducedProgram reduced(program, x);
+  const OptimalityReport r = solve(state, reduced, reduced.start());
+  if (r.x.size() != reduced.start().size() || !r.x.allFinite()) return;
+  if (const Eigen::VectorXd& reached = reduced.full(r.x); reached.allFinite()) x = reached;
+}
+
+bool Planner::slides(const PoseProgram& program) const { return !d_.palm && program.layout().coordinates > few_values; }
+
+bool Planner::come_to_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
+  for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, Branch::touching);
+  const double least = state.violation;
+  const FeasibilityReport f = steps_.restore(state, program, x);
+  if (!f.feasible) {
+    keep_nearest(state, program, f, least);
+    return false;
+  }
+  x = f.x;
+  slide(state, program, x);
+  return true;
+}
+
+void Planner::start_from_rest(ModeState& state, const Rest& rest) {
+  ++state.starts_used;
+  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
+  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
+  std::vector<int> regions;
+  for (std::size_t k = 0; k < mode.contacts.size(); ++k) {
+    const ContactSetup& c = mode.contacts[k];
+    const bool in_piece = !c.at_tip && !d_.scene.coordinates.split_at_contact;
+    regions.push_back(in_piece ? chain.piece_at(rest.contacts[k].s, {}) : c.region);
+  }
+  const StartShape shape = shape_of_rest(rest, mode);
+  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+  PoseProgramSpec resting = spec;  // it is stable where it rests
+  resting.least_margin.reset();
+  resting.least_convexity.reset();
+  std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
+  const std::vector<Branch> touching(mode.contacts.size(), Branch::touching);
+  Eigen::VectorXd at_rest;
+  for (int round = 0; round <= most_exchanges && !must_stop(); ++round) {
+    spec.checks = checks;
+    PoseProgram program(spec);
+    if (round == 0) {
+      resting.checks = checks;
+      PoseProgram rests(resting);
+      for (int k = 0; k < rests.layout().forces; ++k) rests.set_branch(k, Branch::touching);
+      at_rest = steps_.look(rests, rests.start_from(shape)).x;
+    }
+    Eigen::VectorXd x = at_rest;
+    if (!come_to_point(state, program, x)) return;
+    // Where the way to better moments went through an obstacle, it is watched there, and begins anew.
+    Certifier certifier(spec);
+    std::vector<CheckPoint> more = checks;
+    const bool through = !d_.obstacles.empty() && d_.scene.contact.check_points == 0 && round < most_exchanges &&
+                         exchange_checks(program, x, certifier, more, violation_level, true);
+    if (through) {
+      checks = std::move(more);
+      continue;
+    }
+    complete(state, regions, checks, x, touching);
+    return;
+  }
+}
+
+void Planner::consider_rest(const Rest& rest) {
+  const auto contacts = contacts_of_rest(rest);
+  if (!contacts) return;
+  const std::size_t i = state_of(*contacts);
+  // From a stable shape the plan is wanted that is still stable, and the way there ends where stability does.
+  // Eigenvalues of many coordinates take long: there they are looked at only where the way led too far.
+  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
+  if (chain.coordinate_count() > many_values) {
+    consider(states_[i], [&] { start_from_rest(states_[i], rest); });
+    if (states_[i].best.certified() || must_stop()) return;
+  }
+  const HeldStable held(d_);
+  consider(states_[i], [&] { start_from_rest(states_[i], rest); });
+}
+
+bool Planner::rest_is_due(const Mode& mode) {
+  if (rested_ || d_.palm || have_plan_ || following_ || must_stop() || !mode.skip.empty()) return false;
+  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
+  values_tried_ += chain.coordinate_count();
+  return values_tried_ > many_values;
+}
+
+void Planner::start_from_rests() {
+  rested_ = true;
+  const double until = now() + sampling_time * (steps_.deadline() - now());
+  std::vector<StartShape> from{d_.scene_start()};
+  if (loaded()) from.insert(from.end(), {hanging(false), hanging(true)});
+  const std::vector<std::vector<double>> samples = sampled_moments();
+  int useless = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    for (const StartShape& shape : from) {
+      if (have_plan_ || must_stop() || now() > until) return;
+      const std::optional<Rest> rest = come_to_rest(samples[i], shape, resting_time);
+      // A contact that is asked for, or more of them than there may be: such rests say little.
+      useless = rest && contacts_of_rest(*rest) ? 0 : useless + 1;
+      if (useless > useless_rests) return;
+      if (rest) consider_rest(*rest);
+      if (i > 0) break;
+    }
+  }
+}
+
+}  // namespace tendril
