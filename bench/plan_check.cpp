@@ -33,7 +33,7 @@ constexpr double margin_limit = 1e-6;
 /// (EI/L^2) A contact with less force does not hold the rod.
 constexpr double pressing = 1e-9;
 /// (L) Beside a smaller obstacle the two parts of a contact's stiffness, 1/radius each, leave nothing but rounding of
-/// their sum: the contact is followed instead.
+/// their sum, and differences would step over the obstacle: what is beside the contact is taken for itself instead.
 constexpr double tiny_radius = 1e-3;
 
 /// A contact that the plan says it has.
@@ -41,6 +41,18 @@ struct Touch {
   std::size_t body = 0;
   bool at_tip = false;
   double s = 0.0, force = 0.0;
+  /// Beside a tiny obstacle: its flat side, or its round part, along which the rod's contact is followed.
+  bool flat = false, followed = false;
+  Vec2 normal{};           ///< of the flat side
+  Vec2 core{};             ///< what the round part is round about
+  double side = 1.0;       ///< 1 where the rod has it on its right, else -1
+  double curvature = 0.0;  ///< of the rod, on the side with less sliding
+  double convexity = 1.0;  ///< change of tangent . (point - core) along the rod
+};
+
+/// Where a contact holds the rod, and along what.
+struct Hold {
+  Vec2 at{}, normal{};
 };
 
 class Judge {
@@ -65,6 +77,7 @@ class Judge {
     order_ = plan.order;
     q_ = Eigen::Map<const Eigen::VectorXd>(plan.coordinates.data(), static_cast<Eigen::Index>(plan.coordinates.size()));
     shape_.emplace(rod_, moving, q_.size(), order_);
+    for (Touch& touch : touches_) look_beside(touch);
   }
 
   PlanCheck judge();
@@ -73,21 +86,20 @@ class Judge {
   double gap(std::size_t body, Vec2 at, Vec2& normal) const {
     return bodies_[body].distance(at, normal) - bodies_[body].radius;
   }
+  /// Finds out what is beside a contact with a tiny obstacle.
+  void look_beside(Touch& touch) const;
+  /// The normal of the obstacle beside the contact, at a point near.
+  Vec2 normal_of(const Touch& touch, Vec2 at) const;
   /// Tangent . normal, the slope of the distance along the rod.
-  double slope(const Eigen::VectorXd& q, std::size_t body, double s) const;
-  /// Residual of the equilibrium with contacts at arc lengths `s`, which hold the rod along the obstacle's normal
-  /// there; `pull`: what a unit force of each does.
-  Eigen::VectorXd residual(const Eigen::VectorXd& q, const std::vector<double>& s, Eigen::MatrixXd& pull) const;
+  double slope(const Eigen::VectorXd& q, const Touch& touch, double s) const;
+  /// Contacts at their arc lengths, which hold the rod along their obstacles' normals there.
+  std::vector<Hold> holds(const Eigen::VectorXd& q) const;
+  /// The same where those with tiny round obstacles have slid along to the closest point.
+  std::vector<Hold> followed_holds(const Eigen::VectorXd& q) const;
+  /// Residual of the equilibrium; `pull`: what a unit force of each contact does.
+  Eigen::VectorXd residual(const Eigen::VectorXd& q, const std::vector<Hold>& by, Eigen::MatrixXd& pull) const;
   void contacts(PlanCheck& check, double tolerance);
   double penetration(const RodShape::Grid& g);
-  bool followed(const Touch& touch) const {
-    return !touch.at_tip && !bodies_[touch.body].half_plane && bodies_[touch.body].radius < tiny_radius && round(touch);
-  }
-  /// Whether the normal turns along the surface there: on the flat sides of capsules and polygons it does not.
-  bool round(const Touch& touch) const;
-  /// Where contacts are when the shape is q: those with tiny obstacles at the closest point, the others where they
-  /// were.
-  std::vector<double> followed_places(const Eigen::VectorXd& q) const;
   /// What the rounding of data does to the equilibrium: it turns the normals of small obstacles.
   double turning_allowance() const;
   double margin() const;
@@ -105,21 +117,71 @@ class Judge {
   std::size_t deepest_ = 0;
 };
 
-double Judge::slope(const Eigen::VectorXd& q, std::size_t body, double s) const {
-  const RodShape::Point p = shape_->point(q, s);
-  Vec2 normal{};
-  gap(body, p.at, normal);
-  return std::cos(p.angle) * normal.x + std::sin(p.angle) * normal.y;
+void Judge::look_beside(Touch& touch) const {
+  const Body& body = bodies_[touch.body];
+  if (body.half_plane || body.radius >= tiny_radius) return;
+  const RodShape::Point p = shape_->point(q_, touch.s);
+  const double distance = body.distance(p.at, touch.normal);
+  touch.core = p.at - distance * touch.normal;
+  // A hundredth of the radius along the surface turns the normal of a round one by a hundredth.
+  constexpr double share = 1e-2;
+  Vec2 there{};
+  gap(touch.body, p.at + share * body.radius * turned(touch.normal), there);
+  touch.flat = norm(there - touch.normal) <= 0.5 * share;
+  touch.followed = !touch.flat && !touch.at_tip;
+  if (!touch.followed) return;
+  touch.side = cross({std::cos(p.angle), std::sin(p.angle)}, touch.normal) > 0.0 ? 1.0 : -1.0;
+  // Where the curvature jumps, the side with less sliding counts.
+  constexpr double step = 1e-6;
+  const auto bend = [&](double along) {
+    const double near = shape_->point(q_, touch.s + along).angle - p.angle;
+    const double far = shape_->point(q_, touch.s + 2.0 * along).angle - p.angle;
+    return (4.0 * near - far) / (2.0 * along);
+  };
+  touch.curvature = touch.side * std::max(touch.side * bend(step), touch.side * bend(-step));
+  touch.convexity = 1.0 + touch.side * touch.curvature * distance;
 }
 
-Eigen::VectorXd Judge::residual(const Eigen::VectorXd& q, const std::vector<double>& s, Eigen::MatrixXd& pull) const {
-  const RodShape::Grid g = shape_->grid(q, s);
-  std::vector<Vec2> place(touches_.size());
-  std::vector<Vec2> normal(touches_.size());
-  for (std::size_t k = 0; k < touches_.size(); ++k) {
-    place[k] = touches_[k].at_tip ? g.tip : shape_->point(q, s[k]).at;
-    gap(touches_[k].body, place[k], normal[k]);
+Vec2 Judge::normal_of(const Touch& touch, Vec2 at) const {
+  if (touch.flat) return touch.normal;
+  Vec2 normal{};
+  gap(touch.body, at, normal);
+  return normal;
+}
+
+double Judge::slope(const Eigen::VectorXd& q, const Touch& touch, double s) const {
+  const RodShape::Point p = shape_->point(q, s);
+  return dot({std::cos(p.angle), std::sin(p.angle)}, normal_of(touch, p.at));
+}
+
+std::vector<Hold> Judge::holds(const Eigen::VectorXd& q) const {
+  std::vector<Hold> all;
+  for (const Touch& touch : touches_) {
+    const Vec2 at = shape_->point(q, touch.s).at;
+    all.push_back({at, normal_of(touch, at)});
   }
+  return all;
+}
+
+std::vector<Hold> Judge::followed_holds(const Eigen::VectorXd& q) const {
+  std::vector<Hold> all = holds(q);
+  for (std::size_t k = 0; k < touches_.size(); ++k) {
+    const Touch& touch = touches_[k];
+    if (!touch.followed) continue;
+    const RodShape::Point p = shape_->point(q, touch.s);
+    const Vec2 tangent{std::cos(p.angle), std::sin(p.angle)};
+    const double slide = -dot(tangent, p.at - touch.core) / touch.convexity;
+    const double angle = p.angle + slide * touch.curvature;
+    // At the closest point the obstacle's normal is the rod's.
+    all[k] = {p.at + slide * tangent, touch.side * Vec2{-std::sin(angle), std::cos(angle)}};
+  }
+  return all;
+}
+
+Eigen::VectorXd Judge::residual(const Eigen::VectorXd& q, const std::vector<Hold>& by, Eigen::MatrixXd& pull) const {
+  std::vector<double> cuts;
+  for (const Touch& touch : touches_) cuts.push_back(touch.s);
+  const RodShape::Grid g = shape_->grid(q, cuts);
   Eigen::VectorXd r = Eigen::VectorXd::Zero(q.size());
   pull.setZero(q.size(), static_cast<Eigen::Index>(touches_.size()));
   for (std::size_t i = 0; i < g.s.size(); ++i) {
@@ -132,8 +194,8 @@ Eigen::VectorXd Judge::residual(const Eigen::VectorXd& q, const std::vector<doub
     const auto first = static_cast<Eigen::Index>(g.piece[i]) * order_;
     const auto slopes = g.slopes.col(static_cast<Eigen::Index>(i));
     for (std::size_t k = 0; k < touches_.size(); ++k) {
-      if (g.s[i] > s[k]) continue;
-      const double lever = cross(place[k] - g.at[i], normal[k]);
+      if (g.s[i] > touches_[k].s) continue;
+      const double lever = cross(by[k].at - g.at[i], by[k].normal);
       moment += touches_[k].force * lever;
       pull.col(static_cast<Eigen::Index>(k)).segment(first, order_) += (g.weight[i] * lever) * slopes;
     }
@@ -207,31 +269,6 @@ void Judge::contacts(PlanCheck& check, double tolerance) {
   }
 }
 
-bool Judge::round(const Touch& touch) const {
-  const Vec2 at = shape_->point(q_, touch.s).at;
-  // A hundredth of the radius along the surface turns the normal of a round one by a hundredth.
-  constexpr double share = 1e-2;
-  Vec2 here{};
-  Vec2 there{};
-  gap(touch.body, at, here);
-  gap(touch.body, at + share * bodies_[touch.body].radius * turned(here), there);
-  return norm(there - here) > 0.5 * share;
-}
-
-std::vector<double> Judge::followed_places(const Eigen::VectorXd& q) const {
-  std::vector<double> places;
-  for (const Touch& touch : touches_) {
-    double s = touch.s;
-    if (followed(touch)) {
-      const double side = 1e-2 * bodies_[touch.body].radius;
-      const double rate = (slope(q_, touch.body, s + side) - slope(q_, touch.body, s - side)) / (2.0 * side);
-      for (int i = 0; i < 20; ++i) s -= slope(q, touch.body, s) / rate;
-    }
-    places.push_back(s);
-  }
-  return places;
-}
-
 double Judge::turning_allowance() const {
   double sum = 0.0;
   for (const Touch& touch : touches_) {
@@ -243,10 +280,8 @@ double Judge::turning_allowance() const {
 
 double Judge::margin() const {
   const Eigen::Index n = q_.size();
-  std::vector<double> s;
-  for (const Touch& touch : touches_) s.push_back(touch.s);
   Eigen::MatrixXd pull;
-  residual(q_, s, pull);
+  residual(q_, holds(q_), pull);
   std::vector<Eigen::Index> holding;
   for (std::size_t k = 0; k < touches_.size(); ++k) {
     if (touches_[k].force > pressing) holding.push_back(static_cast<Eigen::Index>(k));
@@ -260,6 +295,10 @@ double Judge::margin() const {
     free = orthogonal.rightCols(n - factors.rank());
   }
   if (free.cols() == 0) return infinity;
+  if (std::any_of(holding.begin(), holding.end(),
+                  [&](Eigen::Index k) { return !(touches_[static_cast<std::size_t>(k)].convexity > 0.0); })) {
+    return -infinity;
+  }
   Eigen::MatrixXd second(n, n);
   Eigen::MatrixXd unused;
   constexpr double step = 1e-5;
@@ -270,21 +309,21 @@ double Judge::margin() const {
     more[i] += step;
     less[i] -= step;
     second.col(i) =
-        (residual(more, followed_places(more), unused) - residual(less, followed_places(less), unused)) / (2.0 * step);
+        (residual(more, followed_holds(more), unused) - residual(less, followed_holds(less), unused)) / (2.0 * step);
     for (std::size_t k = 0; k < touches_.size(); ++k) {
       slides(i, static_cast<Eigen::Index>(k)) =
-          (slope(more, touches_[k].body, s[k]) - slope(less, touches_[k].body, s[k])) / (2.0 * step);
+          (slope(more, touches_[k], touches_[k].s) - slope(less, touches_[k], touches_[k].s)) / (2.0 * step);
     }
   }
   // A contact inside the rod slides along as the rod moves. Where the curvature jumps, the side with less sliding
   // counts.
   for (const Eigen::Index k : holding) {
     const Touch& touch = touches_[static_cast<std::size_t>(k)];
-    if (touch.at_tip || followed(touch)) continue;
+    if (touch.at_tip || touch.followed) continue;
     constexpr double side = 1e-6;
-    const double here = slope(q_, touch.body, touch.s);
+    const double here = slope(q_, touch, touch.s);
     const double convexity =
-        std::max(slope(q_, touch.body, touch.s + side) - here, here - slope(q_, touch.body, touch.s - side)) / side;
+        std::max(slope(q_, touch, touch.s + side) - here, here - slope(q_, touch, touch.s - side)) / side;
     if (!(convexity > 0.0)) return -infinity;
     second += (touch.force / convexity) * slides.col(k) * slides.col(k).transpose();
   }
@@ -328,10 +367,8 @@ void Judge::limits(PlanCheck& check) const {
 
 PlanCheck Judge::judge() {
   PlanCheck check;
-  std::vector<double> cuts;
-  for (const Touch& touch : touches_) cuts.push_back(touch.s);
   Eigen::MatrixXd pull;
-  check.equilibrium = residual(q_, cuts, pull).cwiseAbs().maxCoeff();
+  check.equilibrium = residual(q_, holds(q_), pull).cwiseAbs().maxCoeff();
   if (!(check.equilibrium <= equilibrium_limit + data * rod_.loads + turning_allowance())) {
     check.defects.push_back(fmt::format("no equilibrium: {:.2e}", check.equilibrium));
   }
