@@ -9,6 +9,7 @@
 
 #include "check_body.hpp"
 #include "check_rod.hpp"
+#include "check_touch.hpp"
 #include "tendril/error.hpp"
 
 namespace tendril::bench {
@@ -32,28 +33,6 @@ constexpr double sample_limit = 1e-9;
 constexpr double margin_limit = 1e-6;
 /// (EI/L^2) A contact with less force does not hold the rod.
 constexpr double pressing = 1e-9;
-/// (L) Beside a smaller obstacle the two parts of a contact's stiffness, 1/radius each, leave nothing but rounding of
-/// their sum, and differences would step over the obstacle: what is beside the contact is taken for itself instead.
-constexpr double tiny_radius = 1e-3;
-
-/// A contact that the plan says it has.
-struct Touch {
-  std::size_t body = 0;
-  bool at_tip = false;
-  double s = 0.0, force = 0.0;
-  /// Beside a tiny obstacle: its flat side, or its round part, along which the rod's contact is followed.
-  bool flat = false, followed = false;
-  Vec2 normal{};           ///< of the flat side
-  Vec2 core{};             ///< what the round part is round about
-  double side = 1.0;       ///< 1 where the rod has it on its right, else -1
-  double curvature = 0.0;  ///< of the rod, on the side with less sliding
-  double convexity = 1.0;  ///< change of tangent . (point - core) along the rod
-};
-
-/// Where a contact holds the rod, and along what.
-struct Hold {
-  Vec2 at{}, normal{};
-};
 
 class Judge {
  public:
@@ -77,7 +56,7 @@ class Judge {
     order_ = plan.order;
     q_ = Eigen::Map<const Eigen::VectorXd>(plan.coordinates.data(), static_cast<Eigen::Index>(plan.coordinates.size()));
     shape_.emplace(rod_, moving, q_.size(), order_);
-    for (Touch& touch : touches_) look_beside(touch);
+    for (Touch& touch : touches_) look_beside(bodies_[touch.body], *shape_, q_, touch);
   }
 
   PlanCheck judge();
@@ -86,10 +65,6 @@ class Judge {
   double gap(std::size_t body, Vec2 at, Vec2& normal) const {
     return bodies_[body].distance(at, normal) - bodies_[body].radius;
   }
-  /// Finds out what is beside a contact with a tiny obstacle.
-  void look_beside(Touch& touch) const;
-  /// The normal of the obstacle beside the contact, at a point near.
-  Vec2 normal_of(const Touch& touch, Vec2 at) const;
   /// Tangent . normal, the slope of the distance along the rod.
   double slope(const Eigen::VectorXd& q, const Touch& touch, double s) const;
   /// Contacts at their arc lengths, which hold the rod along their obstacles' normals there.
@@ -117,48 +92,16 @@ class Judge {
   std::size_t deepest_ = 0;
 };
 
-void Judge::look_beside(Touch& touch) const {
-  const Body& body = bodies_[touch.body];
-  if (body.half_plane || body.radius >= tiny_radius) return;
-  const RodShape::Point p = shape_->point(q_, touch.s);
-  const double distance = body.distance(p.at, touch.normal);
-  touch.core = p.at - distance * touch.normal;
-  // A hundredth of the radius along the surface turns the normal of a round one by a hundredth.
-  constexpr double share = 1e-2;
-  Vec2 there{};
-  gap(touch.body, p.at + share * body.radius * turned(touch.normal), there);
-  touch.flat = norm(there - touch.normal) <= 0.5 * share;
-  touch.followed = !touch.flat && !touch.at_tip;
-  if (!touch.followed) return;
-  touch.side = cross({std::cos(p.angle), std::sin(p.angle)}, touch.normal) > 0.0 ? 1.0 : -1.0;
-  // Where the curvature jumps, the side with less sliding counts.
-  constexpr double step = 1e-6;
-  const auto bend = [&](double along) {
-    const double near = shape_->point(q_, touch.s + along).angle - p.angle;
-    const double far = shape_->point(q_, touch.s + 2.0 * along).angle - p.angle;
-    return (4.0 * near - far) / (2.0 * along);
-  };
-  touch.curvature = touch.side * std::max(touch.side * bend(step), touch.side * bend(-step));
-  touch.convexity = 1.0 + touch.side * touch.curvature * distance;
-}
-
-Vec2 Judge::normal_of(const Touch& touch, Vec2 at) const {
-  if (touch.flat) return touch.normal;
-  Vec2 normal{};
-  gap(touch.body, at, normal);
-  return normal;
-}
-
 double Judge::slope(const Eigen::VectorXd& q, const Touch& touch, double s) const {
   const RodShape::Point p = shape_->point(q, s);
-  return dot({std::cos(p.angle), std::sin(p.angle)}, normal_of(touch, p.at));
+  return dot({std::cos(p.angle), std::sin(p.angle)}, normal_of(bodies_[touch.body], touch, p.at));
 }
 
 std::vector<Hold> Judge::holds(const Eigen::VectorXd& q) const {
   std::vector<Hold> all;
   for (const Touch& touch : touches_) {
     const Vec2 at = shape_->point(q, touch.s).at;
-    all.push_back({at, normal_of(touch, at)});
+    all.push_back({at, normal_of(bodies_[touch.body], touch, at)});
   }
   return all;
 }
@@ -166,14 +109,7 @@ std::vector<Hold> Judge::holds(const Eigen::VectorXd& q) const {
 std::vector<Hold> Judge::followed_holds(const Eigen::VectorXd& q) const {
   std::vector<Hold> all = holds(q);
   for (std::size_t k = 0; k < touches_.size(); ++k) {
-    const Touch& touch = touches_[k];
-    if (!touch.followed) continue;
-    const RodShape::Point p = shape_->point(q, touch.s);
-    const Vec2 tangent{std::cos(p.angle), std::sin(p.angle)};
-    const double slide = -dot(tangent, p.at - touch.core) / touch.convexity;
-    const double angle = p.angle + slide * touch.curvature;
-    // At the closest point the obstacle's normal is the rod's.
-    all[k] = {p.at + slide * tangent, touch.side * Vec2{-std::sin(angle), std::cos(angle)}};
+    if (touches_[k].followed) all[k] = followed_hold(touches_[k], shape_->point(q, touches_[k].s));
   }
   return all;
 }
