@@ -25,7 +25,7 @@ double deepest_sag(double moment, double weight) {
 }
 
 constexpr const char* obstacles = "obstacles";
-constexpr const char* source = "the fine basis under the same loads, which finds the contacts by itself";
+constexpr const char* by_execution = "the fine basis under the same loads, which finds the contacts by itself";
 
 std::string heavy(double weight) { return gravity_of(1.0) + unit_rod(weight); }
 
@@ -37,7 +37,7 @@ void add_sizes(CaseList& list) {
     ExtremeCase& c = list.plan(obstacles, fmt::format("heavy rod on a circle of radius {} L", radius),
                                heavy(number(5.0)) + circle(number(0.6), -0.05 - radius, radius) + contact("require") +
                                    "min_force = 0.1\n" + target(0.9, -0.3) + weighted(1.0, 0.0),
-                               source);
+                               by_execution);
     c.against_execution = true;
     c.contacts = 1;
     c.quick = table_radius == 1e-6;
@@ -47,7 +47,7 @@ void add_sizes(CaseList& list) {
     ExtremeCase& c = list.plan(obstacles, fmt::format("tip on a circle of radius {} L", radius),
                                heavy(number(1.0)) + circle(1.0, -0.05 - radius, radius) + contact("allow") +
                                    target(1.0, -0.05) + weighted(1.0, 0.0),
-                               source);
+                               by_execution);
     c.against_execution = true;
     c.contacts = 1;
     c.quick = table_radius == 1e4;
@@ -92,7 +92,7 @@ void add_touching(CaseList& list) {
   (void)list.execution(obstacles, "two circles overlap", overlapping, {}, "boundary-value problem");
   ExtremeCase& overlapped = list.plan(
       obstacles, "two circles overlap",
-      overlapping + contact("require", 2) + "min_force = 0.1\n" + target(0.9, -0.3) + weighted(1.0, 0.0), source);
+      overlapping + contact("require", 2) + "min_force = 0.1\n" + target(0.9, -0.3) + weighted(1.0, 0.0), by_execution);
   overlapped.against_execution = true;
   (void)list.execution(obstacles, "start inside a circle",
                        unit_rod() + actuator(-5.0, 5.0) + circle(number(0.6), number(0.05), 0.08), {0.0},
@@ -142,7 +142,7 @@ void add_sliding(CaseList& list) {
   ExtremeCase& into_tip = list.plan(obstacles, "contact slides into the tip",
                                     heavy(number(2.0)) + circle(0.985, number(-0.1), 0.03) + contact("allow") +
                                         target(1.0, -0.1) + weighted(1.0, 0.0),
-                                    source);
+                                    by_execution);
   into_tip.against_execution = true;
   // Both halves bend alike: the contact passes the actuators' common end while the loads grow, or stops beside it.
   for (const double table_x : {0.49, 0.495, 0.4975, 0.5}) {
