@@ -67,7 +67,10 @@ Body body_of(const ObstacleSpec& spec, const QuantityReader& read, double length
     body.core = {at("center")};
     body.radius = real("radius");
   } else if (spec.shape == "wall") {
-    const Vec2 normal = at("normal");
+    const auto angle = spec.options.find("angle");
+    const double direction = angle == spec.options.end() ? 0.0 : number_of(angle->second, read, dimension::angle);
+    const Vec2 normal =
+        angle == spec.options.end() ? at("normal") : turned(Vec2{std::cos(direction), std::sin(direction)});
     body.core = {at("point"), (1.0 / norm(normal)) * normal};
     body.half_plane = true;
   } else if (spec.shape == "capsule") {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <numbers>
 
+#include "extreme_models.hpp"
 #include "extremes.hpp"
 #include "tendril/certificate.hpp"
 #include "tendril/quadrature.hpp"
@@ -19,7 +20,6 @@ namespace tendril::bench {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 /// From so many smooth functions on one piece on, the critical loads are exact to `critical_digits`.
 constexpr int resolving_functions = 8;
 constexpr double critical_digits = 1e-6;
@@ -203,14 +203,6 @@ ExtremeRow fold_row(const ExtremeModel& model, const CoordinateModel& basis, dou
 }
 
 }  // namespace
-
-std::unique_ptr<CoordinateModel> make_model(plugins::Registry& registry, const ExtremeModel& model, double length,
-                                            double stiffness) {
-  const CoordinateComponent& component = registry.coordinates(model.plugin);
-  RawOptions raw;
-  if (!model.option.empty()) raw[model.option] = RawValue{std::int64_t{model.value}};
-  return component.make(resolve_options(component.options, raw, Scale{length, stiffness}, {}, model.name));
-}
 
 std::vector<ExtremeRow> instability_rows(plugins::Registry& registry, const Extent& extent) {
   std::vector<ExtremeRow> rows;

@@ -9,6 +9,7 @@
 
 #include "check_body.hpp"
 #include "check_rod.hpp"
+#include "check_touch.hpp"
 #include "tendril/error.hpp"
 
 namespace tendril::bench {
@@ -32,16 +33,6 @@ constexpr double sample_limit = 1e-9;
 constexpr double margin_limit = 1e-6;
 /// (EI/L^2) A contact with less force does not hold the rod.
 constexpr double pressing = 1e-9;
-/// (L) Beside a smaller obstacle the two parts of a contact's stiffness, 1/radius each, leave nothing but rounding of
-/// their sum: the contact is followed instead.
-constexpr double tiny_radius = 1e-3;
-
-/// A contact that the plan says it has.
-struct Touch {
-  std::size_t body = 0;
-  bool at_tip = false;
-  double s = 0.0, force = 0.0;
-};
 
 class Judge {
  public:
@@ -65,6 +56,7 @@ class Judge {
     order_ = plan.order;
     q_ = Eigen::Map<const Eigen::VectorXd>(plan.coordinates.data(), static_cast<Eigen::Index>(plan.coordinates.size()));
     shape_.emplace(rod_, moving, q_.size(), order_);
+    for (Touch& touch : touches_) look_beside(bodies_[touch.body], *shape_, q_, touch);
   }
 
   PlanCheck judge();
@@ -74,20 +66,15 @@ class Judge {
     return bodies_[body].distance(at, normal) - bodies_[body].radius;
   }
   /// Tangent . normal, the slope of the distance along the rod.
-  double slope(const Eigen::VectorXd& q, std::size_t body, double s) const;
-  /// Residual of the equilibrium with contacts at arc lengths `s`, which hold the rod along the obstacle's normal
-  /// there; `pull`: what a unit force of each does.
-  Eigen::VectorXd residual(const Eigen::VectorXd& q, const std::vector<double>& s, Eigen::MatrixXd& pull) const;
+  double slope(const Eigen::VectorXd& q, const Touch& touch, double s) const;
+  /// Contacts at their arc lengths, which hold the rod along their obstacles' normals there.
+  std::vector<Hold> holds(const Eigen::VectorXd& q) const;
+  /// The same where those with tiny round obstacles have slid along to the closest point.
+  std::vector<Hold> followed_holds(const Eigen::VectorXd& q) const;
+  /// Residual of the equilibrium; `pull`: what a unit force of each contact does.
+  Eigen::VectorXd residual(const Eigen::VectorXd& q, const std::vector<Hold>& by, Eigen::MatrixXd& pull) const;
   void contacts(PlanCheck& check, double tolerance);
   double penetration(const RodShape::Grid& g);
-  bool followed(const Touch& touch) const {
-    return !touch.at_tip && !bodies_[touch.body].half_plane && bodies_[touch.body].radius < tiny_radius && round(touch);
-  }
-  /// Whether the normal turns along the surface there: on the flat sides of capsules and polygons it does not.
-  bool round(const Touch& touch) const;
-  /// Where contacts are when the shape is q: those with tiny obstacles at the closest point, the others where they
-  /// were.
-  std::vector<double> followed_places(const Eigen::VectorXd& q) const;
   /// What the rounding of data does to the equilibrium: it turns the normals of small obstacles.
   double turning_allowance() const;
   double margin() const;
@@ -105,21 +92,32 @@ class Judge {
   std::size_t deepest_ = 0;
 };
 
-double Judge::slope(const Eigen::VectorXd& q, std::size_t body, double s) const {
+double Judge::slope(const Eigen::VectorXd& q, const Touch& touch, double s) const {
   const RodShape::Point p = shape_->point(q, s);
-  Vec2 normal{};
-  gap(body, p.at, normal);
-  return std::cos(p.angle) * normal.x + std::sin(p.angle) * normal.y;
+  return dot({std::cos(p.angle), std::sin(p.angle)}, normal_of(bodies_[touch.body], touch, p.at));
 }
 
-Eigen::VectorXd Judge::residual(const Eigen::VectorXd& q, const std::vector<double>& s, Eigen::MatrixXd& pull) const {
-  const RodShape::Grid g = shape_->grid(q, s);
-  std::vector<Vec2> place(touches_.size());
-  std::vector<Vec2> normal(touches_.size());
-  for (std::size_t k = 0; k < touches_.size(); ++k) {
-    place[k] = touches_[k].at_tip ? g.tip : shape_->point(q, s[k]).at;
-    gap(touches_[k].body, place[k], normal[k]);
+std::vector<Hold> Judge::holds(const Eigen::VectorXd& q) const {
+  std::vector<Hold> all;
+  for (const Touch& touch : touches_) {
+    const Vec2 at = shape_->point(q, touch.s).at;
+    all.push_back({at, normal_of(bodies_[touch.body], touch, at)});
   }
+  return all;
+}
+
+std::vector<Hold> Judge::followed_holds(const Eigen::VectorXd& q) const {
+  std::vector<Hold> all = holds(q);
+  for (std::size_t k = 0; k < touches_.size(); ++k) {
+    if (touches_[k].followed) all[k] = followed_hold(touches_[k], shape_->point(q, touches_[k].s));
+  }
+  return all;
+}
+
+Eigen::VectorXd Judge::residual(const Eigen::VectorXd& q, const std::vector<Hold>& by, Eigen::MatrixXd& pull) const {
+  std::vector<double> cuts;
+  for (const Touch& touch : touches_) cuts.push_back(touch.s);
+  const RodShape::Grid g = shape_->grid(q, cuts);
   Eigen::VectorXd r = Eigen::VectorXd::Zero(q.size());
   pull.setZero(q.size(), static_cast<Eigen::Index>(touches_.size()));
   for (std::size_t i = 0; i < g.s.size(); ++i) {
@@ -132,8 +130,8 @@ Eigen::VectorXd Judge::residual(const Eigen::VectorXd& q, const std::vector<doub
     const auto first = static_cast<Eigen::Index>(g.piece[i]) * order_;
     const auto slopes = g.slopes.col(static_cast<Eigen::Index>(i));
     for (std::size_t k = 0; k < touches_.size(); ++k) {
-      if (g.s[i] > s[k]) continue;
-      const double lever = cross(place[k] - g.at[i], normal[k]);
+      if (g.s[i] > touches_[k].s) continue;
+      const double lever = cross(by[k].at - g.at[i], by[k].normal);
       moment += touches_[k].force * lever;
       pull.col(static_cast<Eigen::Index>(k)).segment(first, order_) += (g.weight[i] * lever) * slopes;
     }
@@ -207,31 +205,6 @@ void Judge::contacts(PlanCheck& check, double tolerance) {
   }
 }
 
-bool Judge::round(const Touch& touch) const {
-  const Vec2 at = shape_->point(q_, touch.s).at;
-  // A hundredth of the radius along the surface turns the normal of a round one by a hundredth.
-  constexpr double share = 1e-2;
-  Vec2 here{};
-  Vec2 there{};
-  gap(touch.body, at, here);
-  gap(touch.body, at + share * bodies_[touch.body].radius * turned(here), there);
-  return norm(there - here) > 0.5 * share;
-}
-
-std::vector<double> Judge::followed_places(const Eigen::VectorXd& q) const {
-  std::vector<double> places;
-  for (const Touch& touch : touches_) {
-    double s = touch.s;
-    if (followed(touch)) {
-      const double side = 1e-2 * bodies_[touch.body].radius;
-      const double rate = (slope(q_, touch.body, s + side) - slope(q_, touch.body, s - side)) / (2.0 * side);
-      for (int i = 0; i < 20; ++i) s -= slope(q, touch.body, s) / rate;
-    }
-    places.push_back(s);
-  }
-  return places;
-}
-
 double Judge::turning_allowance() const {
   double sum = 0.0;
   for (const Touch& touch : touches_) {
@@ -243,10 +216,8 @@ double Judge::turning_allowance() const {
 
 double Judge::margin() const {
   const Eigen::Index n = q_.size();
-  std::vector<double> s;
-  for (const Touch& touch : touches_) s.push_back(touch.s);
   Eigen::MatrixXd pull;
-  residual(q_, s, pull);
+  residual(q_, holds(q_), pull);
   std::vector<Eigen::Index> holding;
   for (std::size_t k = 0; k < touches_.size(); ++k) {
     if (touches_[k].force > pressing) holding.push_back(static_cast<Eigen::Index>(k));
@@ -260,6 +231,10 @@ double Judge::margin() const {
     free = orthogonal.rightCols(n - factors.rank());
   }
   if (free.cols() == 0) return infinity;
+  if (std::any_of(holding.begin(), holding.end(),
+                  [&](Eigen::Index k) { return !(touches_[static_cast<std::size_t>(k)].convexity > 0.0); })) {
+    return -infinity;
+  }
   Eigen::MatrixXd second(n, n);
   Eigen::MatrixXd unused;
   constexpr double step = 1e-5;
@@ -270,21 +245,21 @@ double Judge::margin() const {
     more[i] += step;
     less[i] -= step;
     second.col(i) =
-        (residual(more, followed_places(more), unused) - residual(less, followed_places(less), unused)) / (2.0 * step);
+        (residual(more, followed_holds(more), unused) - residual(less, followed_holds(less), unused)) / (2.0 * step);
     for (std::size_t k = 0; k < touches_.size(); ++k) {
       slides(i, static_cast<Eigen::Index>(k)) =
-          (slope(more, touches_[k].body, s[k]) - slope(less, touches_[k].body, s[k])) / (2.0 * step);
+          (slope(more, touches_[k], touches_[k].s) - slope(less, touches_[k], touches_[k].s)) / (2.0 * step);
     }
   }
   // A contact inside the rod slides along as the rod moves. Where the curvature jumps, the side with less sliding
   // counts.
   for (const Eigen::Index k : holding) {
     const Touch& touch = touches_[static_cast<std::size_t>(k)];
-    if (touch.at_tip || followed(touch)) continue;
+    if (touch.at_tip || touch.followed) continue;
     constexpr double side = 1e-6;
-    const double here = slope(q_, touch.body, touch.s);
+    const double here = slope(q_, touch, touch.s);
     const double convexity =
-        std::max(slope(q_, touch.body, touch.s + side) - here, here - slope(q_, touch.body, touch.s - side)) / side;
+        std::max(slope(q_, touch, touch.s + side) - here, here - slope(q_, touch, touch.s - side)) / side;
     if (!(convexity > 0.0)) return -infinity;
     second += (touch.force / convexity) * slides.col(k) * slides.col(k).transpose();
   }
@@ -328,10 +303,8 @@ void Judge::limits(PlanCheck& check) const {
 
 PlanCheck Judge::judge() {
   PlanCheck check;
-  std::vector<double> cuts;
-  for (const Touch& touch : touches_) cuts.push_back(touch.s);
   Eigen::MatrixXd pull;
-  check.equilibrium = residual(q_, cuts, pull).cwiseAbs().maxCoeff();
+  check.equilibrium = residual(q_, holds(q_), pull).cwiseAbs().maxCoeff();
   if (!(check.equilibrium <= equilibrium_limit + data * rod_.loads + turning_allowance())) {
     check.defects.push_back(fmt::format("no equilibrium: {:.2e}", check.equilibrium));
   }

@@ -14,28 +14,6 @@ namespace tendril::app {
 
 namespace {
 
-double length_or_moment(const Document& document, const Units& units, const Node& node, const Dimension& dimension) {
-  double value = 0.0;
-  if (const auto* integer = std::get_if<std::int64_t>(&node.value)) {
-    value = static_cast<double>(*integer);
-  } else if (const auto* real = std::get_if<double>(&node.value)) {
-    value = *real;
-  } else if (const auto* text = std::get_if<std::string>(&node.value)) {
-    try {
-      value = units.read(*text, dimension);
-    } catch (const Error& error) {
-      document.fail(node.position, error.what());
-    }
-  } else {
-    document.fail(node.position, "found " + describe_value(node) + ", expected " + expected_quantity(dimension));
-  }
-  if (!std::isfinite(value)) {
-    document.fail(node.position,
-                  "found " + describe_value(node) + ", expected " + expected_quantity(dimension, " that is finite"));
-  }
-  return value;
-}
-
 std::string trimmed(const std::string& text) {
   const auto first = text.find_first_not_of(" \t\r");
   if (first == std::string::npos) return "";
@@ -165,44 +143,64 @@ class PointFile {
   std::vector<std::vector<double>> rows_;
 };
 
-}  // namespace
-
-void read_measured_points(const Document& document, const Units& units, const Node& node, MeasurementDraft& draft) {
+/// Rows of lengths, all of two or all of three entries.
+void read_measured_points(const Context& context, const Node& node, const KeySpec& key, MeasurementDraft& draft) {
   const std::string expected = "a list of points, each [s, x, y] or [x, y]";
   const auto* list = std::get_if<Node::List>(&node.value);
   if (list == nullptr || list->empty()) {
-    document.fail(node.position, "found " + describe_value(node) + ", expected " + expected);
+    context.fail(node, expected);
   }
   if (list->size() > most_measured_points) {
-    document.fail(node.position,
-                  fmt::format("found {} points, expected at most {}", list->size(), most_measured_points));
+    context.document.fail(node.position,
+                          fmt::format("found {} points, expected at most {}", list->size(), most_measured_points));
   }
   for (const Node& item : *list) {
     const auto* entries = std::get_if<Node::List>(&item.value);
     if (entries == nullptr || (entries->size() != 2 && entries->size() != 3)) {
-      document.fail(item.position, "found " + describe_value(item) + ", expected a point [s, x, y] or [x, y]");
+      context.fail(item, "a point [s, x, y] or [x, y]");
     }
     if (!draft.rows.empty() && entries->size() != draft.rows.front().size()) {
-      document.fail(item.position, fmt::format("found a point of {} entries, expected {} as in the points before",
-                                               entries->size(), draft.rows.front().size()));
+      context.document.fail(item.position,
+                            fmt::format("found a point of {} entries, expected {} as in the points before",
+                                        entries->size(), draft.rows.front().size()));
     }
     std::vector<double> row;
-    for (const Node& entry : *entries) row.push_back(length_or_moment(document, units, entry, dimension::length));
+    for (const Node& entry : *entries) row.push_back(read_quantity(context, entry, key));
     draft.rows.push_back(std::move(row));
   }
 }
 
-void read_known_moments(const Document& document, const Units& units, const Node& node, MeasurementDraft& draft) {
+void read_known_moments(const Context& context, const Node& node, const KeySpec& key, MeasurementDraft& draft) {
   const auto* list = std::get_if<Node::List>(&node.value);
   if (list == nullptr) {
-    document.fail(node.position,
-                  "found " + describe_value(node) + ", expected a list of moments, one for each actuator");
+    context.fail(node, "a list of moments, one for each actuator");
   }
-  for (const Node& item : *list) draft.moments.push_back(length_or_moment(document, units, item, dimension::moment));
+  for (const Node& item : *list) draft.moments.push_back(read_quantity(context, item, key));
 }
 
-MeasurementSpec finish_measurement(const Document& document, const Units& units, const MeasurementDraft& draft,
-                                   const Scene& scene) {
+}  // namespace
+
+Table<MeasurementDraft> measurement_table() {
+  using T = MeasurementDraft;
+  const auto list = [](std::string name, KeyType type, const Dimension& dimension, std::string description, auto read) {
+    KeySpec spec{std::move(name), type, dimension, "", std::move(description)};
+    return Key<T>{spec, [spec, read](const Context& context, const Node& node, T& t) { read(context, node, spec, t); }};
+  };
+  return {{list("points", KeyType::points, dimension::length,
+                "Measured backbone points: [s, x, y] each, or [x, y] at equal distances along the rod, the last one at "
+                "the tip.",
+                read_measured_points),
+           text<T>("file", "", "CSV file with the points instead, beside the scene; columns x, y or s, x, y.",
+                   [](T& t, const std::string& v) { t.file = v; }),
+           quantity<T>("noise", dimension::length, positive, "estimated from the residuals",
+                       "Standard deviation of each measured coordinate.", [](T& t, double v) { t.noise = v; }),
+           list("moments", KeyType::quantities, dimension::moment,
+                "Moment of each actuator while the points were measured; not needed where min and max are equal.",
+                read_known_moments)}};
+}
+
+MeasurementSpec finish_measurement(const Context& context, const MeasurementDraft& draft, const Scene& scene) {
+  const Document& document = context.document;
   MeasurementSpec spec;
   if (scene.problem != ProblemKind::estimate) {
     if (document.root().find("measurement") != nullptr) {
@@ -217,7 +215,7 @@ MeasurementSpec finish_measurement(const Document& document, const Units& units,
     if (!rows.empty()) {
       document.fail(document.find("measurement.file"), "found 'file' beside 'points', expected either of them");
     }
-    rows = PointFile(std::filesystem::path(document.file()).parent_path() / draft.file, units).read();
+    rows = PointFile(std::filesystem::path(document.file()).parent_path() / draft.file, context.units).read();
   }
   const double length = scene.rod.length();
   for (std::size_t i = 0; i < rows.size(); ++i) {

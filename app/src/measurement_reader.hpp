@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tendril/app/document.hpp"
-#include "tendril/app/units.hpp"
+#include "keys.hpp"
 #include "tendril/scene.hpp"
 
 namespace tendril::app {
@@ -21,14 +20,11 @@ struct MeasurementDraft {
   std::vector<double> moments;
 };
 
-/// Reads `points`: rows of lengths, all of two or all of three entries. Throws InputError with the place.
-void read_measured_points(const Document& document, const Units& units, const Node& node, MeasurementDraft& draft);
-/// Reads `moments`.
-void read_known_moments(const Document& document, const Units& units, const Node& node, MeasurementDraft& draft);
+/// Keys of [measurement].
+Table<MeasurementDraft> measurement_table();
 
 /// Reads the file if there is one, and gives every point its arc length. Throws InputError with the place, also where a
 /// scene of another kind has a measurement.
-MeasurementSpec finish_measurement(const Document& document, const Units& units, const MeasurementDraft& draft,
-                                   const Scene& scene);
+MeasurementSpec finish_measurement(const Context& context, const MeasurementDraft& draft, const Scene& scene);
 
 }  // namespace tendril::app

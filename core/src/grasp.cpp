@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "tendril/circle.hpp"
 #include "tendril/grasp.hpp"
@@ -121,24 +122,30 @@ Scene finger_of(const Scene& scene, FingerName name) {
 Plan plan_of_finger(const Scene& scene, const Plan& plan, FingerName name) {
   Plan own = plan;
   if (name == FingerName::lower) {
-    const GripperSpec& gripper = *scene.gripper;
-    const FingerPlan lower = reflected(gripper, *plan.grasp->lower);
-    own.coordinates = lower.coordinates;
-    own.moments = lower.moments;
-    own.contacts = lower.contacts;
-    own.backbone = lower.backbone;
-    own.tip_x = lower.tip_x;
-    own.tip_y = lower.tip_y;
-    own.tip_angle = lower.tip_angle;
-    own.self_overlap = lower.self_overlap;
+    set_finger(own, reflected(*scene.gripper, *plan.grasp->lower));
   }
   own.grasp->lower.reset();
   return own;
 }
 
 FingerPlan lower_in_world(const Scene& scene, const Plan& plan) {
-  return reflected(*scene.gripper, {plan.coordinates, plan.moments, plan.contacts, plan.backbone, plan.tip_x,
-                                    plan.tip_y, plan.tip_angle, plan.self_overlap});
+  return reflected(*scene.gripper, finger_state(plan));
+}
+
+FingerPlan finger_state(const Plan& plan) {
+  return {plan.coordinates, plan.moments, plan.contacts,  plan.backbone,
+          plan.tip_x,       plan.tip_y,   plan.tip_angle, plan.self_overlap};
+}
+
+void set_finger(Plan& plan, FingerPlan finger) {
+  plan.coordinates = std::move(finger.coordinates);
+  plan.moments = std::move(finger.moments);
+  plan.contacts = std::move(finger.contacts);
+  plan.backbone = std::move(finger.backbone);
+  plan.tip_x = finger.tip_x;
+  plan.tip_y = finger.tip_y;
+  plan.tip_angle = finger.tip_angle;
+  plan.self_overlap = finger.self_overlap;
 }
 
 Scene finger_in_world(const Scene& scene) {
@@ -266,10 +273,9 @@ void finish_grasp(const Problem::Data& data, PoseProgram& program, ConstVectorRe
   // Both fingers answer alike to a move along the axis, and oppositely to one across it, which the mirror image turns
   // into the same sum.
   GraspQuality& quality = plan.grasp->quality.emplace();
-  quality.axial_stiffness = 2.0 * one.axial_stiffness;
-  quality.lateral_stiffness = 2.0 * one.lateral_stiffness;
-  quality.force_by_moment = one.force_by_moment;
-  for (const PlannedContact& c : plan.contacts) quality.force_margins.push_back(data.scene.contact.max_force - c.force);
+  add_finger(quality, FingerName::upper, one, plan.contacts, data.scene.contact.max_force);
+  quality.axial_stiffness *= 2.0;
+  quality.lateral_stiffness *= 2.0;
 }
 
 void finger_to_world(const GripperSpec& gripper, double distance, Plan& plan) {

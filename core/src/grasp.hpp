@@ -1,6 +1,7 @@
 #pragma once
 
 #include "problem_data.hpp"
+#include "tendril/grasp.hpp"
 
 namespace tendril {
 
@@ -15,6 +16,9 @@ void set_up_grasp(Problem::Data& data);
 /// The lower finger of a problem whose upper one has been set up, terms included; both get the range of palm distances
 /// that is left by either. Throws SceneError where the scene asks for what two fingers cannot do yet.
 void add_lower_finger(Problem::Data& upper, const Scene& scene);
+
+/// What a pair of ways of touching is called.
+std::string pair_name(const Mode& above, const Mode& below);
 
 /// The programs of a grasp of both fingers, one for each pair of ways of touching.
 Description describe_both_fingers(const Problem::Data& upper, Description common);
@@ -36,6 +40,11 @@ inline constexpr int grasp_starts = 5;
 /// moments.
 StartShape grasp_start(const Problem::Data& data, const Mode& mode, int index);
 
+/// What a plan says of its own finger.
+FingerPlan finger_state(const Plan& plan);
+/// Makes it the plan's own finger.
+void set_finger(Plan& plan, FingerPlan finger);
+
 /// Brings contacts and backbone of a finger's program, whose frame is fixed to the object, into the world of the
 /// finger's scene. `distance`: of the palm, m.
 void finger_to_world(const GripperSpec& gripper, double distance, Plan& plan);
@@ -53,5 +62,9 @@ struct FingerResponse {
 };
 /// `program` is moved to x.
 FingerResponse finger_response(PoseProgram& program, ConstVectorRef x, const Scale& scale);
+
+/// Adds a finger that answers so and has these contacts to the quality of its grasp. `max_force`: of its contacts, N.
+void add_finger(GraspQuality& quality, FingerName name, const FingerResponse& response,
+                const std::vector<PlannedContact>& contacts, double max_force);
 
 }  // namespace tendril

@@ -140,6 +140,10 @@ void add_lower_finger(Problem::Data& upper, const Scene& scene) {
   upper.left_out.push_back({"force of the second contact", "it is that of the first: the object is at rest"});
 }
 
+std::string pair_name(const Mode& above, const Mode& below) {
+  return "upper finger: " + above.name + "; lower finger: " + below.name;
+}
+
 Description describe_both_fingers(const Problem::Data& upper, Description out) {
   const std::array<const Problem::Data*, 2> fingers{&upper, upper.lower.get()};
   out.length_unit = upper.scene_scale.length;
@@ -153,7 +157,7 @@ Description describe_both_fingers(const Problem::Data& upper, Description out) {
   for (const Mode& above : fingers[0]->modes) {
     for (const Mode& below : fingers[1]->modes) {
       Description::Mode m;
-      m.name = "upper finger: " + above.name + "; lower finger: " + below.name;
+      m.name = pair_name(above, below);
       int coordinates = 0, moments = 0, arc_lengths = 0, checks = 0;
       for (std::size_t which = 0; which < 2; ++which) {
         const Problem::Data& d = *fingers[which];

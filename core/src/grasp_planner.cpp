@@ -374,15 +374,7 @@ Plan GraspPlanner::report() {
     const double value = best.program->finger(0).term_value(term) + best.program->finger(1).term_value(term);
     plan.terms.emplace_back(d.terms[i].name, value * d.objective_scale);
   }
-  const Plan above = finger_plan(0, best);
-  plan.coordinates = above.coordinates;
-  plan.moments = above.moments;
-  plan.contacts = above.contacts;
-  plan.backbone = above.backbone;
-  plan.self_overlap = above.self_overlap;
-  plan.tip_x = above.tip_x;
-  plan.tip_y = above.tip_y;
-  plan.tip_angle = above.tip_angle;
+  set_finger(plan, finger_state(finger_plan(0, best)));
   const FingerPlan below = lower_in_world(d.scene, finger_plan(1, best));
   plan.grasp =
       grasp_of(d.scene, best.program->palm_distance(best.x) * d.scene_scale.length, plan.contacts, below.contacts);
@@ -391,11 +383,8 @@ Plan GraspPlanner::report() {
     const Problem::Data& own = *fingers_[static_cast<std::size_t>(which)];
     const FingerResponse response =
         finger_response(best.program->finger(which), best.program->finger_point(which, best.x), own.scale);
-    quality.axial_stiffness += response.axial_stiffness;
-    quality.lateral_stiffness += response.lateral_stiffness;
-    for (const Vec2 f : response.force_by_moment) quality.force_by_moment.push_back({f.x, which == 0 ? f.y : -f.y});
-    for (const PlannedContact& c : which == 0 ? plan.contacts : below.contacts)
-      quality.force_margins.push_back(own.scene.contact.max_force - c.force);
+    add_finger(quality, which == 0 ? FingerName::upper : FingerName::lower, response,
+               which == 0 ? plan.contacts : below.contacts, own.scene.contact.max_force);
   }
   plan.grasp->lower = below;
   return plan;
@@ -406,7 +395,7 @@ Plan GraspPlanner::run() {
     for (const Mode& below : fingers_[1]->modes) {
       Pair pair;
       pair.modes = {&above, &below};
-      pair.record.mode = "upper finger: " + above.name + "; lower finger: " + below.name;
+      pair.record.mode = pair_name(above, below);
       if (!above.skip.empty() || !below.skip.empty())
         pair.skip = above.skip.empty() ? "lower finger: " + below.skip : "upper finger: " + above.skip;
       const auto reach = [](const Problem::Data& d, const Mode& mode) {

@@ -77,4 +77,14 @@ FingerResponse finger_response(PoseProgram& program, ConstVectorRef x, const Sca
   return out;
 }
 
+void add_finger(GraspQuality& quality, FingerName name, const FingerResponse& response,
+                const std::vector<PlannedContact>& contacts, double max_force) {
+  quality.axial_stiffness += response.axial_stiffness;
+  quality.lateral_stiffness += response.lateral_stiffness;
+  // The lower finger's own direction across the axis is the mirror image.
+  const double across = name == FingerName::upper ? 1.0 : -1.0;
+  for (const Vec2 f : response.force_by_moment) quality.force_by_moment.push_back({f.x, across * f.y});
+  for (const PlannedContact& c : contacts) quality.force_margins.push_back(max_force - c.force);
+}
+
 }  // namespace tendril

@@ -6,29 +6,13 @@
 
 #include "command.hpp"
 
-namespace tendril::app {
+namespace tendril::app::test {
 namespace {
-
-using test::brace_with;
-using test::CommandRun;
-using test::expect_refused;
-using test::plan_text;
-using test::scene_path;
-using test::TemporaryDirectory;
-using test::tendril;
 
 CommandRun plan_brace(std::vector<std::string> more) {
   more.insert(more.begin(), {"plan", scene_path("brace.toml"), "--json"});
   return tendril(more);
 }
-
-struct BadScene {
-  const char* old_text;
-  const char* new_text;
-  const char* message;
-};
-
-void PrintTo(const BadScene& scene, std::ostream* out) { *out << scene.new_text; }
 
 class BadSceneTest : public testing::TestWithParam<BadScene> {};
 
@@ -197,4 +181,4 @@ TEST(EndlessSolver, IsEndedByTheWatchdog) {
 }
 
 }  // namespace
-}  // namespace tendril::app
+}  // namespace tendril::app::test

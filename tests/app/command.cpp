@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "tendril/app/process.hpp"
@@ -80,13 +81,26 @@ CommandRun plan_text(const std::string& text, std::vector<std::string> more) {
 
 std::string scene_path(const std::string& name) { return std::string(TENDRIL_SCENES "/") + name; }
 
-std::string brace_with(const std::string& old_text, const std::string& new_text) {
-  std::string text = read_file(scene_path("brace.toml"));
+nlohmann::json json_of(std::vector<std::string> arguments, int exit_code) {
+  arguments.emplace_back("--json");
+  const CommandRun run = tendril(arguments);
+  EXPECT_EQ(run.exit_code, exit_code) << run.err;
+  return nlohmann::json::parse(run.out, nullptr, false);
+}
+
+std::string scene_with(const std::string& scene, const std::string& old_text, const std::string& new_text) {
+  std::string text = read_file(scene_path(scene));
   const auto at = text.find(old_text);
   EXPECT_NE(at, std::string::npos) << old_text;
   if (at == std::string::npos) return text;
   EXPECT_EQ(text.find(old_text, at + 1), std::string::npos) << old_text;
   return text.replace(at, old_text.size(), new_text);
 }
+
+std::string brace_with(const std::string& old_text, const std::string& new_text) {
+  return scene_with("brace.toml", old_text, new_text);
+}
+
+void PrintTo(const BadScene& scene, std::ostream* out) { *out << scene.new_text; }
 
 }  // namespace tendril::app::test

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -41,7 +43,19 @@ void expect_refused(const CommandRun& run, const std::string& part);
 /// `tendril plan --json` for a scene with this text, and more arguments.
 CommandRun plan_text(const std::string& text, std::vector<std::string> more = {});
 std::string scene_path(const std::string& name);
-/// scenes/brace.toml with one piece of text replaced; fails the test if it does not occur exactly once.
+/// What the command writes with these arguments and --json; fails the test unless it ends with `exit_code`.
+nlohmann::json json_of(std::vector<std::string> arguments, int exit_code = 0);
+/// A scene of scenes/ with one piece of text replaced; fails the test if it does not occur exactly once.
+std::string scene_with(const std::string& scene, const std::string& old_text, const std::string& new_text);
+/// scenes/brace.toml, likewise.
 std::string brace_with(const std::string& old_text, const std::string& new_text);
+
+/// A piece of text in a scene, what takes its place, and what is then said of it.
+struct BadScene {
+  const char* old_text;
+  const char* new_text;
+  const char* message;  ///< part of it, place included
+};
+void PrintTo(const BadScene& scene, std::ostream* out);
 
 }  // namespace tendril::app::test

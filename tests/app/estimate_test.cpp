@@ -7,20 +7,14 @@
 
 #include "command.hpp"
 
-namespace tendril::app {
+namespace tendril::app::test {
 namespace {
 
 using nlohmann::json;
-using test::CommandRun;
-using test::expect_refused;
-using test::read_file;
-using test::scene_path;
-using test::TemporaryDirectory;
-using test::tendril;
 
 /// scenes/estimate.toml, with the points inside instead of in a file, and one piece of text replaced.
-std::string scene_with(const std::string& measurement, const std::string& old_text = "",
-                       const std::string& new_text = "") {
+std::string measured_with(const std::string& measurement, const std::string& old_text = "",
+                          const std::string& new_text = "") {
   std::string text = read_file(scene_path("estimate.toml"));
   const std::string file = "file = \"estimate.csv\"";
   text.replace(text.find(file), file.size(), measurement);
@@ -31,7 +25,8 @@ std::string scene_with(const std::string& measurement, const std::string& old_te
   return text;
 }
 
-CommandRun plan_text(const std::string& text, const std::string& csv = "", std::vector<std::string> more = {"--json"}) {
+CommandRun plan_measured(const std::string& text, const std::string& csv = "",
+                         std::vector<std::string> more = {"--json"}) {
   const TemporaryDirectory directory;
   if (!csv.empty()) directory.write("p.csv", csv);
   more.insert(more.begin(), {"plan", directory.write("s.toml", text)});
@@ -82,7 +77,7 @@ TEST(Estimate, WritesResultAndFigure) {
 TEST(Estimate, GivesNoNumberThatTheDataDoNotGive) {
   // Were each coordinate known to 1 mm only, the peg's force would be known to 32 %.
   const std::string csv = read_file(scene_path("estimate.csv"));
-  const CommandRun run = plan_text(scene_with("file = \"p.csv\"", "\"0.05 mm\"", "\"1 mm\""), csv);
+  const CommandRun run = plan_measured(measured_with("file = \"p.csv\"", "\"0.05 mm\"", "\"1 mm\""), csv);
   EXPECT_EQ(run.exit_code, 1) << run.err;
   const json result = json::parse(run.out, nullptr, false);
   EXPECT_EQ(result["status"], "not_identifiable");
@@ -91,7 +86,7 @@ TEST(Estimate, GivesNoNumberThatTheDataDoNotGive) {
   EXPECT_EQ(contact["identifiable"], false);
   for (const char* key : {"force", "arc_length", "point", "normal"}) EXPECT_TRUE(contact[key].is_null()) << key;
   EXPECT_NE(contact["reason"], "");
-  const CommandRun table = plan_text(scene_with("file = \"p.csv\"", "\"0.05 mm\"", "\"1 mm\""), csv, {});
+  const CommandRun table = plan_measured(measured_with("file = \"p.csv\"", "\"0.05 mm\"", "\"1 mm\""), csv, {});
   EXPECT_NE(table.out.find("not identifiable"), std::string::npos) << table.out;
 }
 
@@ -122,9 +117,9 @@ TEST(Estimate, ReadsPointsInEveryForm) {
   };
   const double force = file["contacts"][0]["force"].get<double>();
   // The same dimensionless data to 12 digits.
-  EXPECT_NEAR(force_of(plan_text(scene_with(with_arc_length + "]"))), force, 1e-9 * force);
-  EXPECT_NEAR(force_of(plan_text(scene_with(without + "]"))), force, 1e-9 * force);
-  EXPECT_NEAR(force_of(plan_text(scene_with("file = \"p.csv\""), columns)), force, 1e-9 * force);
+  EXPECT_NEAR(force_of(plan_measured(measured_with(with_arc_length + "]"))), force, 1e-9 * force);
+  EXPECT_NEAR(force_of(plan_measured(measured_with(without + "]"))), force, 1e-9 * force);
+  EXPECT_NEAR(force_of(plan_measured(measured_with("file = \"p.csv\""), columns)), force, 1e-9 * force);
 }
 
 TEST(Estimate, IsDescribed) {
@@ -149,7 +144,7 @@ void PrintTo(const BadEstimate& bad, std::ostream* out) { *out << bad.measuremen
 class BadEstimateTest : public testing::TestWithParam<BadEstimate> {};
 
 TEST_P(BadEstimateTest, IsRefusedWithItsPlace) {
-  expect_refused(plan_text(scene_with(GetParam().measurement), GetParam().csv), GetParam().message);
+  expect_refused(plan_measured(measured_with(GetParam().measurement), GetParam().csv), GetParam().message);
 }
 
 constexpr const char* from_file = "file = \"p.csv\"";
@@ -184,23 +179,25 @@ INSTANTIATE_TEST_SUITE_P(
                     BadEstimate{from_file, "\xff\n", "p.csv:1:1: found bytes that are not UTF-8"}));
 
 TEST(BadEstimate, NeedsItsMoments) {
-  expect_refused(plan_text(scene_with("points = [[0.1, 0]]", "moments = [\"2.5 N mm\"]", "")),
+  expect_refused(plan_measured(measured_with("points = [[0.1, 0]]", "moments = [\"2.5 N mm\"]", "")),
                  "s.toml:16:1: the moment of actuator 1 while the points were measured is not known");
-  expect_refused(plan_text(scene_with("points = [[0.1, 0]]", "[\"2.5 N mm\"]", "[1, 2]")), "found 2 moments");
-  expect_refused(plan_text(scene_with("points = [[0.1, 0]]", "[\"2.5 N mm\"]", "[\"2.5 N\"]")), "found \"2.5 N\"");
-  expect_refused(plan_text(scene_with("points = [[0.1, 0]]", "\"0.05 mm\"", "\"0 mm\"")), "greater than 0");
-  expect_refused(plan_text(scene_with("points = [[0.1, 0], [0.1, 0]]", "count = 2", "count = 3")), "expected 1 or 2");
+  expect_refused(plan_measured(measured_with("points = [[0.1, 0]]", "[\"2.5 N mm\"]", "[1, 2]")), "found 2 moments");
+  expect_refused(plan_measured(measured_with("points = [[0.1, 0]]", "[\"2.5 N mm\"]", "[\"2.5 N\"]")),
+                 "found \"2.5 N\"");
+  expect_refused(plan_measured(measured_with("points = [[0.1, 0]]", "\"0.05 mm\"", "\"0 mm\"")), "greater than 0");
+  expect_refused(plan_measured(measured_with("points = [[0.1, 0], [0.1, 0]]", "count = 2", "count = 3")),
+                 "expected 1 or 2");
   // A fixed actuator needs no moment beside it.
-  const CommandRun run =
-      plan_text(scene_with("file = \"p.csv\"", "moments = [\"2.5 N mm\"]", ""), read_file(scene_path("estimate.csv")),
-                {"--json", "--set", "rod.actuator.0={min=0.0025, max=0.0025}"});
+  const CommandRun run = plan_measured(measured_with("file = \"p.csv\"", "moments = [\"2.5 N mm\"]", ""),
+                                       read_file(scene_path("estimate.csv")),
+                                       {"--json", "--set", "rod.actuator.0={min=0.0025, max=0.0025}"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
 }
 
 TEST(BadEstimate, OfAnySizeIsRefused) {
   std::string csv;
   for (int i = 0; i < 10'001; ++i) csv += "0.01, 0\n";
-  expect_refused(plan_text(scene_with(from_file), csv), "p.csv:10001:1: found more than 10000 points");
+  expect_refused(plan_measured(measured_with(from_file), csv), "p.csv:10001:1: found more than 10000 points");
 }
 
 TEST(BadEstimate, HasNoStart) {
@@ -208,4 +205,4 @@ TEST(BadEstimate, HasNoStart) {
 }
 
 }  // namespace
-}  // namespace tendril::app
+}  // namespace tendril::app::test

@@ -7,27 +7,14 @@
 
 #include "command.hpp"
 
-namespace tendril::app {
+namespace tendril::app::test {
 namespace {
 
 using nlohmann::json;
-using test::brace_with;
-using test::CommandRun;
-using test::read_file;
-using test::scene_path;
-using test::TemporaryDirectory;
-using test::tendril;
 using Names = std::vector<std::string>;
 
-json parsed(std::vector<std::string> arguments, int exit_code = 0) {
-  arguments.emplace_back("--json");
-  const CommandRun run = tendril(arguments);
-  EXPECT_EQ(run.exit_code, exit_code) << run.err;
-  return json::parse(run.out, nullptr, false);
-}
-
 json execute_brace(const std::string& moments) {
-  return parsed({"execute", scene_path("brace.toml"), "--moments", moments});
+  return json_of({"execute", scene_path("brace.toml"), "--moments", moments});
 }
 
 TEST(Execute, OfTheBracedArmMatchesTheReference) {
@@ -62,8 +49,8 @@ TEST(Execute, ReadsMomentsInAnyUnitAndSign) {
 }
 
 TEST(Execute, UsesObstaclesWhateverTheContactModeSays) {
-  const json result = parsed({"execute", scene_path("brace.toml"), "--moments", "2.5 N mm", "--set",
-                              "contact.mode=ignore", "--set", "contact.max_force=0"});
+  const json result = json_of({"execute", scene_path("brace.toml"), "--moments", "2.5 N mm", "--set",
+                               "contact.mode=ignore", "--set", "contact.max_force=0"});
   ASSERT_EQ(result["contacts"].size(), 1U);
   EXPECT_NEAR(result["contacts"][0]["force"].get<double>(), 0.06178404562, 1e-10);
 }
@@ -76,8 +63,8 @@ TEST(Execute, ListsActiveContactsOnly) {
 
 TEST(Execute, CarriesOutAnEarlierPlan) {
   const TemporaryDirectory directory;
-  const json plan = parsed({"plan", scene_path("brace.toml"), "--output", directory.path().string()});
-  const json result = parsed({"execute", scene_path("brace.toml"), "--plan", directory / "result.json"});
+  const json plan = json_of({"plan", scene_path("brace.toml"), "--output", directory.path().string()});
+  const json result = json_of({"execute", scene_path("brace.toml"), "--plan", directory / "result.json"});
   EXPECT_EQ(result["moments"], plan["moments"]);
   // Model error of 6 functions per piece (README).
   EXPECT_NEAR(result["tip"]["x"].get<double>(), plan["tip"]["x"].get<double>(), 1e-11);
@@ -88,8 +75,8 @@ TEST(Execute, GoesOnFromAnEarlierResult) {
   const TemporaryDirectory directory;
   const std::string scene = scene_path("snap_through.toml");
   // m = M L / EI with L = 0.2 m and EI = 0.01 N m^2: 2 and -1.
-  parsed({"execute", scene, "--moments", "100 N mm", "--output", directory.path().string()});
-  const json result = parsed({"execute", scene, "--moments", "-50 N mm", "--start", directory / "result.json"});
+  json_of({"execute", scene, "--moments", "100 N mm", "--output", directory.path().string()});
+  const json result = json_of({"execute", scene, "--moments", "-50 N mm", "--start", directory / "result.json"});
   EXPECT_EQ(result["status"], "solved");
   ASSERT_EQ(result["snaps"].size(), 1U);
   const json& snap = result["snaps"][0];
@@ -104,7 +91,7 @@ TEST(Execute, GoesOnFromAnEarlierResult) {
 }
 
 TEST(Execute, FindsThreeContacts) {
-  const json result = parsed({"execute", scene_path("alternating_pegs.toml"), "--moments", "0"});
+  const json result = json_of({"execute", scene_path("alternating_pegs.toml"), "--moments", "0"});
   Names names;
   for (const json& contact : result["contacts"]) names.push_back(contact["obstacle"].get<std::string>());
   EXPECT_EQ(names, (Names{"first peg", "second peg", "third peg"}));
@@ -127,7 +114,7 @@ TEST(Execute, ThatDoesNotArriveIsWrittenAllTheSame) {
   const TemporaryDirectory directory;
   // Bent the other way, past the curvature of a peg of 8 mm: the arm would lie along it.
   const json result =
-      parsed({"execute", scene_path("brace.toml"), "--moments", "-200 N mm", "--output", directory / "out"}, 1);
+      json_of({"execute", scene_path("brace.toml"), "--moments", "-200 N mm", "--output", directory / "out"}, 1);
   EXPECT_EQ(result["status"], "not_converged");
   EXPECT_NE(result["message"], "");
   EXPECT_LT(result["load"]["reached"].get<double>(), 1.0);
@@ -147,7 +134,7 @@ TEST(Extended, IsAPlannedContactThatSpreads) {
   const std::string file = directory.write(
       "s.toml", unit_rod("[[rod.actuator]]\nmin = 7\nmax = 7\n[[obstacle]]\nshape = \"circle\"\ncenter = [0.6, 0.3]\n"
                          "radius = 0.15\n[start]\ntip_angle = 0.5\n[contact]\nmode = \"require\"\nmin_force = 0.1\n"));
-  const json result = parsed({"plan", file}, 1);
+  const json result = json_of({"plan", file}, 1);
   EXPECT_EQ(result["status"], "not_converged");
   EXPECT_NE(result["message"].get<std::string>().find("contact spreads"), std::string::npos) << result["message"];
   ASSERT_EQ(result["contacts"].size(), 1U);
@@ -164,7 +151,7 @@ TEST(Extended, IsARunOfContactsThatAreCarriedOut) {
   const std::string file = directory.write(
       "s.toml", "gravity = [0, -1]\n" + unit_rod("linear_density = 100\n[[obstacle]]\nname = \"floor\"\n"
                                                  "shape = \"wall\"\npoint = [0, -1e-3]\nangle = 0\n"));
-  const json result = parsed({"execute", file, "--moments", ""}, 1);
+  const json result = json_of({"execute", file, "--moments", ""}, 1);
   EXPECT_EQ(result["status"], "not_converged");
   ASSERT_GT(result["contacts"].size(), 50U);
   double sum = 0.0;
@@ -183,25 +170,25 @@ TEST(Extended, IsNotSaidOfPoints) { EXPECT_FALSE(execute_brace("2.5 N mm")["cont
 
 TEST(Execute, KeepsTheTimeLimit) {
   const json result =
-      parsed({"execute", scene_path("brace.toml"), "--moments", "1 N mm", "--set", "solver.time_limit=1e-9"}, 1);
+      json_of({"execute", scene_path("brace.toml"), "--moments", "1 N mm", "--set", "solver.time_limit=1e-9"}, 1);
   EXPECT_EQ(result["status"], "time_limit");
 }
 
 TEST(PlanVerify, ConfirmsTheBracedArm) {
-  const json result = parsed({"plan", scene_path("brace.toml"), "--verify"});
+  const json result = json_of({"plan", scene_path("brace.toml"), "--verify"});
   EXPECT_EQ(result["status"], "solved");
   EXPECT_LT(result["model_error"].get<double>(), 1e-6 * 0.1);
 }
 
-TEST(PlanVerify, IsOnRequestOnly) { EXPECT_FALSE(parsed({"plan", scene_path("brace.toml")}).contains("model_error")); }
+TEST(PlanVerify, IsOnRequestOnly) { EXPECT_FALSE(json_of({"plan", scene_path("brace.toml")}).contains("model_error")); }
 
 TEST(PlanVerify, ReportsWhatACoarseBasisLeavesOut) {
   for (const char* basis : {"pcc", "psc"}) {
-    const json result = parsed({"plan", scene_path("free.toml"), "--coordinates", basis, "--verify"});
+    const json result = json_of({"plan", scene_path("free.toml"), "--coordinates", basis, "--verify"});
     EXPECT_EQ(result["status"], "solved") << basis;
     const double error = result["model_error"].get<double>();
     // The moments executed by hand end as far away.
-    const json executed = parsed({"execute", scene_path("free.toml"), "--moments", result["moments"][0].dump()});
+    const json executed = json_of({"execute", scene_path("free.toml"), "--moments", result["moments"][0].dump()});
     const double apart = std::hypot(executed["tip"]["x"].get<double>() - result["tip"]["x"].get<double>(),
                                     executed["tip"]["y"].get<double>() - result["tip"]["y"].get<double>());
     EXPECT_NEAR(error, apart, 1e-12) << basis;
@@ -211,9 +198,9 @@ TEST(PlanVerify, ReportsWhatACoarseBasisLeavesOut) {
 
 // Loaded from above the peg the arm comes to rest on it; the plan that avoids it lies below.
 TEST(PlanVerify, TurnsTheVerdictOfAPlanThatIsNotReached) {
-  const json plain = parsed({"plan", scene_path("avoid.toml")});
+  const json plain = json_of({"plan", scene_path("avoid.toml")});
   EXPECT_EQ(plain["status"], "solved");
-  const json result = parsed({"plan", scene_path("avoid.toml"), "--verify"}, 1);
+  const json result = json_of({"plan", scene_path("avoid.toml"), "--verify"}, 1);
   EXPECT_EQ(result["status"], "not_converged");
   EXPECT_NE(result["message"].get<std::string>().find("the plan rests on no obstacle, execution on 'obstacle 1'"),
             std::string::npos)
@@ -223,10 +210,10 @@ TEST(PlanVerify, TurnsTheVerdictOfAPlanThatIsNotReached) {
 }
 
 TEST(PlanVerify, SaysSoWhereThereIsNoShape) {
-  const json result = parsed({"plan", scene_path("brace.toml"), "--verify", "--set", "solver.time_limit=1e-9"}, 1);
+  const json result = json_of({"plan", scene_path("brace.toml"), "--verify", "--set", "solver.time_limit=1e-9"}, 1);
   EXPECT_TRUE(result["model_error"].is_null());
   EXPECT_NE(result["verification"].get<std::string>().find("not executed"), std::string::npos);
 }
 
 }  // namespace
-}  // namespace tendril::app
+}  // namespace tendril::app::test

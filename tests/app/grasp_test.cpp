@@ -7,23 +7,10 @@
 
 #include "command.hpp"
 
-namespace tendril::app {
+namespace tendril::app::test {
 namespace {
 
 using nlohmann::json;
-using test::CommandRun;
-using test::read_file;
-using test::scene_path;
-using test::TemporaryDirectory;
-using test::tendril;
-
-/// scenes/grasp_unequal.toml with one piece of text replaced; fails the test if it does not occur.
-std::string unequal_with(const std::string& from, const std::string& to) {
-  std::string text = read_file(scene_path("grasp_unequal.toml"));
-  const std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
 
 TEST(GraspOfTwoFingers, IsWrittenDownFingerByFingerAndCarriedOut) {
   const TemporaryDirectory directory;
@@ -53,10 +40,8 @@ TEST(GraspOfTwoFingers, IsWrittenDownFingerByFingerAndCarriedOut) {
   for (const char* file : {"out/figure.png", "out/figure.svg"}) EXPECT_GT(read_file(directory / file).size(), 1000U);
 
   // Its own moments from its own shape: the state that was planned.
-  const CommandRun done = tendril({"execute", scene_path("grasp_unequal.toml"), "--plan", directory / "out/result.json",
-                                   "--start", directory / "out/result.json", "--json"});
-  ASSERT_EQ(done.exit_code, 0) << done.err << done.out;
-  const json reached = json::parse(done.out);
+  const json reached = json_of({"execute", scene_path("grasp_unequal.toml"), "--plan", directory / "out/result.json",
+                                "--start", directory / "out/result.json"});
   for (std::size_t which = 0; which < 2; ++which) {
     for (const char* c : {"x", "y", "angle"}) {
       // Six functions per piece.
@@ -67,16 +52,12 @@ TEST(GraspOfTwoFingers, IsWrittenDownFingerByFingerAndCarriedOut) {
   }
   EXPECT_LT(std::abs(reached["net_force"][0].get<double>()), 1e-6);
   // A plan from an earlier one is the same.
-  const CommandRun again =
-      tendril({"plan", scene_path("grasp_unequal.toml"), "--start", directory / "out/result.json", "--json"});
-  ASSERT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_NEAR(json::parse(again.out)["objective"].get<double>(), result["objective"].get<double>(), 1e-9);
+  const json again = json_of({"plan", scene_path("grasp_unequal.toml"), "--start", directory / "out/result.json"});
+  EXPECT_NEAR(again["objective"].get<double>(), result["objective"].get<double>(), 1e-9);
 }
 
 TEST(GraspOfTwoFingers, IsDescribedAsOneProgram) {
-  const CommandRun run = tendril({"describe", scene_path("grasp_unequal.toml"), "--json"});
-  ASSERT_EQ(run.exit_code, 0) << run.err;
-  const json described = json::parse(run.out);
+  const json described = json_of({"describe", scene_path("grasp_unequal.toml")});
   EXPECT_EQ(described["modes"].size(), 9U);
   for (const json& variable : described["variables"]) {
     if (variable["name"] == "moments") {
@@ -87,42 +68,32 @@ TEST(GraspOfTwoFingers, IsDescribedAsOneProgram) {
   }
 }
 
-struct Refusal {
-  const char* old_text;
-  const char* new_text;
-  const char* message;
-};
-
-void PrintTo(const Refusal& refusal, std::ostream* out) { *out << refusal.new_text; }
-
-class RefusedGrasp : public testing::TestWithParam<Refusal> {};
+class RefusedGrasp : public testing::TestWithParam<BadScene> {};
 
 TEST_P(RefusedGrasp, NamesThePlace) {
-  const TemporaryDirectory directory;
-  const CommandRun run =
-      tendril({"plan", directory.write("s.toml", unequal_with(GetParam().old_text, GetParam().new_text)), "--json"});
-  EXPECT_EQ(run.exit_code, 2) << run.err;
-  EXPECT_EQ(run.out, "");
-  EXPECT_NE(run.err.find(GetParam().message), std::string::npos) << run.err;
+  const BadScene& scene = GetParam();
+  expect_refused(plan_text(scene_with("grasp_unequal.toml", scene.old_text, scene.new_text)), scene.message);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Scenes, RefusedGrasp,
     testing::Values(
-        Refusal{"object_diameter", "fingers = \"mirrored\"\nobject_diameter",
-                "s.toml:8:11: found \"mirrored\" beside [[finger]], expected \"both\""},
-        Refusal{"object_diameter", "fingers = \"bth\"\nobject_diameter", "s.toml:8:11: found \"bth\", expected one of"},
-        Refusal{"[[finger]]\nlength = \"90 mm\"\nbending_stiffness = \"0.015 N m^2\"\nrest_curvature = \"-2 1/m\"\n"
-                "max_force = \"3 N\"",
-                "", "found 1 [[finger]], expected two"},
-        Refusal{"length = \"90 mm\"", "length = \"60 mm\"",
-                "s.toml:33:1: found an actuator from 0.07 m to 0.06 m, expected from < to"},
-        Refusal{"length = \"90 mm\"", "length = \"90 N\"", "s.toml:34:10: found \"90 N\", whose unit"},
-        Refusal{"max_force = \"3 N\"", "max_force = 0", "s.toml:37:13: a grasp needs a max_force above 0"},
-        Refusal{"max_force = \"3 N\"", "max_force = \"1 N\"\nmin_force = \"2 N\"", "s.toml:38:13: found min_force 2 N"},
-        Refusal{"problem = \"grasp\"", "problem = \"pose\"", "[gripper] needs problem = \"grasp\""},
-        Refusal{"order = 6", "order = 6\nsplit_at_contact = false",
-                "s.toml:42:20: found false, but where both fingers are planned"}));
+        BadScene{"object_diameter", "fingers = \"mirrored\"\nobject_diameter",
+                 "s.toml:8:11: found \"mirrored\" beside [[finger]], expected \"both\""},
+        BadScene{"object_diameter", "fingers = \"bth\"\nobject_diameter",
+                 "s.toml:8:11: found \"bth\", expected one of"},
+        BadScene{"[[finger]]\nlength = \"90 mm\"\nbending_stiffness = \"0.015 N m^2\"\nrest_curvature = \"-2 1/m\"\n"
+                 "max_force = \"3 N\"",
+                 "", "found 1 [[finger]], expected two"},
+        BadScene{"length = \"90 mm\"", "length = \"60 mm\"",
+                 "s.toml:33:1: found an actuator from 0.07 m to 0.06 m, expected from < to"},
+        BadScene{"length = \"90 mm\"", "length = \"90 N\"", "s.toml:34:10: found \"90 N\", whose unit"},
+        BadScene{"max_force = \"3 N\"", "max_force = 0", "s.toml:37:13: a grasp needs a max_force above 0"},
+        BadScene{"max_force = \"3 N\"", "max_force = \"1 N\"\nmin_force = \"2 N\"",
+                 "s.toml:38:13: found min_force 2 N"},
+        BadScene{"problem = \"grasp\"", "problem = \"pose\"", "[gripper] needs problem = \"grasp\""},
+        BadScene{"order = 6", "order = 6\nsplit_at_contact = false",
+                 "s.toml:42:20: found false, but where both fingers are planned"}));
 
 TEST(GraspOfMirroredFingers, RefusesGravityAcrossWithItsPlace) {
   const TemporaryDirectory directory;
@@ -145,4 +116,4 @@ TEST(GraspOfTwoFingers, IsExecutedWithAMomentForEachActuatorOfBoth) {
 }
 
 }  // namespace
-}  // namespace tendril::app
+}  // namespace tendril::app::test

@@ -7,23 +7,15 @@
 
 #include "command.hpp"
 
-namespace tendril::app {
+namespace tendril::app::test {
 namespace {
 
 using nlohmann::json;
-using test::CommandRun;
-using test::read_file;
-using test::scene_path;
-using test::TemporaryDirectory;
-using test::tendril;
 using Names = std::vector<std::string>;
 
 json plan(std::vector<std::string> arguments, int exit_code = 0) {
   arguments.insert(arguments.begin(), "plan");
-  arguments.push_back("--json");
-  const CommandRun run = tendril(arguments);
-  EXPECT_EQ(run.exit_code, exit_code) << run.err;
-  return json::parse(run.out, nullptr, false);
+  return json_of(std::move(arguments), exit_code);
 }
 
 TEST(Plan, OfTheBracedArmIsSolved) {
@@ -167,8 +159,8 @@ TEST(Figure, OfATitleFullOfCommandsRunsNone) {
   const TemporaryDirectory directory;
   const std::string witness = directory / "witness";
   const std::string scene = directory.write(
-      "s.toml", test::brace_with("title = \"Brace on a peg\"", "title = \"`touch " + witness + "` ' . system('touch " +
-                                                                   witness + "') \\n!touch " + witness + "\""));
+      "s.toml", brace_with("title = \"Brace on a peg\"", "title = \"`touch " + witness + "` ' . system('touch " +
+                                                             witness + "') \\n!touch " + witness + "\""));
   const CommandRun run = tendril({"plan", scene, "--figure", directory / "it's `touch x`.svg"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(std::filesystem::exists(directory / "it's `touch x`.svg"));
@@ -199,9 +191,7 @@ TEST(Interrupt, KillsTheSecondTimeAndLeavesNothing) {
 }
 
 TEST(Describe, GivesTheContract) {
-  const CommandRun run = tendril({"describe", scene_path("brace.toml"), "--json"});
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  const json result = json::parse(run.out);
+  const json result = json_of({"describe", scene_path("brace.toml")});
   for (const json& variable : result["variables"]) {
     EXPECT_TRUE(variable["name"].is_string());
     EXPECT_TRUE(variable["count"].is_number_integer());
@@ -212,9 +202,7 @@ TEST(Describe, GivesTheContract) {
 }
 
 TEST(Describe, LeavesOutWhatTheSceneDoesNotNeed) {
-  const CommandRun run = tendril({"describe", scene_path("free.toml"), "--json", "--set", "objective.1.weight=0"});
-  EXPECT_EQ(run.exit_code, 0) << run.err;
-  const json result = json::parse(run.out);
+  const json result = json_of({"describe", scene_path("free.toml"), "--set", "objective.1.weight=0"});
   for (const json& variable : result["variables"])
     EXPECT_EQ(variable["name"].get<std::string>().find("contact"), std::string::npos);
   // A term without weight is not even opened.
@@ -222,9 +210,7 @@ TEST(Describe, LeavesOutWhatTheSceneDoesNotNeed) {
 }
 
 TEST(Plugins, AreListedAsJson) {
-  const CommandRun run = tendril({"plugins", "--json"});
-  EXPECT_EQ(run.exit_code, 0);
-  const json result = json::parse(run.out);
+  const json result = json_of({"plugins"});
   bool legendre = false;
   for (const json& plugin : result["plugins"]) {
     if (plugin["name"] != "legendre") continue;
@@ -237,4 +223,4 @@ TEST(Plugins, AreListedAsJson) {
 }
 
 }  // namespace
-}  // namespace tendril::app
+}  // namespace tendril::app::test

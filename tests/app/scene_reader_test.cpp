@@ -7,7 +7,7 @@
 #include "command.hpp"
 #include "tendril/app/input_error.hpp"
 
-namespace tendril::app {
+namespace tendril::app::test {
 namespace {
 
 Scene read(const std::string& text) { return read_scene(Document::parse(text, "s.toml"), std::make_shared<Units>()); }
@@ -33,7 +33,7 @@ std::string default_text(const std::string& table_name, const std::string& key_n
 }
 
 TEST(SceneReader, ReadsTheBracedArm) {
-  const Scene scene = read_scene(Document::read(test::scene_path("brace.toml")), std::make_shared<Units>());
+  const Scene scene = read_scene(Document::read(scene_path("brace.toml")), std::make_shared<Units>());
   EXPECT_EQ(scene.title, "Brace on a peg");
   EXPECT_EQ(scene.problem, ProblemKind::pose);
   ASSERT_TRUE(scene.gravity);
@@ -158,76 +158,70 @@ TEST(SceneReader, DescribesEveryKey) {
   visit(visit, scene_keys());
 }
 
-struct Wrong {
-  const char* old_text;
-  const char* new_text;
-  const char* message;  ///< part of it, place included
-};
-
-void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.new_text; }
-
-class SceneReaderRefuses : public testing::TestWithParam<Wrong> {};
+class SceneReaderRefuses : public testing::TestWithParam<BadScene> {};
 
 TEST_P(SceneReaderRefuses, WithThePlace) {
-  const std::string message = message_of(test::brace_with(GetParam().old_text, GetParam().new_text));
+  const std::string message = message_of(brace_with(GetParam().old_text, GetParam().new_text));
   EXPECT_NE(message.find(GetParam().message), std::string::npos) << message;
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Scenes, SceneReaderRefuses,
     testing::Values(
-        Wrong{"length =", "lenght =",
-              "s.toml:6:1: found the key 'lenght', which [rod] does not have; did you mean 'length'?"},
-        Wrong{"[contact]", "[contct]",
-              "s.toml:26:2: found the key 'contct', which a scene does not have; did you mean 'contact'?"},
-        Wrong{"\"100 mm\"", "nan", "s.toml:6:10: found the number nan"},
-        Wrong{"\"100 mm\"", "inf", "s.toml:6:10: found the number inf"},
-        Wrong{"\"100 mm\"", "\"0 mm\"", "s.toml:6:10: found \"0 mm\", expected a length greater than 0"},
-        Wrong{"\"100 mm\"", "-0.1", "s.toml:6:10: found the number -0.1, expected a length greater than 0"},
-        Wrong{"\"100 mm\"", "\"100 N\"", "s.toml:6:10: found \"100 N\", whose unit is not that of a length"},
-        Wrong{"\"100 mm\"", "[1, 2]", "s.toml:6:10: found a list of 2 entries, expected a length"},
-        Wrong{"\"100 mm\"", "1979-05-27", "s.toml:6:10: found a date, expected a length"},
-        Wrong{"\"100 mm\"", "true", "s.toml:6:10: found true, expected a length"},
-        Wrong{"length = \"100 mm\"\n", "", "s.toml:5:1: [rod] has no 'length'"},
-        Wrong{"\"84 g/m\"", "\"-84 g/m\"", "s.toml:8:18: found \"-84 g/m\", expected a linear density not below 0"},
-        Wrong{"\"2.5 N mm\"", "\"2.5 Nmm\"", "s.toml:11:9: found \"2.5 Nmm\""},
-        Wrong{"limit = \"2.5 N mm\"", "min = 1\nmax = -1", "s.toml:11:7: found min 1 N m above max -1 N m"},
-        Wrong{"limit = \"2.5 N mm\"", "min = 1\nlimit = 1", "found 'limit' beside 'min' or 'max'"},
-        Wrong{"limit = \"2.5 N mm\"", "limit = 1\nfrom = 0.1", "s.toml:12:8: found an actuator from 0.1 m to 0.1 m"},
-        Wrong{"mode = \"allow\"", "mode = \"alow\"",
-              "s.toml:27:8: found \"alow\", expected one of \"ignore\", \"avoid\", \"allow\", \"require\"; did you "
-              "mean 'allow'?"},
-        Wrong{"max_force = \"1 N\"", "max_force = 1\nmin_force = 2",
-              "s.toml:29:13: found min_force 2 N above max_force 1 N"},
-        Wrong{"[\"97 mm\", \"20 mm\"]", "[\"97 mm\"]",
-              "s.toml:31:12: found a list of 1 entry, expected a list of two entries"},
-        Wrong{"[\"97 mm\", \"20 mm\"]", "[1, nan]", "s.toml:31:16: found the number nan"},
-        Wrong{"weight = 100", "weight = -1", "s.toml:35:10: found the number -1"},
-        Wrong{"split_at_contact = true", "split_at_contact = 1",
-              "s.toml:16:20: found the number 1, expected true or false"},
-        Wrong{"title = \"Brace on a peg\"", "title = 3", "s.toml:1:9: found the number 3, expected text"},
-        Wrong{"shape = \"circle\"\n", "", "[obstacle] has no 'shape'"},
-        Wrong{"\"pose\"", "\"study\"",
-              "s.toml:2:11: found problem = \"study\", which is not available in this version"},
-        Wrong{"limit = \"2.5 N mm\"", "max_pressure = 1", "expected 'moment_per_pressure' beside it"},
-        Wrong{"limit = \"2.5 N mm\"", "limit = 1\nmoment_per_pressure = 1\nmax_pressure = 1",
-              "found a limit of the pressure beside one of the moment"},
-        Wrong{"[start]", "[gripper]\nhalf_palm = 1\nobject_diameter = 1\npalm_distance_range = [1]\n[start]",
-              "expected two lengths"},
-        Wrong{"\"pose\"", "\"poes\"", "did you mean 'pose'?"},
-        Wrong{"[start]", "[gripper]\nhalf_palm = 1\n[start]", "[gripper] has no 'object_diameter'"},
-        Wrong{"[start]", "[[finger]]\nlenght = 1\n[start]",
-              "s.toml:19:1: found the key 'lenght', which [finger] does not have; did you mean 'length'?"},
-        Wrong{"[start]", "[[finger]]\nlength = 1\n[[finger.segment]]\nlength = 1\nbending_stiffness = 1\n[start]",
-              "s.toml:19:10: found 'length' beside [[finger.segment]]"},
-        Wrong{"[start]", "[[finger]]\nmin_force = 2\n[start]", "s.toml:19:13: found min_force 2 N above max_force 1 N"},
-        Wrong{"[start]", "[[finger]]\n[[finger.actuator]]\nmin = 1\nmax = -1\n[start]", "s.toml:20:7: found min 1 N m"},
-        Wrong{"[start]", "[trajectory]\n[start]", "[trajectory] has neither 'positions' nor 'angles'"},
-        Wrong{"[start]", "[measurement]\n[start]",
-              "s.toml:18:1: found [measurement] in a scene with problem = \"pose\""},
-        Wrong{"[start]", "[study]\nmode = 1\n[start]", "did you mean 'modes'?"},
-        Wrong{"[solver]", "[[rod.segment]]\nlength = 1\nbending_stiffness = 1\n[solver]",
-              "s.toml:6:10: found 'length' beside [[rod.segment]]"}));
+        BadScene{"length =", "lenght =",
+                 "s.toml:6:1: found the key 'lenght', which [rod] does not have; did you mean 'length'?"},
+        BadScene{"[contact]", "[contct]",
+                 "s.toml:26:2: found the key 'contct', which a scene does not have; did you mean 'contact'?"},
+        BadScene{"\"100 mm\"", "nan", "s.toml:6:10: found the number nan"},
+        BadScene{"\"100 mm\"", "inf", "s.toml:6:10: found the number inf"},
+        BadScene{"\"100 mm\"", "\"0 mm\"", "s.toml:6:10: found \"0 mm\", expected a length greater than 0"},
+        BadScene{"\"100 mm\"", "-0.1", "s.toml:6:10: found the number -0.1, expected a length greater than 0"},
+        BadScene{"\"100 mm\"", "\"100 N\"", "s.toml:6:10: found \"100 N\", whose unit is not that of a length"},
+        BadScene{"\"100 mm\"", "[1, 2]", "s.toml:6:10: found a list of 2 entries, expected a length"},
+        BadScene{"\"100 mm\"", "1979-05-27", "s.toml:6:10: found a date, expected a length"},
+        BadScene{"\"100 mm\"", "true", "s.toml:6:10: found true, expected a length"},
+        BadScene{"length = \"100 mm\"\n", "", "s.toml:5:1: [rod] has no 'length'"},
+        BadScene{"\"84 g/m\"", "\"-84 g/m\"", "s.toml:8:18: found \"-84 g/m\", expected a linear density not below 0"},
+        BadScene{"\"2.5 N mm\"", "\"2.5 Nmm\"", "s.toml:11:9: found \"2.5 Nmm\""},
+        BadScene{"limit = \"2.5 N mm\"", "min = 1\nmax = -1", "s.toml:11:7: found min 1 N m above max -1 N m"},
+        BadScene{"limit = \"2.5 N mm\"", "min = 1\nlimit = 1", "found 'limit' beside 'min' or 'max'"},
+        BadScene{"limit = \"2.5 N mm\"", "limit = 1\nfrom = 0.1", "s.toml:12:8: found an actuator from 0.1 m to 0.1 m"},
+        BadScene{"mode = \"allow\"", "mode = \"alow\"",
+                 "s.toml:27:8: found \"alow\", expected one of \"ignore\", \"avoid\", \"allow\", \"require\"; did you "
+                 "mean 'allow'?"},
+        BadScene{"max_force = \"1 N\"", "max_force = 1\nmin_force = 2",
+                 "s.toml:29:13: found min_force 2 N above max_force 1 N"},
+        BadScene{"[\"97 mm\", \"20 mm\"]", "[\"97 mm\"]",
+                 "s.toml:31:12: found a list of 1 entry, expected a list of two entries"},
+        BadScene{"[\"97 mm\", \"20 mm\"]", "[1, nan]", "s.toml:31:16: found the number nan"},
+        BadScene{"weight = 100", "weight = -1", "s.toml:35:10: found the number -1"},
+        BadScene{"split_at_contact = true", "split_at_contact = 1",
+                 "s.toml:16:20: found the number 1, expected true or false"},
+        BadScene{"title = \"Brace on a peg\"", "title = 3", "s.toml:1:9: found the number 3, expected text"},
+        BadScene{"shape = \"circle\"\n", "", "[obstacle] has no 'shape'"},
+        BadScene{"\"pose\"", "\"study\"",
+                 "s.toml:2:11: found problem = \"study\", which is not available in this version"},
+        BadScene{"limit = \"2.5 N mm\"", "max_pressure = 1", "expected 'moment_per_pressure' beside it"},
+        BadScene{"limit = \"2.5 N mm\"", "limit = 1\nmoment_per_pressure = 1\nmax_pressure = 1",
+                 "found a limit of the pressure beside one of the moment"},
+        BadScene{"[start]", "[gripper]\nhalf_palm = 1\nobject_diameter = 1\npalm_distance_range = [1]\n[start]",
+                 "expected two lengths"},
+        BadScene{"\"pose\"", "\"poes\"", "did you mean 'pose'?"},
+        BadScene{"[start]", "[gripper]\nhalf_palm = 1\n[start]", "[gripper] has no 'object_diameter'"},
+        BadScene{"[start]", "[[finger]]\nlenght = 1\n[start]",
+                 "s.toml:19:1: found the key 'lenght', which [finger] does not have; did you mean 'length'?"},
+        BadScene{"[start]", "[[finger]]\nlength = 1\n[[finger.segment]]\nlength = 1\nbending_stiffness = 1\n[start]",
+                 "s.toml:19:10: found 'length' beside [[finger.segment]]"},
+        BadScene{"[start]", "[[finger]]\nmin_force = 2\n[start]",
+                 "s.toml:19:13: found min_force 2 N above max_force 1 N"},
+        BadScene{"[start]", "[[finger]]\n[[finger.actuator]]\nmin = 1\nmax = -1\n[start]",
+                 "s.toml:20:7: found min 1 N m"},
+        BadScene{"[start]", "[trajectory]\n[start]", "[trajectory] has neither 'positions' nor 'angles'"},
+        BadScene{"[start]", "[measurement]\n[start]",
+                 "s.toml:18:1: found [measurement] in a scene with problem = \"pose\""},
+        BadScene{"[start]", "[study]\nmode = 1\n[start]", "did you mean 'modes'?"},
+        BadScene{"[solver]", "[[rod.segment]]\nlength = 1\nbending_stiffness = 1\n[solver]",
+                 "s.toml:6:10: found 'length' beside [[rod.segment]]"}));
 
 TEST(SceneReader, RefusesASceneWithoutARod) {
   EXPECT_EQ(message_of("").rfind("s.toml:1:1: the scene has no 'rod'", 0), 0U);
@@ -242,4 +236,4 @@ TEST(SceneReader, ReadsQuantitiesInsideOptions) {
 }
 
 }  // namespace
-}  // namespace tendril::app
+}  // namespace tendril::app::test

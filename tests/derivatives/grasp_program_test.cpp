@@ -11,39 +11,11 @@
 #include <random>
 
 #include "differences.hpp"
-#include "tendril/circle.hpp"
+#include "support/sample_programs.hpp"
 #include "tendril/finger_clearance.hpp"
-#include "tendril/wall.hpp"
 
 namespace tendril {
 namespace {
-
-/// Reads everything that a grasp has of a finger, nonlinearly, in all three forms.
-class Everything : public ObjectiveBase<Everything> {
- public:
-  Reads reads() const override {
-    Reads r;
-    r.tip_position = r.tip_angle = r.bending_energy = r.moments = true;
-    r.contact_point = r.contact_gap = r.contact_normal = r.contact_force = r.contact_arc_length = true;
-    r.palm_distance = true;
-    r.samples = {0.23};
-    return r;
-  }
-  template <class T>
-  void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    const FingerQuantities<T>& f = x.fingers[0];
-    out.residual(f.tip.x * f.tip.y - 0.3);
-    out.residual(sin(f.tip.angle) + f.bending_energy * 0.2);
-    out.linear(0.7 * f.tip.y);
-    out.smooth(exp(x.palm_distance) * f.tip.y);
-    for (const T& u : f.moments) out.smooth(exp(0.3 * u) * f.tip.x);
-    for (const BackboneQuantities<T>& b : f.samples) out.smooth(b.y * b.curvature + b.x * b.angle);
-    for (const ContactQuantities<T>& c : f.contacts) {
-      out.residual((c.x - c.reference_x) * c.force + c.normal_x * c.normal_y);
-      out.smooth(c.gap * c.gap * c.gap + c.arc_length * c.force * c.normal_y);
-    }
-  }
-};
 
 struct Case {
   const char* name;
@@ -54,43 +26,9 @@ std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name;
 
 class GraspDerivatives : public testing::TestWithParam<Case> {
  protected:
-  GraspDerivatives() {
-    const Case& c = GetParam();
-    rods[0].segments = {{0.0, 0.4, 1.0, 2.0, 0.3}, {0.4, 1.0, 0.6, 1.1, -0.2}};
-    rods[0].actuators = {{0.0, 1.0, -3.0, 3.0}, {0.4, 1.0, -2.0, 2.0}};
-    rods[0].gravity = {0.28, -0.96};
-    rods[0].base = {0.0, 0.2};
-    rods[0].base_angle = 0.1;
-    rods[1].segments = {{0.0, 1.0, 1.0, 0.7, -0.4}};
-    rods[1].actuators = {{0.0, 0.7, -3.0, 3.0}};
-    rods[1].gravity = {0.28, 0.96};
-    rods[1].payload = 0.3;
-    rods[1].base = {0.0, 0.16};
-    const TermUnits units[2] = {{1.2, 0.7}, {0.96, 1.9}};
-    GraspProgramSpec spec;
-    for (std::size_t which = 0; which < 2; ++which) {
-      objects[which] = std::make_unique<Circle>(Vec2{}, 0.25 / units[which].length);
-      PoseProgramSpec& own = spec.fingers[which];
-      own.rod = &rods[which];
-      own.model = which == 0 ? static_cast<const CoordinateModel*>(&fine) : &coarse;
-      own.obstacles = {objects[which].get(), &palm};
-      own.carried = 1;
-      own.terms = {{&everything, 1.3, "everything"}};
-      const bool tip = which == 0 ? c.upper_at_tip : c.lower_at_tip;
-      own.contacts = {{0, tip, which == 0 && !tip ? 1 : 0}};
-      own.nodes = 30;
-      own.min_force = 0.01;
-      own.max_force = which == 0 ? 5.0 : 1.0;
-      own.palm = PalmSetup{};
-      own.term_units = units[which];
-      own.checks = {{0, 0.6, 0}, {1, 0.7, 1}};
-      if (which == 1 && tip) own.checks = {{0, 0.6, 0}, {0, 0.7, 1}};
-    }
-    spec.palm_minimum = 0.3;
-    spec.palm_maximum = c.free_palm ? 0.9 : 0.3;
-    spec.separations = {{0, 0.9, 0, 0.8, {0.0, 1.0}}, {1, 1.0, 0, 1.0, {-0.6, 0.8}}};
-    program = std::make_unique<GraspProgram>(spec);
-  }
+  GraspDerivatives()
+      : sample({GetParam().upper_at_tip, GetParam().lower_at_tip, GetParam().free_palm}),
+        program(std::make_unique<GraspProgram>(sample.spec)) {}
 
   Eigen::VectorXd random_point(std::mt19937& random) const {
     std::uniform_real_distribution<double> d(-0.4, 0.4);
@@ -107,11 +45,7 @@ class GraspDerivatives : public testing::TestWithParam<Case> {
     return x;
   }
 
-  LegendreBasis fine{5, 1}, coarse{3, 2};
-  Everything everything;
-  Wall palm{Vec2{}, Vec2{1.0, 0.0}};
-  std::array<Rod, 2> rods;
-  std::array<std::unique_ptr<Circle>, 2> objects;
+  support::SampleGrasp sample;
   std::unique_ptr<GraspProgram> program;
 };
 

@@ -11,11 +11,9 @@
 #include <random>
 
 #include "differences.hpp"
+#include "support/sample_programs.hpp"
 #include "tendril/certificate.hpp"
-#include "tendril/circle.hpp"
 #include "tendril/clearance.hpp"
-#include "tendril/rounded_hull.hpp"
-#include "tendril/wall.hpp"
 
 namespace tendril {
 namespace {
@@ -64,40 +62,6 @@ class Sines : public CoordinateModel {
   std::vector<double> breaks() const override { return {0.4}; }
 };
 
-/// Reads everything there is, nonlinearly, in all three forms.
-class Everything : public ObjectiveBase<Everything> {
- public:
-  explicit Everything(bool contacts, bool palm = false) : contacts_(contacts), palm_(palm) {}
-  Reads reads() const override {
-    Reads r;
-    r.tip_position = r.tip_angle = r.bending_energy = r.moments = true;
-    r.contact_point = r.contact_gap = r.contact_normal = r.contact_force = r.contact_arc_length = contacts_;
-    r.palm_distance = palm_;
-    r.samples = {0.23, 0.61, 0.97};
-    return r;
-  }
-  template <class T>
-  void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    const FingerQuantities<T>& f = x.fingers[0];
-    out.residual(f.tip.x * f.tip.y - 0.3);
-    out.residual(sin(f.tip.angle) + f.bending_energy * 0.2);
-    out.linear(0.7 * f.tip.y);
-    if (palm_) out.smooth(exp(x.palm_distance) * f.tip.y);
-    for (const T& u : f.moments) out.smooth(exp(0.3 * u) * f.tip.x);
-    for (const BackboneQuantities<T>& b : f.samples) {
-      out.residual(b.x * b.angle);
-      out.smooth(b.y * b.curvature + 0.1 * b.curvature * b.curvature * b.curvature);
-    }
-    for (const ContactQuantities<T>& c : f.contacts) {
-      out.residual((c.x - c.reference_x) * c.force + c.normal_x * c.normal_y);
-      out.smooth(c.gap * c.gap * c.gap + c.arc_length * c.force * c.normal_y + c.y * c.arc_length * c.arc_length);
-    }
-  }
-
- private:
-  bool contacts_, palm_;
-};
-
 struct Case {
   const char* name;
   std::shared_ptr<CoordinateModel> model;
@@ -112,36 +76,10 @@ std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name;
 
 class PoseDerivatives : public testing::TestWithParam<Case> {
  protected:
-  PoseDerivatives() {
-    rod.segments = {{0.0, 0.45, 1.0, 2.0, 0.3}, {0.45, 1.0, 0.6, 1.1, -0.2}};
-    rod.actuators = {{0.0, 1.0, -3.0, 3.0}, {0.45, 1.0, -2.0, 2.0}, {0.0, 0.45, 0.0, 0.0}};
-    rod.gravity = {0.28, -0.96};
-    rod.payload = 0.4;
-    rod.tip_force = {0.3, -0.2};
-    rod.base = {0.05, -0.02};
-    rod.base_angle = 0.2;
-    const Case& c = GetParam();
-    spec.rod = &rod;
-    spec.model = c.model.get();
-    make_obstacles(c.shapes);
-    spec.obstacles = {upper.get(), lower.get()};
-    const bool contacts = c.tip_contact || c.interior_contacts > 0;
-    everything = std::make_unique<Everything>(contacts, c.palm);
-    spec.terms = {{everything.get(), 1.3, "everything"}};
-    spec.split = c.split;
-    // Two contacts in one region: in one stretch when split, in one piece otherwise.
-    for (int k = 0; k < c.interior_contacts; ++k) spec.contacts.push_back({k % 2, false, 1});
-    if (c.tip_contact) spec.contacts.push_back({0, true, 0});
-    spec.nodes = 34;
-    spec.checks = {{0, 0.5, 0}, {0, 0.5, 1}, {1, 0.31, 1}, {1, 0.8, 0}};
-    if (c.palm) {
-      spec.palm = PalmSetup{{0.8, -0.6}, -0.3, 0.4, true};
-      carried = std::make_unique<Circle>(Vec2{-0.2, 0.3}, 0.1);
-      spec.obstacles.push_back(carried.get());
-      spec.carried = 1;
-      spec.checks.push_back({1, 0.6, 2});
-    }
-    program = std::make_unique<PoseProgram>(spec);
+  PoseDerivatives() : sample(setup_of(GetParam())), spec(sample.spec) { program = std::make_unique<PoseProgram>(spec); }
+
+  static support::SamplePose::Setup setup_of(const Case& c) {
+    return {c.model, c.split, c.tip_contact, c.interior_contacts, c.shapes, c.palm};
   }
 
   Eigen::VectorXd random_point(std::mt19937& random) {
@@ -161,19 +99,6 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
       for (int k = 0; k < at.forces; ++k) x[at.first_force + k] = 0.5 + d(random);
     } while (a_knot_meets_a_sample(x) || a_point_meets_a_seam(x));
     return x;
-  }
-
-  void make_obstacles(const std::string& shapes) {
-    if (shapes == "circles") {
-      upper = std::make_unique<Circle>(Vec2{0.5, 0.6}, 0.2);
-      lower = std::make_unique<Circle>(Vec2{0.7, -0.5}, 0.15);
-    } else if (shapes == "walls") {
-      upper = std::make_unique<Wall>(Vec2{0.5, 0.6}, Vec2{0.2, -0.9});
-      lower = std::make_unique<Wall>(Vec2{0.7, -0.5}, Vec2{-0.3, 0.8});
-    } else {
-      upper = std::make_unique<RoundedHull>(std::vector<Vec2>{{0.3, 0.7}, {0.6, 0.6}}, 0.2);
-      lower = std::make_unique<RoundedHull>(std::vector<Vec2>{{0.6, -0.4}, {0.5, -0.8}, {0.9, -0.6}, {0.8, -0.5}}, 0.1);
-    }
   }
 
   /// The curvature of an obstacle jumps at its seams: no second derivative there.
@@ -206,16 +131,14 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
     const Chain& chain = program->chain();
     const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));
     for (int j = 0; j < chain.piece_count(); ++j) {
-      for (const double s : everything->reads().samples) {
+      for (const double s : sample.everything->reads().samples) {
         if (std::abs(chain.start(j, knots) - s) < 5.0 * step) return true;
       }
     }
     return false;
   }
 
-  Rod rod;
-  std::unique_ptr<Obstacle> upper, lower, carried;
-  std::unique_ptr<Everything> everything;
+  support::SamplePose sample;
   PoseProgramSpec spec;
   std::unique_ptr<PoseProgram> program;
 };

@@ -1,0 +1,104 @@
+#include "support/sample_programs.hpp"
+
+#include <tuple>
+#include <utility>
+
+#include "tendril/rounded_hull.hpp"
+
+namespace tendril::support {
+
+Reads Everything::reads() const {
+  Reads r;
+  r.tip_position = r.tip_angle = r.bending_energy = r.moments = true;
+  r.contact_point = r.contact_gap = r.contact_normal = r.contact_force = r.contact_arc_length = parts_.contacts;
+  r.palm_distance = parts_.palm;
+  r.target = parts_.target;
+  r.samples = parts_.samples;
+  return r;
+}
+
+namespace {
+
+std::pair<std::unique_ptr<Obstacle>, std::unique_ptr<Obstacle>> obstacles_of(const std::string& shapes) {
+  if (shapes == "circles") {
+    return {std::make_unique<Circle>(Vec2{0.5, 0.6}, 0.2), std::make_unique<Circle>(Vec2{0.7, -0.5}, 0.15)};
+  }
+  if (shapes == "walls") {
+    return {std::make_unique<Wall>(Vec2{0.5, 0.6}, Vec2{0.2, -0.9}),
+            std::make_unique<Wall>(Vec2{0.7, -0.5}, Vec2{-0.3, 0.8})};
+  }
+  return {std::make_unique<RoundedHull>(std::vector<Vec2>{{0.3, 0.7}, {0.6, 0.6}}, 0.2),
+          std::make_unique<RoundedHull>(std::vector<Vec2>{{0.6, -0.4}, {0.5, -0.8}, {0.9, -0.6}, {0.8, -0.5}}, 0.1)};
+}
+
+}  // namespace
+
+SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
+  rod.segments = {{0.0, 0.45, 1.0, 2.0, 0.3}, {0.45, 1.0, 0.6, 1.1, -0.2}};
+  rod.actuators = {{0.0, 1.0, -3.0, 3.0}, {0.45, 1.0, -2.0, 2.0}, {0.0, 0.45, 0.0, 0.0}};
+  rod.gravity = {0.28, -0.96};
+  rod.payload = 0.4;
+  rod.tip_force = {0.3, -0.2};
+  rod.base = {0.05, -0.02};
+  rod.base_angle = 0.2;
+  spec.rod = &rod;
+  spec.model = model.get();
+  std::tie(upper, lower) = obstacles_of(setup.shapes);
+  spec.obstacles = {upper.get(), lower.get()};
+  everything =
+      std::make_unique<Everything>(Everything::Parts{.contacts = setup.tip_contact || setup.interior_contacts > 0,
+                                                     .palm = setup.palm,
+                                                     .target = true,
+                                                     .samples = {0.23, 0.61, 0.97}});
+  spec.terms = {{everything.get(), 1.3, "everything"}};
+  spec.target = {{0.9, 0.2}, 0.0, true, false};
+  spec.split = setup.split;
+  for (int k = 0; k < setup.interior_contacts; ++k) spec.contacts.push_back({k % 2, false, 1});
+  if (setup.tip_contact) spec.contacts.push_back({0, true, 0});
+  spec.nodes = 34;
+  spec.checks = {{0, 0.5, 0}, {0, 0.5, 1}, {1, 0.31, 1}, {1, 0.8, 0}};
+  if (setup.palm) {
+    spec.palm = PalmSetup{{0.8, -0.6}, -0.3, 0.4, true};
+    carried = std::make_unique<Circle>(Vec2{-0.2, 0.3}, 0.1);
+    spec.obstacles.push_back(carried.get());
+    spec.carried = 1;
+    spec.checks.push_back({1, 0.6, 2});
+  }
+}
+
+SampleGrasp::SampleGrasp(const Setup& setup) {
+  rods[0].segments = {{0.0, 0.4, 1.0, 2.0, 0.3}, {0.4, 1.0, 0.6, 1.1, -0.2}};
+  rods[0].actuators = {{0.0, 1.0, -3.0, 3.0}, {0.4, 1.0, -2.0, 2.0}};
+  rods[0].gravity = {0.28, -0.96};
+  rods[0].base = {0.0, 0.2};
+  rods[0].base_angle = 0.1;
+  rods[1].segments = {{0.0, 1.0, 1.0, 0.7, -0.4}};
+  rods[1].actuators = {{0.0, 0.7, -3.0, 3.0}};
+  rods[1].gravity = {0.28, 0.96};
+  rods[1].payload = 0.3;
+  rods[1].base = {0.0, 0.16};
+  const TermUnits units[2] = {{1.2, 0.7}, {0.96, 1.9}};
+  for (std::size_t which = 0; which < 2; ++which) {
+    objects[which] = std::make_unique<Circle>(Vec2{}, 0.25 / units[which].length);
+    PoseProgramSpec& own = spec.fingers[which];
+    own.rod = &rods[which];
+    own.model = which == 0 ? &fine : &coarse;
+    own.obstacles = {objects[which].get(), &palm};
+    own.carried = 1;
+    own.terms = {{&everything, 1.3, "everything"}};
+    const bool tip = which == 0 ? setup.upper_at_tip : setup.lower_at_tip;
+    own.contacts = {{0, tip, which == 0 && !tip ? 1 : 0}};
+    own.nodes = 30;
+    own.min_force = 0.01;
+    own.max_force = which == 0 ? 5.0 : 1.0;
+    own.palm = PalmSetup{};
+    own.term_units = units[which];
+    own.checks = {{0, 0.6, 0}, {1, 0.7, 1}};
+    if (which == 1 && tip) own.checks = {{0, 0.6, 0}, {0, 0.7, 1}};
+  }
+  spec.palm_minimum = 0.3;
+  spec.palm_maximum = setup.free_palm ? 0.9 : 0.3;
+  spec.separations = {{0, 0.9, 0, 0.8, {0.0, 1.0}}, {1, 1.0, 0, 1.0, {-0.6, 0.8}}};
+}
+
+}  // namespace tendril::support
