@@ -17,9 +17,10 @@ namespace tendril::bench {
 struct CampaignSetup {
   std::uint64_t first = 1, last = 1000;  ///< seeds
   std::vector<std::string> solvers;
-  int jobs = 1;              ///< processes at a time
-  double time_limit = 10.0;  ///< s, of one plan
-  double share = 0.995;      ///< of the cases that have to be met
+  int jobs = 1;  ///< processes at a time
+  /// s, of one plan. What is asked is what the planner answers; how fast it does stands in the table.
+  double time_limit = 30.0;
+  double share = 0.995;  ///< of the cases that have to be met
   std::vector<std::string> plugin_directories;
   const std::atomic<bool>* stop = nullptr;
 };

@@ -30,7 +30,7 @@ struct Arguments {
   bool treatments = false;
   std::string seeds = "1:1000";
   int jobs = 1;
-  double time_limit = 10.0, share = 0.995;
+  double time_limit = bench::CampaignSetup{}.time_limit, share = 0.995;
   bool one = false, print_scene = false;
   bench::Extent extent;
 };

@@ -123,6 +123,11 @@ int Planner::follow() {
   return -1;
 }
 
+bool Planner::chooses() const {
+  return std::any_of(d_.rod.actuators.begin(), d_.rod.actuators.end(),
+                     [](const Rod::Actuator& a) { return a.minimum < a.maximum; });
+}
+
 Plan Planner::run() {
   states_.resize(modes_.size());
   for (std::size_t i = 0; i < states_.size(); ++i) {
@@ -155,9 +160,7 @@ Plan Planner::run() {
   look_for_stable(order);
   // Where moments can be chosen and every search ended stationary, there is no plan; where none can, what the rod does
   // is worth telling.
-  const bool chooses = std::any_of(d_.rod.actuators.begin(), d_.rod.actuators.end(),
-                                   [](const Rod::Actuator& a) { return a.minimum < a.maximum; });
-  if (winner_ < 0 && !(chooses && all_infeasible())) look_for_spread();
+  if (winner_ < 0 && !(chooses() && all_infeasible())) look_for_spread();
   return report(states_, winner_);
 }
 
@@ -166,11 +169,15 @@ void Planner::search(const std::vector<std::size_t>& order) {
   for (int round = 0; round < starts() && !must_stop(); ++round) {
     // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
     // families with several valleys of the effort; what follows its own starts is no equilibrium.
-    if (winner_ >= 0 && (balanced_by_row() ? round >= earlier + grasp_starts : round > 0 && !d_.palm)) break;
+    // Where nothing can be chosen equilibria stand alone, and no search leads from one to a better one.
+    if (winner_ >= 0 && (balanced_by_row() ? round >= earlier + grasp_starts : round > 0 && !d_.palm && chooses()))
+      break;
     round_ = round;
     // Before the second start per mode the rod itself shows where it can be.
-    if (round > 0 && !d_.palm && !rested_ && winner_ < 0) start_from_rests();
-    if (winner_ >= 0 && round > 0 && !d_.palm) break;
+    if (round > 0 && !d_.palm && !rested_ && winner_ < 0) {
+      start_from_rests();
+      if (winner_ >= 0 && chooses()) break;
+    }
     deferring_ = balanced_by_row();
     for (const std::size_t i : order) {
       states_[i].deferred = false;

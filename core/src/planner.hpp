@@ -93,6 +93,8 @@ class Planner {
     return !have_plan_ && (looked || steps_.deadline() - now() < little_time * d_.scene.solver.time_limit);
   }
 
+  /// Whether there is a moment to choose.
+  bool chooses() const;
   StartShape start_shape(int index, const Mode& mode) const;
   /// Loads decide how the rod hangs.
   bool loaded() const;
@@ -162,8 +164,9 @@ class Planner {
   /// From x (any quality) to a decided branch and a point on it. False: no feasible point was found.
   bool find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced);
   bool treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment);
-  /// The same for contacts with obstacles so small that a step of any solver passes over them: they are swollen to a
-  /// size that can be found, and shrink back in steps that Newton follows. False: none is so small, or it was lost.
+  /// The same for contacts with obstacles so small that a step of any solver passes over
+  /// them: they are swollen to a size that can be found, and shrink back in steps that Newton follows. False: none is
+  /// so small, or it was lost.
   bool swell(ModeState& state, const PoseProgramSpec& spec, const StartShape& shape, Branch forced,
              PoseProgram& program, Eigen::VectorXd& x);
   OptimalityReport solve(ModeState& state, NonlinearProgram& program, const Eigen::VectorXd& x,
@@ -225,6 +228,7 @@ class Planner {
   double balanced_objective_ = infinity;  ///< scaled, of start_from_balance()
   bool deferring_ = false;                ///< starts of a grasp that do not look promising wait for the others
   bool proving_ = false;                  ///< a look at the violation comes before every search
+  double begin_ = now();                  ///< s
   bool rested_ = false;                   ///< start_from_rests() was done
   int round_ = 0;                         ///< of search(): each has one start per mode
   int values_tried_ = 0;                  ///< coordinates of all programs that led to no plan

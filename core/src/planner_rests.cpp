@@ -119,7 +119,9 @@ void Planner::slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) 
   if (const Eigen::VectorXd& reached = reduced.full(r.x); reached.allFinite()) x = reached;
 }
 
-bool Planner::slides(const PoseProgram& program) const { return !d_.palm && program.layout().coordinates > few_values; }
+bool Planner::slides(const PoseProgram& program) const {
+  return !d_.palm && program.layout().coordinates > many_values;
+}
 
 bool Planner::come_to_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
   for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, Branch::touching);
@@ -159,7 +161,8 @@ void Planner::start_from_rest(ModeState& state, const Rest& rest) {
       resting.checks = checks;
       PoseProgram rests(resting);
       for (int k = 0; k < rests.layout().forces; ++k) rests.set_branch(k, Branch::touching);
-      at_rest = steps_.look(rests, rests.start_from(shape)).x;
+      at_rest = rests.start_from(shape);
+      at_rest = steps_.look(rests, at_rest).x;
     }
     Eigen::VectorXd x = at_rest;
     if (!come_to_point(state, program, x)) return;
@@ -201,19 +204,23 @@ bool Planner::rest_is_due(const Mode& mode) {
 
 void Planner::start_from_rests() {
   rested_ = true;
-  const double until = now() + sampling_time * (steps_.deadline() - now());
+  double until = now() + sampling_time * (steps_.deadline() - now());
   std::vector<StartShape> from{d_.scene_start()};
   if (loaded()) from.insert(from.end(), {hanging(false), hanging(true)});
   const std::vector<std::vector<double>> samples = sampled_moments();
   int useless = 0;
+  bool has_plan = have_plan_;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     for (const StartShape& shape : from) {
-      if (have_plan_ || must_stop() || now() > until) return;
+      if (must_stop() || now() > until) return;
       const std::optional<Rest> rest = come_to_rest(samples[i], shape, resting_time);
-      // A contact that is asked for, or more of them than there may be: such rests say little.
+      // No contact where one is asked for, or more of them than there may be: such rests say little.
       useless = rest && contacts_of_rest(*rest) ? 0 : useless + 1;
       if (useless > useless_rests) return;
       if (rest) consider_rest(*rest);
+      // The first plan is seldom the best: as long as it took, others may take.
+      if (have_plan_ && !has_plan) until = std::min(until, 2.0 * now() - begin_);
+      has_plan = have_plan_;
       if (i > 0) break;
     }
   }

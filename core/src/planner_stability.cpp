@@ -93,6 +93,10 @@ void Planner::settle(const std::vector<std::size_t>& order) {
   std::vector<Rest> rests;
   const std::size_t modes = modes_.size();
   if (winner_ < 0 && !rested_ && !must_stop()) start_from_rests();
+  // A coarse model rests elsewhere than the rod, unless it has a knot where the rod touches.
+  if (winner_ < 0 && !must_stop()) {
+    if (const std::optional<Rest> rest = executed(moments_of(nullptr), sampling_time)) consider_rest(*rest);
+  }
   for (int attempt = 0; attempt < most_settlings && winner_ < 0 && !must_stop(); ++attempt) {
     const Candidate* unstable = best_unstable();
     const bool nothing =
@@ -105,6 +109,7 @@ void Planner::settle(const std::vector<std::size_t>& order) {
     if (known) break;
     const std::optional<Rest> rest = executed(moments, settling_time);
     if (!rest) break;
+    consider_rest(*rest);
     for (std::size_t i = 0; i < modes; ++i) consider(states_[i], shape_of_rest(*rest, modes_[i]));
     rests.push_back(*rest);
   }

@@ -14,8 +14,12 @@ constexpr int most_corrections = 25;
 constexpr double settled = 1e-12;    ///< correction, relative to 1 + the largest variable, that ends it
 constexpr double contraction = 0.5;  ///< a correction larger than this of the one before does not converge
 constexpr double farthest = 0.5;     ///< first correction, relative to 1 + the largest variable
+/// Of a step along the branch, each variable relative to 1 + itself.
+constexpr double longest_step = 0.5;
+constexpr double straightness = 0.5;  ///< what the correction may be of the step
+constexpr double settling = 1e-7;     ///< ... and besides: the start is given to this
 /// A way to other moments is cut into halves as often as this before the branch counts as ended.
-constexpr double shortest_way = 1.0 / 256.0;
+constexpr double shortest_way = 1e-4;
 
 bool is_equation(const PoseProgram& program, int row) { return program.row_lower()[row] == program.row_upper()[row]; }
 
@@ -93,11 +97,12 @@ ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts par
   tangent_.setZero(program.variable_count(), chosen);
   for (int j = 0; j < chosen; ++j) tangent_(parts_.chosen[static_cast<std::size_t>(j)], j) = 1.0;
   bent_.setZero(program.variable_count(), chosen);
-  if (correct()) {
-    find_slopes();
-    anchor_ = x_;
-    anchor_slope_ = slope_;
-  }
+  predicted_ = x_;
+  if (!correct()) return;
+  find_slopes();
+  anchor_ = x_;
+  anchor_slope_ = slope_;
+  anchor_sign_ = sign_;
 }
 
 ReducedProgram::~ReducedProgram() = default;
@@ -143,35 +148,61 @@ void ReducedProgram::find_slopes() {
     factors_.compute(system_);
     slope_ = factors_.solve(right_);
   }
+  sign_ = n > 0 ? static_cast<int>(factors_.permutationP().determinant()) : 1;
+  for (Eigen::Index r = 0; r < n; ++r) {
+    const double pivot = factors_.matrixLU()(r, r);
+    sign_ = pivot > 0.0 ? sign_ : pivot < 0.0 ? -sign_ : 0;
+  }
   for (Eigen::Index r = 0; r < n; ++r) tangent_.row(parts_.following[static_cast<std::size_t>(r)]) = slope_.row(r);
 }
 
+double ReducedProgram::distance(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
+  double largest = 0.0;
+  for (const int i : parts_.following)
+    largest = std::max(largest, std::abs(to[i] - from[i]) / (1.0 + std::abs(from[i])));
+  return largest;
+}
+
 bool ReducedProgram::follow(ConstVectorRef u) {
-  if (!u.allFinite()) return false;
+  if (!u.allFinite() || anchor_sign_ == 0) return false;
   const auto at = [&](Eigen::Index j) { return parts_.chosen[static_cast<std::size_t>(j)]; };
-  double done = 0.0;  // of the way from the last anchor but those set underway
+  kept_ = anchor_;
+  kept_slope_ = anchor_slope_;
+  double left = 1.0;  // of the way from where the anchor stood at first
   double share = 1.0;
   while (true) {
-    // The way left, cut to `share` of the whole.
-    const double step = std::min(1.0, share / (1.0 - done));
-    x_ = anchor_;
+    const bool whole = share >= left;
+    predicted_ = anchor_;
     for (Eigen::Index j = 0; j < u.size(); ++j) {
-      const double moved = step == 1.0 ? u[j] - anchor_[at(j)] : step * (u[j] - anchor_[at(j)]);
-      x_[at(j)] = step == 1.0 ? u[j] : anchor_[at(j)] + moved;
-      for (Eigen::Index c = 0; c < slope_.rows(); ++c) {
-        x_[parts_.following[static_cast<std::size_t>(c)]] += anchor_slope_(c, j) * moved;
+      const double moved = whole ? u[j] - anchor_[at(j)] : share / left * (u[j] - anchor_[at(j)]);
+      predicted_[at(j)] = whole ? u[j] : anchor_[at(j)] + moved;
+      for (Eigen::Index c = 0; c < anchor_slope_.rows(); ++c) {
+        predicted_[parts_.following[static_cast<std::size_t>(c)]] += anchor_slope_(c, j) * moved;
       }
     }
-    if (correct()) {
-      if (step == 1.0) return true;
-      done += share;
+    // On its own branch the rod is found near where its slopes point to, if these point no farther than they hold, and
+    // the determinant of the equations keeps its sign.
+    const double pointed = distance(anchor_, predicted_);
+    x_ = predicted_;
+    bool found = pointed <= longest_step && correct() && distance(predicted_, x_) <= straightness * pointed + settling;
+    if (found) {
       find_slopes();
+      found = sign_ == anchor_sign_;
+    }
+    if (found) {
       anchor_ = x_;
       anchor_slope_ = slope_;
+      if (whole) return true;
+      left -= share;
+      share *= 2.0;
       continue;
     }
     share *= 0.5;
-    if (share < shortest_way) return false;
+    if (share >= shortest_way) continue;
+    // What was tried in vain leaves no trace: beside the end of the branch there is no way to go on from.
+    anchor_ = kept_;
+    anchor_slope_ = kept_slope_;
+    return false;
   }
 }
 
@@ -208,9 +239,6 @@ void ReducedProgram::do_evaluate(ConstVectorRef u, bool derivatives, Workspace& 
     out.constraints[others + static_cast<int>(r)] = x_[parts_.following[static_cast<std::size_t>(parts_.limited[r])]];
   }
   if (!derivatives) return;
-  find_slopes();
-  anchor_ = x_;
-  anchor_slope_ = slope_;
   out.gradient.noalias() = tangent_.transpose() * program_.gradient(x_);
   out.rest_gradient.noalias() = tangent_.transpose() * program_.rest_gradient(x_);
   out.residual_jacobian.noalias() = program_.residual_jacobian(x_) * tangent_;

@@ -38,7 +38,7 @@ TEST(LimitOfStability, ABuckledStripIsHeldShortOfItsFold) {
     EXPECT_TRUE(leaves_out(found, "plans that cost less"));
 
     // Of a plan and its mirror image one is as good as the other.
-    if (objective) EXPECT_NEAR(found.objective, *objective, 1e-6 * *objective);
+    EXPECT_NEAR(found.objective, objective.value_or(found.objective), 1e-6 * found.objective);
     objective = found.objective;
     if (found.tip_y < 0.0) strip.start_tip_angle = -strip.start_tip_angle;
 

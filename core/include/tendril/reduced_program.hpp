@@ -52,15 +52,19 @@ class TENDRIL_API ReducedProgram : public NonlinearProgram {
   bool follow(ConstVectorRef u);
   /// Newton's method on the equations from x_, whose moments stay.
   bool correct();
-  /// d x_following / d u at x_, and the factors of the equations there.
+  /// d x_following / d u at x_, the factors of the equations there, and the sign of their determinant.
   void find_slopes();
+  /// Largest change of what follows, each relative to 1 + itself.
+  double distance(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
 
   PoseProgram& program_;
   PoseProgram equations_;  ///< with the variables of `program_`, to follow the branch with
   Parts parts_;
   Eigen::VectorXd start_;
-  Eigen::VectorXd x_, anchor_;    ///< of the pose program: of the last call, and the last one in equilibrium
-  Eigen::MatrixXd anchor_slope_;  ///< following x chosen, at the anchor
+  Eigen::VectorXd x_, anchor_;  ///< of the pose program: of the last call, and the last one in equilibrium
+  Eigen::MatrixXd anchor_slope_, kept_slope_;  ///< following x chosen, at the anchor
+  Eigen::VectorXd predicted_, kept_;
+  int sign_ = 0, anchor_sign_ = 0;
   bool reached_ = false;
   Eigen::VectorXd reached_at_;  ///< moments
   Eigen::MatrixXd system_, slope_, right_;

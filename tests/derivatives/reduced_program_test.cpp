@@ -1,0 +1,149 @@
+// The program in the moments alone: its derivatives against central differences of a whole solved equilibrium each, and
+// where it ends.
+
+#include "tendril/reduced_program.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "differences.hpp"
+#include "support/sample_programs.hpp"
+#include "tendril/feasibility.hpp"
+
+namespace tendril {
+namespace {
+
+struct Case {
+  const char* name;
+  int order, pieces;
+  bool split, tip_contact;
+  int interior_contacts;
+};
+
+std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name; }
+
+class ReducedDerivatives : public testing::TestWithParam<Case> {
+ protected:
+  ReducedDerivatives()
+      : sample({std::make_shared<LegendreBasis>(GetParam().order, GetParam().pieces), GetParam().split,
+                GetParam().tip_contact, GetParam().interior_contacts}),
+        program(sample.spec) {
+    for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, Branch::touching);
+  }
+
+  support::SamplePose sample;
+  PoseProgram program;
+};
+
+TEST_P(ReducedDerivatives, AreThoseOfEverythingThatFollowsFromTheMoments) {
+  ASSERT_TRUE(ReducedProgram::applies(program));
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> d(-1.0, 1.0);
+  int looked = 0;
+  for (int trial = 0; trial < 40 && looked < 4; ++trial) {
+    const FeasibilityReport f =
+        restore_feasibility(program, program.start_from(constant_curvature(2.0 * d(random))), 1e-9);
+    if (!f.feasible) continue;
+    ReducedProgram reduced(program, f.x);
+    ASSERT_EQ(reduced.variable_count(), program.layout().moments);
+    Eigen::VectorXd u = reduced.start();
+    for (double& value : u) value += 0.05 * d(random);
+    // The equations of the pose program hold wherever the moments are.
+    const Eigen::VectorXd x = reduced.full(u);
+    if (!x.allFinite()) continue;
+    for (int i = 0; i < program.row_count(); ++i) {
+      if (!program.is_equality(i)) continue;
+      EXPECT_NEAR(program.constraints(x)[i], program.row_lower()[i], 1e-10) << i;
+    }
+    EXPECT_DOUBLE_EQ(reduced.cost(u), program.cost(x));
+    // Beside the end of its branch the rod moves so much that differences say nothing.
+    if (!(largest(reduced.jacobian(u)) < 50.0)) continue;
+    ++looked;
+    expect_first_derivatives(reduced, u);
+    expect_hessian(reduced, u, random);
+  }
+  EXPECT_GE(looked, 2);
+}
+
+TEST_P(ReducedDerivatives, NeedToKnowWhatTouches) {
+  if (program.layout().forces == 0) GTEST_SKIP() << "nothing can touch";
+  program.set_branch(0, Branch::open);
+  EXPECT_FALSE(ReducedProgram::applies(program));
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, ReducedDerivatives,
+                         testing::Values(Case{"free", 6, 1, true, false, 0}, Case{"tip", 5, 2, true, true, 0},
+                                         Case{"inside", 6, 1, true, false, 1},
+                                         Case{"inside_one_piece", 7, 1, false, false, 1}),
+                         [](const auto& c) { return c.param.name; });
+
+/// A strip that its tip force has buckled, and that its moment straightens up to a fold.
+class BuckledStrip : public testing::Test {
+ protected:
+  BuckledStrip() {
+    rod.segments = {{0.0, 1.0, 1.0, 0.0, 0.0}};
+    rod.actuators = {{0.0, 1.0, -10.0, 10.0}};
+    rod.tip_force = {-3.0, 0.0};
+    spec.rod = &rod;
+    spec.model = &basis;
+    spec.nodes = 24;
+    program = std::make_unique<PoseProgram>(spec);
+  }
+
+  LegendreBasis basis{8};
+  Rod rod;
+  PoseProgramSpec spec;
+  std::unique_ptr<PoseProgram> program;
+};
+
+TEST_F(BuckledStrip, FollowsItsBranchToItsEndAndNoFarther) {
+  StartShape bent = constant_curvature(1.5);
+  bent.moments = {0.0};
+  const FeasibilityReport f = restore_feasibility(*program, program->start_from(bent), 1e-10);
+  ASSERT_TRUE(f.feasible);
+  ReducedProgram reduced(*program, f.x);
+  const double u0 = reduced.start()[0];
+  const auto tip_angle = [&](double u) {
+    const Eigen::VectorXd x = reduced.full(Eigen::VectorXd::Constant(1, u));
+    if (!x.allFinite()) return std::nan("");
+    program->constraints(x);
+    return program->backbone().tip_angle();
+  };
+  ASSERT_GT(tip_angle(u0), 0.3);
+  // Against the bend, in steps of any length, until the branch ends; there the rod is still bent to its side.
+  double last = u0;
+  double end = std::nan("");
+  for (double u = u0; u > u0 - 4.0; u -= 0.05) {
+    if (const double angle = tip_angle(u); std::isnan(angle)) {
+      end = u;
+      break;
+    } else {
+      EXPECT_GT(angle, 0.0) << u;
+      last = u;
+    }
+  }
+  ASSERT_FALSE(std::isnan(end)) << "the branch has a fold";
+  EXPECT_TRUE(std::isnan(tip_angle(u0 - 4.0)));
+  EXPECT_TRUE(std::isnan(reduced.cost(Eigen::VectorXd::Constant(1, end))));
+  // Coming back is always possible, and leads to the same shapes.
+  EXPECT_GT(tip_angle(last), 0.0);
+  ReducedProgram again(*program, f.x);
+  const Eigen::VectorXd there = Eigen::VectorXd::Constant(1, 0.5 * (u0 + last));
+  const Eigen::VectorXd first = again.full(there);
+  ASSERT_TRUE(first.allFinite());
+  ASSERT_TRUE(reduced.full(there).allFinite())
+      << "from " << last << " to " << there[0] << ", the branch ends at " << end;
+  EXPECT_LT((first - reduced.full(there)).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST_F(BuckledStrip, HasNothingToChooseWhereMomentsAreFixed) {
+  rod.actuators[0].minimum = rod.actuators[0].maximum = 0.5;
+  const PoseProgram fixed(spec);
+  EXPECT_FALSE(ReducedProgram::applies(fixed));
+}
+
+}  // namespace
+}  // namespace tendril
