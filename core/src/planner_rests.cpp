@@ -32,6 +32,7 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, double
   control.time_limit = std::max(1e-3, share * (steps_.deadline() - now()));
   control.with_obstacles = !d_.obstacles.empty();
   std::vector<double> in_si;
+  in_si.reserve(moments.size());
   for (const double m : moments) in_si.push_back(m * d_.scale.moment());
   // A start through the middle of an obstacle leads nowhere: the rod is bent out of the way.
   Scene scene = d_.scene;
