@@ -16,13 +16,15 @@ namespace tendril {
 namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-constexpr int few_values = 60;         ///< coordinates, up to which the rod settles in those of the plan
-constexpr int many_values = 150;       ///< coordinates of programs that led to no plan, before the rod itself is asked
-constexpr int most_exchanges = 8;      ///< rounds in which check points are added along equilibria
-constexpr int useless_rests = 6;       ///< in a row, before plans are sought in other ways
-constexpr double deepest = 1e-2;       ///< (L) of soft obstacles: a rod that is pressed in farther is not resting
-constexpr double resting_time = 0.1;   ///< of what is left, for one rest
-constexpr double sampling_time = 0.3;  ///< of what is left, for all before the ordinary search goes on
+constexpr int few_values = 60;     ///< coordinates, up to which the rod settles in those of the plan
+constexpr int many_values = 150;   ///< coordinates of programs that led to no plan, before the rod itself is asked
+constexpr int most_exchanges = 8;  ///< rounds in which check points are added along equilibria
+constexpr int useless_rests = 6;   ///< in a row, before plans are sought in other ways
+constexpr double deepest = 1e-2;   ///< (L) of soft obstacles: a rod that is pressed in farther is not resting
+constexpr double shares_of_bend[] = {0.9, 0.75, 0.6, 0.5,
+                                     0.4, 0.25, 0.1};  ///< of a rest that coordinates cannot follow
+constexpr double resting_time = 0.1;                   ///< of what is left, for one rest
+constexpr double sampling_time = 0.3;                  ///< of what is left, for all before the ordinary search goes on
 
 }  // namespace
 
@@ -163,7 +165,16 @@ void Planner::start_from_rest(ModeState& state, const Rest& rest) {
       PoseProgram rests(resting);
       for (int k = 0; k < rests.layout().forces; ++k) rests.set_branch(k, Branch::touching);
       at_rest = rests.start_from(shape);
-      at_rest = steps_.look(rests, at_rest).x;
+      FeasibilityReport f = steps_.look(rests, at_rest);
+      // What few coordinates leave of a sharp bend can lie on the wrong side of all that is near: less of it may do.
+      for (const double share : shares_of_bend) {
+        if (f.feasible || must_stop()) break;
+        StartShape less = shape;
+        less.curvature = [&shape, share](double s) { return share * shape.curvature(s); };
+        const FeasibilityReport again = steps_.look(rests, rests.start_from(less));
+        if (again.feasible) f = again;
+      }
+      at_rest = f.x;
     }
     Eigen::VectorXd x = at_rest;
     if (!come_to_point(state, program, x)) return;
