@@ -2,57 +2,30 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "check_points.hpp"
-#include "contact_search.hpp"
-#include "plan_report.hpp"
-#include "tendril/chain.hpp"
+#include "rest.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril {
 
 std::optional<std::vector<ContactSetup>> contacts_of(const Problem::Data& problem, const Plan& plan) {
-  std::vector<std::pair<double, ContactSetup>> holding;
-  for (const PlannedContact& c : plan.contacts) {
-    if (!(c.force > 0.0)) continue;
-    const auto name = std::find(problem.obstacle_names.begin(), problem.obstacle_names.end(), c.obstacle_name);
-    if (name == problem.obstacle_names.end()) return std::nullopt;
-    const double s = c.at_tip ? 1.0 : c.arc_length / problem.scale.length;
-    const int obstacle = static_cast<int>(name - problem.obstacle_names.begin());
-    holding.push_back({s, {obstacle, c.at_tip, c.at_tip ? 0 : stretch_at(problem.rod, s)}});
-  }
-  if (static_cast<int>(holding.size()) > problem.scene.contact.count) return std::nullopt;
-  std::stable_sort(holding.begin(), holding.end(), [](const auto& a, const auto& b) {
-    return std::pair(a.second.at_tip, a.first) < std::pair(b.second.at_tip, b.first);
+  const bool all_known = std::all_of(plan.contacts.begin(), plan.contacts.end(), [&](const PlannedContact& c) {
+    const auto& names = problem.obstacle_names;
+    return !(c.force > 0.0) || std::find(names.begin(), names.end(), c.obstacle_name) != names.end();
   });
+  if (!all_known) return std::nullopt;
   std::vector<ContactSetup> contacts;
-  contacts.reserve(holding.size());
-  for (const auto& [s, contact] : holding) contacts.push_back(contact);
+  for (const PointContact& c : rest_of(problem, plan).contacts) {
+    if (c.force > 0.0) contacts.push_back(c.setup);
+  }
+  if (static_cast<int>(contacts.size()) > problem.scene.contact.count) return std::nullopt;
   return contacts;
 }
 
 StartShape shape_of(const Problem::Data& problem, const Plan& plan, const Mode& mode) {
-  const double length = problem.scale.length;
-  StartShape shape;
-  shape.curvature = curvature_of(plan, length);
-  if (plan.moments.size() == problem.rod.actuators.size()) {
-    for (const double u : plan.moments) shape.moments.push_back(u / problem.scale.moment());
-  }
-  for (const ContactSetup& c : mode.contacts) {
-    double s = std::numeric_limits<double>::quiet_NaN();
-    double f = 0.0;
-    for (const PlannedContact& planned : plan.contacts) {
-      if (planned.obstacle_name != problem.obstacle_names[static_cast<std::size_t>(c.obstacle)] ||
-          planned.at_tip != c.at_tip)
-        continue;
-      s = planned.arc_length / length;
-      f = planned.force / problem.scale.force();
-    }
-    shape.arc_lengths.push_back(s);
-    shape.forces.push_back(f);
-  }
-  if (plan.grasp) shape.palm_distance = plan.grasp->palm_distance / length;
+  StartShape shape = shape_of(rest_of(problem, plan), mode);
+  if (plan.grasp) shape.palm_distance = plan.grasp->palm_distance / problem.scale.length;
   return shape;
 }
 
@@ -78,14 +51,12 @@ std::optional<FollowedPoint> followed_point(const Problem::Data& problem, const 
   const Mode& mode = point.mode;
   if (!mode.skip.empty()) return std::nullopt;
 
-  const Chain chain(problem.rod, *problem.components.coordinates, {}, 1);
-  std::vector<int>& regions = point.regions;
+  std::vector<double> places;
   for (std::size_t k = 0; k < mode.contacts.size(); ++k) {
-    const ContactSetup& c = mode.contacts[k];
-    const bool in_piece = !c.at_tip && !problem.scene.coordinates.split_at_contact;
-    regions.push_back(in_piece ? chain.piece_at(earlier.contacts[k].arc_length / problem.scale.length, {}) : c.region);
+    places.push_back(earlier.contacts[k].arc_length / problem.scale.length);
   }
-  PoseProgramSpec spec = problem.spec(mode, regions, problem.nodes);
+  point.regions = problem.regions_of(mode, places);
+  PoseProgramSpec spec = problem.spec(mode, point.regions, problem.nodes);
   PoseProgram program(spec);
   const PoseProgram::Layout& at = program.layout();
   if (at.coordinates != static_cast<int>(earlier.coordinates.size())) return std::nullopt;

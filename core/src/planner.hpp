@@ -13,7 +13,7 @@
 #include "load_path.hpp"
 #include "problem_data.hpp"
 #include "program_search.hpp"
-#include "statics.hpp"
+#include "rest.hpp"
 #include "tendril/certificate.hpp"
 #include "tendril/feasibility.hpp"
 #include "tendril/tolerances.hpp"
@@ -21,18 +21,12 @@
 namespace tendril {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-inline constexpr int most_starts = 5;       ///< per mode, before a program may be called infeasible
-inline constexpr int further_starts = 2;    ///< per mode, where all of these led to no plan
-inline constexpr int spread_starts = 5;     ///< per mode, to see whether a contact spreads
-inline constexpr double little_time = 0.7;  ///< of the time limit: with less left and no plan, the search hurries
-inline constexpr double beats = 1e-12;      ///< an objective must be lower by this to win
-
-/// A stable shape of the rod under moments that are known.
-struct Rest {
-  std::function<double(double)> curvature;
-  std::vector<double> moments;  ///< EI/L, one per actuator
-  std::vector<PointContact> contacts;
-};
+inline constexpr int most_starts = 5;        ///< per mode, before a program may be called infeasible
+inline constexpr int further_starts = 2;     ///< per mode, where all of these led to no plan
+inline constexpr int spread_starts = 5;      ///< per mode, to see whether a contact spreads
+inline constexpr double little_time = 0.7;   ///< of the time limit: with less left and no plan, the search hurries
+inline constexpr double resting_time = 0.1;  ///< of what is left, for one rest of the rod
+inline constexpr double beats = 1e-12;       ///< an objective must be lower by this to win
 
 /// A mode's best point so far and what is known about it.
 struct Candidate {
@@ -65,6 +59,19 @@ class HeldStable {
   Problem::Data& data_;
   std::optional<double> margin_before_, convexity_before_;
 };
+
+/// All branches of a program, and how to set them.
+inline std::vector<Branch> branches_of(const PoseProgram& program) {
+  std::vector<Branch> branches(static_cast<std::size_t>(program.layout().forces));
+  for (std::size_t k = 0; k < branches.size(); ++k) branches[k] = program.branch(static_cast<int>(k));
+  return branches;
+}
+inline void set_branches(PoseProgram& program, const std::vector<Branch>& branches) {
+  for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, branches[static_cast<std::size_t>(k)]);
+}
+inline void close_contacts(PoseProgram& program) {
+  for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, Branch::touching);
+}
 
 class Planner {
  public:
@@ -127,8 +134,6 @@ class Planner {
   /// Downhill from a shape in the coordinates of the plan, which are few, or the same as executed() where they are
   /// many: these bend as the executor's do.
   std::optional<Rest> come_to_rest(const std::vector<double>& moments, const StartShape& from, double share) const;
-  /// The shape of a rest for a mode, with its contacts as far as it has them.
-  static StartShape shape_of_rest(const Rest& rest, const Mode& mode);
   /// The contacts that press, in order along the rod; nothing where a plan may not have so many, or none.
   std::optional<std::vector<ContactSetup>> contacts_of_rest(const Rest& rest) const;
   /// A plan from a rest, touching what it touches: the moments are chosen along stable equilibria.
@@ -136,8 +141,8 @@ class Planner {
   void start_from_rest(ModeState& state, const Rest& rest);
   /// Along the equilibria that x belongs to, to the best moments near: the solver sees these alone.
   void slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
-  /// Whether a program is so large that it is solved along equilibria alone.
-  bool slides(const PoseProgram& program) const;
+  /// Whether the programs of a mode are so large that they are solved along equilibria alone.
+  bool slides(const Mode& mode) const;
   /// From x, with every contact closed, to an equilibrium near that the rows allow, and along equilibria from there.
   /// False: there is none near.
   bool come_to_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);

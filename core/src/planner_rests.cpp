@@ -1,11 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "check_points.hpp"
 #include "contact_search.hpp"
 #include "descent.hpp"
-#include "plan_report.hpp"
 #include "planner.hpp"
 #include "problem_data.hpp"
 #include "tendril/error.hpp"
@@ -23,7 +21,6 @@ constexpr int useless_rests = 6;   ///< in a row, before plans are sought in oth
 constexpr double deepest = 1e-2;   ///< (L) of soft obstacles: a rod that is pressed in farther is not resting
 constexpr double shares_of_bend[] = {0.9, 0.75, 0.6, 0.5,
                                      0.4, 0.25, 0.1};  ///< of a rest that coordinates cannot follow
-constexpr double resting_time = 0.1;                   ///< of what is left, for one rest
 constexpr double sampling_time = 0.3;                  ///< of what is left, for all before the ordinary search goes on
 
 }  // namespace
@@ -49,21 +46,15 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, double
     }
   }
   if (plan.backbone.empty()) return std::nullopt;
-  Rest rest{curvature_of(plan, d_.scale.length), moments, {}};
-  for (const PlannedContact& c : plan.contacts) {
-    if (!(c.force > 0.0)) continue;
-    const double s = c.at_tip ? 1.0 : std::min(1.0, c.arc_length / d_.scale.length);
-    rest.contacts.push_back(
-        {{c.obstacle, c.at_tip, c.at_tip ? 0 : stretch_at(d_.rod, s)}, s, c.force / d_.scale.force()});
-  }
-  sort_contacts(rest.contacts);
+  Rest rest = rest_of(d_, plan);
+  rest.moments = moments;
+  std::erase_if(rest.contacts, [](const PointContact& c) { return !(c.force > 0.0); });
   return rest;
 }
 
 std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from,
                                           double share) const {
-  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
-  if (chain.coordinate_count() > few_values) return executed(moments, share);
+  if (d_.coordinate_count({}) > few_values) return executed(moments, share);
   LoadPath path(d_.rod, d_.obstacles, {moments, moments, false});
   path.apply(1.0);
   const double until = now() + share * (steps_.deadline() - now());
@@ -83,28 +74,6 @@ std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, co
   return rest;
 }
 
-StartShape Planner::shape_of_rest(const Rest& rest, const Mode& mode) {
-  StartShape shape;
-  shape.curvature = rest.curvature;
-  shape.moments = rest.moments;
-  std::vector<bool> used(rest.contacts.size(), false);
-  for (const ContactSetup& c : mode.contacts) {
-    double s = std::numeric_limits<double>::quiet_NaN();
-    double f = 0.0;
-    for (std::size_t i = 0; i < rest.contacts.size(); ++i) {
-      const PointContact& own = rest.contacts[i];
-      if (used[i] || own.setup.obstacle != c.obstacle || own.setup.at_tip != c.at_tip) continue;
-      used[i] = true;
-      s = own.s;
-      f = own.force;
-      break;
-    }
-    shape.arc_lengths.push_back(s);
-    shape.forces.push_back(f);
-  }
-  return shape;
-}
-
 std::optional<std::vector<ContactSetup>> Planner::contacts_of_rest(const Rest& rest) const {
   if (static_cast<int>(rest.contacts.size()) > (d_.contact_planned() ? d_.scene.contact.count : 0)) return std::nullopt;
   if (rest.contacts.empty() && d_.min_force > 0.0) return std::nullopt;
@@ -122,12 +91,10 @@ void Planner::slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) 
   if (const Eigen::VectorXd& reached = reduced.full(r.x); reached.allFinite()) x = reached;
 }
 
-bool Planner::slides(const PoseProgram& program) const {
-  return !d_.palm && program.layout().coordinates > many_values;
-}
+bool Planner::slides(const Mode& mode) const { return !d_.palm && d_.coordinate_count(mode) > many_values; }
 
 bool Planner::come_to_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
-  for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, Branch::touching);
+  close_contacts(program);
   const double least = state.violation;
   const FeasibilityReport f = steps_.restore(state, program, x);
   if (!f.feasible) {
@@ -142,14 +109,10 @@ bool Planner::come_to_point(ModeState& state, PoseProgram& program, Eigen::Vecto
 void Planner::start_from_rest(ModeState& state, const Rest& rest) {
   ++state.starts_used;
   const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
-  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
-  std::vector<int> regions;
-  for (std::size_t k = 0; k < mode.contacts.size(); ++k) {
-    const ContactSetup& c = mode.contacts[k];
-    const bool in_piece = !c.at_tip && !d_.scene.coordinates.split_at_contact;
-    regions.push_back(in_piece ? chain.piece_at(rest.contacts[k].s, {}) : c.region);
-  }
-  const StartShape shape = shape_of_rest(rest, mode);
+  std::vector<double> places;
+  for (const PointContact& c : rest.contacts) places.push_back(c.s);
+  const std::vector<int> regions = d_.regions_of(mode, places);
+  const StartShape shape = shape_of(rest, mode);
   PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
   PoseProgramSpec resting = spec;  // it is stable where it rests
   resting.least_margin.reset();
@@ -163,7 +126,7 @@ void Planner::start_from_rest(ModeState& state, const Rest& rest) {
     if (round == 0) {
       resting.checks = checks;
       PoseProgram rests(resting);
-      for (int k = 0; k < rests.layout().forces; ++k) rests.set_branch(k, Branch::touching);
+      close_contacts(rests);
       at_rest = rests.start_from(shape);
       FeasibilityReport f = steps_.look(rests, at_rest);
       // What few coordinates leave of a sharp bend can lie on the wrong side of all that is near: less of it may do.
@@ -198,8 +161,7 @@ void Planner::consider_rest(const Rest& rest) {
   const std::size_t i = state_of(*contacts);
   // From a stable shape the plan is wanted that is still stable, and the way there ends where stability does.
   // Eigenvalues of many coordinates take long: there they are looked at only where the way led too far.
-  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
-  if (chain.coordinate_count() > many_values) {
+  if (d_.coordinate_count({}) > many_values) {
     consider(states_[i], [&] { start_from_rest(states_[i], rest); });
     if (states_[i].best.certified() || must_stop()) return;
   }
@@ -209,8 +171,7 @@ void Planner::consider_rest(const Rest& rest) {
 
 bool Planner::rest_is_due(const Mode& mode) {
   if (rested_ || d_.palm || have_plan_ || following_ || must_stop() || !mode.skip.empty()) return false;
-  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
-  values_tried_ += chain.coordinate_count();
+  values_tried_ += d_.coordinate_count({});
   return values_tried_ > many_values;
 }
 

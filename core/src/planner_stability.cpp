@@ -12,7 +12,6 @@ namespace {
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
 constexpr int most_settlings = 3;         ///< executions of unstable plans, for a stable shape to start from
 constexpr double settling_time = 0.4;     ///< of what is left, for one of these
-constexpr double sampling_time = 0.1;     ///< the same for one rest
 constexpr double unlimited_moment = 6.3;  ///< (EI/L) stands for no limit: it bends the rod to a circle
 constexpr double towards_limit[] = {0.25, 1.0, 0.5, 0.1};  ///< of a limit, in the order in which they are tried
 constexpr std::size_t sampled_alone = 2;  ///< the first so many are tried with one actuator before several are
@@ -94,9 +93,10 @@ void Planner::settle(const std::vector<std::size_t>& order) {
   const std::size_t modes = modes_.size();
   if (winner_ < 0 && !rested_ && !must_stop()) start_from_rests();
   // A coarse model rests elsewhere than the rod, unless it has a knot where the rod touches.
-  if (winner_ < 0 && !must_stop()) {
-    if (const std::optional<Rest> rest = executed(moments_of(nullptr), sampling_time)) consider_rest(*rest);
-  }
+  const std::vector<double> least = moments_of(nullptr);
+  std::optional<Rest> of_least;
+  if (winner_ < 0 && !must_stop()) of_least = executed(least, settling_time);
+  if (of_least) consider_rest(*of_least);
   for (int attempt = 0; attempt < most_settlings && winner_ < 0 && !must_stop(); ++attempt) {
     const Candidate* unstable = best_unstable();
     const bool nothing =
@@ -107,10 +107,10 @@ void Planner::settle(const std::vector<std::size_t>& order) {
     const bool known =
         std::any_of(rests.begin(), rests.end(), [&](const Rest& rest) { return rest.moments == moments; });
     if (known) break;
-    const std::optional<Rest> rest = executed(moments, settling_time);
+    const std::optional<Rest> rest = moments == least ? of_least : executed(moments, settling_time);
     if (!rest) break;
-    consider_rest(*rest);
-    for (std::size_t i = 0; i < modes; ++i) consider(states_[i], shape_of_rest(*rest, modes_[i]));
+    if (moments != least) consider_rest(*rest);
+    for (std::size_t i = 0; i < modes; ++i) consider(states_[i], shape_of(*rest, modes_[i]));
     rests.push_back(*rest);
   }
   if (winner_ < 0 && !must_stop()) hold_stable(rests, order);
@@ -120,19 +120,18 @@ void Planner::hold_stable(const std::vector<Rest>& rests, const std::vector<std:
   if (best_unstable() == nullptr) return;
   const HeldStable held(d_);
   for (const Rest& rest : rests) {
-    for (const std::size_t i : order) consider(states_[i], shape_of_rest(rest, modes_[i]));
+    for (const std::size_t i : order) consider(states_[i], shape_of(rest, modes_[i]));
   }
   bool first = true;
   for (const std::vector<double>& moments : sampled_moments()) {
     if (must_stop()) return;
-    const std::optional<Rest> rest = come_to_rest(moments, d_.scene_start(), sampling_time);
+    const std::optional<Rest> rest = come_to_rest(moments, d_.scene_start(), resting_time);
     if (!rest) continue;
     consider_rest(*rest);
     // Every mode is worth the shape of the rod without moments; the others start those whose contacts they have.
     const std::optional<std::vector<ContactSetup>> own = contacts_of_rest(*rest);
     for (const std::size_t i : order) {
-      if (first || (own && same_contacts(modes_[i].contacts, *own)))
-        consider(states_[i], shape_of_rest(*rest, modes_[i]));
+      if (first || (own && same_contacts(modes_[i].contacts, *own))) consider(states_[i], shape_of(*rest, modes_[i]));
     }
     first = false;
   }

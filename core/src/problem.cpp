@@ -268,6 +268,27 @@ PoseProgramSpec Problem::Data::spec(const Mode& mode, const std::vector<int>& re
   return s;
 }
 
+std::vector<int> Problem::Data::regions_of(const Mode& mode, const std::vector<double>& arc_lengths) const {
+  std::vector<int> regions;
+  regions.reserve(mode.contacts.size());
+  for (const ContactSetup& c : mode.contacts) regions.push_back(c.region);
+  if (scene.coordinates.split_at_contact) return regions;
+  const Chain chain(rod, *components.coordinates, {}, 1);
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    if (!mode.contacts[k].at_tip) regions[k] = chain.piece_at(arc_lengths[k], {});
+  }
+  return regions;
+}
+
+int Problem::Data::coordinate_count(const Mode& mode) const {
+  auto stretches = static_cast<int>(rod.fixed_knots().size()) - 1;
+  if (scene.coordinates.split_at_contact) {
+    stretches += static_cast<int>(
+        std::count_if(mode.contacts.begin(), mode.contacts.end(), [](const ContactSetup& c) { return !c.at_tip; }));
+  }
+  return stretches * static_cast<int>(model->subdivision().size()) * model->function_count();
+}
+
 std::vector<int> Problem::Data::pieces_of_stretch(int stretch) const {
   const auto parts = static_cast<int>(model->subdivision().size());
   std::vector<int> pieces(static_cast<std::size_t>(parts));

@@ -59,6 +59,10 @@ struct Problem::Data {
   /// The program's parts that do not depend on check points. `regions` replaces the contacts' regions (for an unsplit
   /// rod: pieces).
   PoseProgramSpec spec(const Mode& mode, const std::vector<int>& regions, int with_nodes) const;
+  /// The regions of a mode's contacts that lie at these arc lengths, as spec() takes them.
+  std::vector<int> regions_of(const Mode& mode, const std::vector<double>& arc_lengths) const;
+  /// Coordinates of the programs of a mode.
+  int coordinate_count(const Mode& mode) const;
   /// Pieces of an unsplit rod in a stretch.
   std::vector<int> pieces_of_stretch(int stretch) const;
   std::vector<CheckPoint> first_checks(const PoseProgramSpec& spec, const StartShape& shape) const;

@@ -110,13 +110,12 @@ ReducedProgram::~ReducedProgram() = default;
 bool ReducedProgram::correct() {
   double before = infinity;
   for (int iteration = 0; iteration < most_corrections; ++iteration) {
+    fill_system();
     const VectorView rows = equations_.constraints(x_);
-    const MatrixView jacobian = equations_.jacobian(x_);
-    const auto n = static_cast<Eigen::Index>(parts_.following.size());
+    const Eigen::Index n = residual_.size();
     for (Eigen::Index r = 0; r < n; ++r) {
       const int row = parts_.equations[static_cast<std::size_t>(r)];
       residual_[r] = rows[row] - equations_.row_lower()[row];
-      for (Eigen::Index c = 0; c < n; ++c) system_(r, c) = jacobian(row, parts_.following[static_cast<std::size_t>(c)]);
     }
     if (!residual_.allFinite() || !system_.allFinite()) return false;
     if (n == 0) return true;
@@ -126,7 +125,8 @@ bool ReducedProgram::correct() {
     double size = 1.0;
     for (const int i : parts_.following) size = std::max(size, std::abs(x_[i]));
     if (!std::isfinite(largest) || (before == infinity && largest > farthest * size)) return false;
-    // Rounding ends what converges; what does not converge at first has left its branch.
+    // What does not converge at first has left its branch. Newton's method squares its corrections: after one of the
+    // root of `settled` the next is rounding, however large that is.
     if (largest > contraction * before) return before <= std::sqrt(settled) * size;
     for (Eigen::Index c = 0; c < n; ++c) x_[parts_.following[static_cast<std::size_t>(c)]] -= correction_[c];
     if (largest <= settled * size) return true;
@@ -135,13 +135,23 @@ bool ReducedProgram::correct() {
   return false;
 }
 
+void ReducedProgram::fill_system() {
+  const MatrixView jacobian = equations_.jacobian(x_);
+  for (Eigen::Index r = 0; r < system_.rows(); ++r) {
+    const int row = parts_.equations[static_cast<std::size_t>(r)];
+    for (Eigen::Index c = 0; c < system_.cols(); ++c) {
+      system_(r, c) = jacobian(row, parts_.following[static_cast<std::size_t>(c)]);
+    }
+  }
+}
+
 void ReducedProgram::find_slopes() {
+  fill_system();
   const MatrixView jacobian = equations_.jacobian(x_);
   const auto n = static_cast<Eigen::Index>(parts_.following.size());
   const auto m = static_cast<Eigen::Index>(parts_.chosen.size());
   for (Eigen::Index r = 0; r < n; ++r) {
     const int row = parts_.equations[static_cast<std::size_t>(r)];
-    for (Eigen::Index c = 0; c < n; ++c) system_(r, c) = jacobian(row, parts_.following[static_cast<std::size_t>(c)]);
     for (Eigen::Index c = 0; c < m; ++c) right_(r, c) = -jacobian(row, parts_.chosen[static_cast<std::size_t>(c)]);
   }
   if (n > 0) {

@@ -21,7 +21,8 @@ class Stability {
   /// Contacts inside the rod that lean on its end slide no farther: disturbed to that side they are contacts at the
   /// tip.
   void hold_ends(bool hold) { ends_hold_ = hold; }
-  /// Whether contact k inside the rod leans on its end at the point computed last.
+  /// Whether contact k inside the rod leans on its end at the point computed last: its arc length is at the bound that
+  /// keeps it knot_clearance away, or no farther from that than the bound is from the end.
   static bool leans_on_end(const PoseProgram& program, int contact);
 
   /// H before projection at x: coordinates() squared.

@@ -52,6 +52,8 @@ class TENDRIL_API ReducedProgram : public NonlinearProgram {
   bool follow(ConstVectorRef u);
   /// Newton's method on the equations from x_, whose moments stay.
   bool correct();
+  /// d equations / d following at x_.
+  void fill_system();
   /// d x_following / d u at x_, the factors of the equations there, and the sign of their determinant.
   void find_slopes();
   /// Largest change of what follows, each relative to 1 + itself.
