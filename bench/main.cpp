@@ -9,15 +9,15 @@
 #include <tuple>
 #include <utility>
 
-#include "campaign.hpp"
-#include "parts.hpp"
-#include "random_scene.hpp"
-#include "report.hpp"
+#include "campaign/campaign.hpp"
+#include "report/parts.hpp"
+#include "campaign/random_scene.hpp"
+#include "report/report.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/interrupt.hpp"
 #include "tendril/version.hpp"
-#include "tolerance_sweep.hpp"
-#include "workload.hpp"
+#include "report/tolerance_sweep.hpp"
+#include "common/workload.hpp"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // Evaluating a pose program allocates nothing: sizes are known when it is assembled.
 
-#include "tendril/pose_program.hpp"
+#include "program/pose_program.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <string>
 
 #include "counting_malloc.hpp"
+#include "program/grasp_program.hpp"
 #include "support/sample_programs.hpp"
-#include "tendril/grasp_program.hpp"
 
 namespace tendril::test {
 

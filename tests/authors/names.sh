@@ -10,11 +10,11 @@ faults=0
 for name in "${names[@]}"; do
   while IFS= read -r line; do
     case $line in
-      app/src/scene_tables.hpp:*'constexpr const char* default_'*) continue ;;
+      app/src/scene/scene_tables.hpp:*'constexpr const char* default_'*) continue ;;
       # Core's own basis, which the plugin of that name hands out.
       core/include/tendril/coordinate_model.hpp:*'static constexpr const char* name = "legendre"'*) continue ;;
       # The campaign's scenes are the same for a seed whatever is installed, and its check has formulas of its own.
-      bench/random_scene.cpp:* | bench/plan_check.cpp:*) continue ;;
+      bench/campaign/random_scene.cpp:* | bench/check/plan_check.cpp:*) continue ;;
       # The force of a contact is a variable of the program and a number in results, whatever weighs it.
       *'"contact_force"'*) continue ;;
     esac

@@ -1,11 +1,11 @@
-#include "contestants.hpp"
+#include "common/contestants.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "scenes.hpp"
-#include "workload.hpp"
+#include "common/scenes.hpp"
+#include "common/workload.hpp"
 
 namespace tendril::bench {
 namespace {

@@ -1,4 +1,4 @@
-#include "extremes.hpp"
+#include "extremes/extremes.hpp"
 
 #include <gtest/gtest.h>
 

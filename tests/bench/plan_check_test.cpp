@@ -1,14 +1,14 @@
 // The second computation of a plan agrees with its certificate, whatever the contact is beside.
 
-#include "plan_check.hpp"
+#include "check/plan_check.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <tuple>
 
-#include "scene_text.hpp"
-#include "scenes.hpp"
+#include "common/scene_text.hpp"
+#include "common/scenes.hpp"
 #include "tendril/plugins/components.hpp"
 
 namespace tendril::bench {

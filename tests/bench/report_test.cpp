@@ -1,4 +1,4 @@
-#include "report.hpp"
+#include "report/report.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "against.hpp"
-#include "parts.hpp"
+#include "report/against.hpp"
+#include "report/parts.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::bench {

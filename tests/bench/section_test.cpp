@@ -1,4 +1,4 @@
-#include "section.hpp"
+#include "common/section.hpp"
 
 #include <gtest/gtest.h>
 

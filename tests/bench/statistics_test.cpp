@@ -1,4 +1,4 @@
-#include "statistics.hpp"
+#include "common/statistics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "grasp_support.hpp"
+#include "rod/self_overlap.hpp"
 #include "tendril/error.hpp"
 #include "tendril/grasp.hpp"
-#include "tendril/self_overlap.hpp"
 
 namespace tendril::combination {
 namespace {

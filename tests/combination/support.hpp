@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tendril/planner.hpp"
 #include "tendril/plugins/components.hpp"
+#include "tendril/problem.hpp"
 
 /// Scenes become plans here without the command: read as a user writes them, their components made from whatever is on
 /// the plugin path.

@@ -2,7 +2,7 @@
 // stiffnesses and loads, and with rows that keep them apart; and the clearance between two fingers against circles
 // whose distance is known.
 
-#include "tendril/grasp_program.hpp"
+#include "program/grasp_program.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <numbers>
 #include <random>
 
+#include "certificate/finger_clearance.hpp"
 #include "differences.hpp"
 #include "support/sample_programs.hpp"
-#include "tendril/finger_clearance.hpp"
 
 namespace tendril {
 namespace {

@@ -1,7 +1,7 @@
 // Every derivative of the pose program against central differences at random points, for every kind of basis, split and
 // not.
 
-#include "tendril/pose_program.hpp"
+#include "program/pose_program.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 #include <memory>
 #include <random>
 
+#include "certificate/certifier.hpp"
+#include "certificate/clearance.hpp"
 #include "differences.hpp"
 #include "support/sample_programs.hpp"
-#include "tendril/certificate.hpp"
-#include "tendril/clearance.hpp"
 
 namespace tendril {
 namespace {

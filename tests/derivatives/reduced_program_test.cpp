@@ -1,7 +1,7 @@
 // The program in the moments alone: its derivatives against central differences of a whole solved equilibrium each, and
 // where it ends.
 
-#include "tendril/reduced_program.hpp"
+#include "program/reduced_program.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <random>
 
 #include "differences.hpp"
+#include "nlp/feasibility.hpp"
 #include "support/sample_programs.hpp"
-#include "tendril/feasibility.hpp"
 
 namespace tendril {
 namespace {

@@ -1,6 +1,6 @@
 // Equilibria under normal forces and their exact derivatives.
 
-#include "tendril/loaded_rod.hpp"
+#include "estimate/loaded_rod.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Probabilities that decide how many contacts the points show. Tabulated values: Abramowitz and Stegun,
 // tables 26.7, 26.8 and 26.10.
 
-#include "significance.hpp"
+#include "estimate/significance.hpp"
 
 #include <gtest/gtest.h>
 

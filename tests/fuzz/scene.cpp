@@ -8,7 +8,7 @@
 #include "tendril/app/document.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/scene_reader.hpp"
-#include "tendril/planner.hpp"
+#include "tendril/problem.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const auto units = std::make_shared<tendril::app::Units>();

@@ -14,8 +14,8 @@
 #include "checks.hpp"
 #include "tendril/app/document.hpp"
 #include "tendril/app/scene_reader.hpp"
-#include "tendril/planner.hpp"
 #include "tendril/plugins/registry.hpp"
+#include "tendril/problem.hpp"
 
 namespace {
 

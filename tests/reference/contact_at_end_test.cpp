@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
-#include "tendril/certificate.hpp"
-#include "tendril/circle.hpp"
+#include "certificate/certifier.hpp"
+#include "obstacle/circle.hpp"
 #include "tendril/coordinate_model.hpp"
 #include "tendril/tolerances.hpp"
 

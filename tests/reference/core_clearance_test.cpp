@@ -7,11 +7,11 @@
 #include <numbers>
 #include <random>
 
+#include "certificate/clearance.hpp"
 #include "core_support.hpp"
-#include "tendril/circle.hpp"
-#include "tendril/clearance.hpp"
-#include "tendril/rounded_hull.hpp"
-#include "tendril/wall.hpp"
+#include "obstacle/circle.hpp"
+#include "obstacle/rounded_hull.hpp"
+#include "obstacle/wall.hpp"
 
 namespace tendril::support {
 namespace {

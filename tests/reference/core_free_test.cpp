@@ -7,7 +7,7 @@
 #include <random>
 
 #include "core_support.hpp"
-#include "tendril/circle.hpp"
+#include "obstacle/circle.hpp"
 
 namespace tendril::support {
 namespace {

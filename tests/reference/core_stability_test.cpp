@@ -10,10 +10,10 @@
 #include <numbers>
 #include <random>
 
+#include "certificate/certifier.hpp"
 #include "core_support.hpp"
+#include "obstacle/circle.hpp"
 #include "support/link_chain.hpp"
-#include "tendril/certificate.hpp"
-#include "tendril/circle.hpp"
 
 namespace tendril::support {
 namespace {

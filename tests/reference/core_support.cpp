@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "tendril/circle.hpp"
-#include "tendril/feasibility.hpp"
+#include "nlp/feasibility.hpp"
+#include "obstacle/circle.hpp"
 
 namespace tendril::support {
 

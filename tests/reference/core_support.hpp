@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "program/pose_program.hpp"
 #include "support/reference_table.hpp"
 #include "support/rod_bvp.hpp"
-#include "tendril/pose_program.hpp"
 
 /// Forward equilibria of the library, and the same rods as boundary-value problems, for tests that compare the two.
 namespace tendril::support {

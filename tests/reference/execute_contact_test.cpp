@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "execute_support.hpp"
+#include "obstacle/wall.hpp"
 #include "support/reference_table.hpp"
-#include "tendril/wall.hpp"
 
 namespace tendril::support {
 namespace {

@@ -3,7 +3,7 @@
 #include <numbers>
 #include <string>
 
-#include "tendril/circle.hpp"
+#include "obstacle/circle.hpp"
 
 namespace tendril::support {
 

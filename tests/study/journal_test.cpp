@@ -1,11 +1,12 @@
 // The journal of a study, cut at every byte.
 
+#include "study/journal.hpp"
+
 #include <gtest/gtest.h>
 
 #include <fstream>
 
 #include "command.hpp"
-#include "study_journal.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::app {

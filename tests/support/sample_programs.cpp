@@ -3,7 +3,7 @@
 #include <tuple>
 #include <utility>
 
-#include "tendril/rounded_hull.hpp"
+#include "obstacle/rounded_hull.hpp"
 
 namespace tendril::support {
 

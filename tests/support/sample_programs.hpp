@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "tendril/circle.hpp"
+#include "obstacle/circle.hpp"
+#include "obstacle/wall.hpp"
+#include "program/grasp_program.hpp"
+#include "program/pose_program.hpp"
 #include "tendril/coordinate_model.hpp"
-#include "tendril/grasp_program.hpp"
 #include "tendril/objective_term.hpp"
 #include "tendril/obstacle.hpp"
-#include "tendril/pose_program.hpp"
-#include "tendril/wall.hpp"
 
 /// Programs with all that a program can have: for tests of what every program must do.
 namespace tendril::support {

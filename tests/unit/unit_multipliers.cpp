@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
+#include "nlp/multipliers.hpp"
 #include "tendril/error.hpp"
-#include "tendril/multipliers.hpp"
 
 namespace tendril {
 

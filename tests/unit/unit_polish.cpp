@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tendril/polish.hpp"
+#include "nlp/polish.hpp"
 
 namespace tendril {
 

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <vector>
 
-#include "tendril/self_overlap.hpp"
+#include "rod/self_overlap.hpp"
 
 namespace tendril {
 namespace {

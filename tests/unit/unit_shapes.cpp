@@ -9,10 +9,10 @@
 #include <random>
 #include <string>
 
-#include "tendril/circle.hpp"
+#include "obstacle/circle.hpp"
+#include "obstacle/rounded_hull.hpp"
+#include "obstacle/wall.hpp"
 #include "tendril/plugins/registry.hpp"
-#include "tendril/rounded_hull.hpp"
-#include "tendril/wall.hpp"
 
 namespace tendril {
 namespace {

@@ -1,71 +1,31 @@
 #pragma once
 
-#include <memory>
+#include <string>
+#include <vector>
 
-#include "tendril/clearance.hpp"
-#include "tendril/plan.hpp"
-#include "tendril/pose_program.hpp"
+#include "tendril/numbers.hpp"
 
 namespace tendril {
 
-/// Fills `failures` from the numbers: one line for each requirement that is not met.
-TENDRIL_API void list_failures(Certificate& certificate);
-
-/// The worse of two judgements in every number, and the failures of both.
-TENDRIL_API Certificate worse_of(const Certificate& a, const Certificate& b);
-
-/// Judges points of one pose program without asking a solver (model.md section 7): on a rule with twice the nodes, with
-/// the true shape between check points, and with the stability of the equilibrium itself.
-class TENDRIL_API Certifier {
- public:
-  /// `spec` is that of the program to be judged; its pointers must outlive this.
-  explicit Certifier(const PoseProgramSpec& spec);
-  ~Certifier();
-  Certifier(Certifier&&) noexcept;             ///< Leaves the other one unusable.
-  Certifier& operator=(Certifier&&) noexcept;  ///< Leaves the other one unusable.
-
-  /// Check points change nothing of the judgement except which rows can carry multipliers. Cheap.
-  void set_checks(const std::vector<CheckPoint>& checks);
-
-  /// Judges x of `program`, whose branches say which contacts touch.
-  Certificate certify(PoseProgram& program, ConstVectorRef x);
-  /// The same into `out`, whose memory is used again. `multipliers` and `bound_multipliers` (of the program's rows and
-  /// variables, or null) are tried first: where they have the right signs and leave no slope, no others are looked for.
-  /// Then a valid certificate allocates nothing after the first of one number of pressing contacts.
-  void certify(PoseProgram& program, ConstVectorRef x, Certificate& out, const Eigen::VectorXd* multipliers,
-               const Eigen::VectorXd* bound_multipliers);
-  /// The part of the judgement that concerns the rod alone: everything but balance, stationarity and the list of
-  /// failures, which a larger program around this one has its own of. `x` must be finite.
-  void measure(PoseProgram& program, ConstVectorRef x, Certificate& out);
-  /// The target of the program to be judged is another from now on.
-  void set_target(const Target& target);
-
-  /// Local minima of the distance to any obstacle below `level` at x.
-  struct Approach {
-    int obstacle = 0;    ///< index in the spec's obstacles
-    ClosestApproach at;  ///< the place on the rod
-  };
-  /// All such places at x, for `level` in units of L.
-  std::vector<Approach> approaches(ConstVectorRef x, double level);
-  /// The program on the rule with twice the nodes, moved to x: what is read between nodes is read from this one.
-  const PoseProgram& finer(ConstVectorRef x);
-  /// Whether there is any; allocates nothing unless there is.
-  bool approached(ConstVectorRef x, double level);
-
-  /// Forgets the point judged last, after loads or obstacles behind the spec's pointers changed.
-  void invalidate();
-  /// Largest defect of the local moment balance at x (model.md section 7).
-  double moment_balance(ConstVectorRef x);
-  /// The margin alone: smallest eigenvalue of the second variation against the bending energy (model.md section 7).
-  double stability(ConstVectorRef x);
-  /// The matrix whose definiteness is asked for, at x: H before projection. coordinates() squared.
-  Eigen::MatrixXd second_variation(ConstVectorRef x);
-  /// d_ss of contact k at x; infinity for a contact at the tip.
-  double contact_convexity(ConstVectorRef x, int contact);
-
- private:
-  struct Data;
-  std::unique_ptr<Data> data_;
+/// Quality of a plan, judged without asking the solver (model.md section 7). Everything dimensionless; each number is
+/// the size of a defect except stability (a margin) and d_ss.
+struct Certificate {
+  double equilibrium = infinity;      ///< largest residual of the equilibrium rows
+  double bounds = infinity;           ///< largest excess over a limit of a variable
+  double penetration = infinity;      ///< certified depth: the true one is not larger
+  double complementarity = infinity;  ///< largest min(g, f)
+  double closest_point = infinity;    ///< largest tangent . normal at a contact
+  double balance = infinity;          ///< force along a grasp's axis that one finger leaves; 0 where none is asked for
+  double stationarity = infinity;     ///< gradient of the Lagrangian of the tightened program
+  std::string stationarity_kind = "none";  ///< "S", "M", "C" or "none"
+  double moment_balance = infinity;        ///< strong form: a direct measure of model error
+  double stability = -infinity;            ///< margin mu
+  double contact_convexity = infinity;     ///< smallest d_ss of interior contacts with force; infinity: none
+  double quadrature = infinity;            ///< largest change of any row when the rule is doubled
+  /// One line for each requirement that is not met; empty: certified.
+  std::vector<std::string> failures{"no point was judged"};
+  /// Every requirement is met.
+  bool valid() const { return failures.empty(); }
 };
 
 }  // namespace tendril

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tendril/plan.hpp"
-#include "tendril/planner.hpp"
+#include "tendril/problem.hpp"
 #include "tendril/scene.hpp"
 
 namespace tendril {

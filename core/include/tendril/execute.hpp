@@ -13,29 +13,6 @@ namespace tendril {
 
 /// The forward problem (model.md section 6, "execute"): moments are given, the shape is what comes of them.
 
-/// What ended a stable branch.
-enum class SnapKind {
-  fold,         ///< the branch turns back: no equilibrium near it carries a higher load
-  bifurcation,  ///< the branch goes on but is unstable; both sides of it are equal, the larger tip angle is taken
-  release,      ///< the last contact that held the rod let go
-  slip,         ///< a contact slid to the tip, where it holds the rod no longer
-  start         ///< the shape that was started from is no stable equilibrium of its own loads
-};
-TENDRIL_API std::string_view to_string(SnapKind kind);  ///< The kind as results write it.
-
-/// A jump to another stable state while loads grow. SI units; `before` and `after` are at the same load, except at a
-/// bifurcation, where the new branch grows out of the old one and `after` stands 1e-3 of the loads further.
-struct Snap {
-  SnapKind kind = SnapKind::fold;               ///< what ended the branch
-  double load = 0.0;                            ///< load fraction, 0 at the start shape, 1 at the final loads
-  std::vector<double> moments;                  ///< N m, one per actuator, at that load fraction
-  std::vector<BackbonePoint> before;            ///< the shape that was left
-  std::vector<BackbonePoint> after;             ///< the shape that was reached
-  std::vector<PlannedContact> contacts_before;  ///< with the shape that was left
-  std::vector<PlannedContact> contacts_after;   ///< with the shape that was reached
-  double stability_after = 0.0;                 ///< margin
-};
-
 /// What an execution starts from and what may end it.
 struct ExecuteControl {
   /// set to true from outside to end it cleanly; null: nothing does
@@ -75,5 +52,19 @@ TENDRIL_API Execution execute(const Scene& scene, const std::vector<std::unique_
 /// plan was started from, null, or `&plan`: then the rod settles from the plan's own shape and is executed only once.
 TENDRIL_API Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, Plan& plan,
                              const ExecuteControl& control = {});
+
+/// execute() and verify() for a scene whose two fingers are both planned (plans_both_fingers()). Each finger is carried
+/// out on its own, with the object held where it is. What is reached reads like a plan of both: the upper finger's
+/// state, the lower one's in `grasp`, the worse of both certificates, snaps of both. Fingers that end up crossing are
+/// `not_converged`: contact between them is not computed.
+
+/// `moments`: N m, those of the upper finger and then those of the lower one, closing ones negative. `palm_distance`:
+/// m. `control.start` may be a plan of one mirrored finger too. Throws as execute() does.
+TENDRIL_API Execution execute_both_fingers(const Scene& scene, double palm_distance, const std::vector<double>& moments,
+                                           const ExecuteControl& control = {});
+
+/// `control.start`: null or `&plan`: from the plan's own shape. `model_error` and `local_model_error` are the larger of
+/// both fingers'.
+TENDRIL_API Execution verify_both_fingers(const Scene& scene, Plan& plan, const ExecuteControl& control = {});
 
 }  // namespace tendril

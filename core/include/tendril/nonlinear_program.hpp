@@ -2,25 +2,22 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <limits>
 #include <string>
+#include <string_view>
 
 #include "tendril/export.hpp"
+#include "tendril/numbers.hpp"
 
 namespace tendril {
-
-/// An absent limit, or a value that is not known yet.
-inline constexpr double infinity = std::numeric_limits<double>::infinity();
-
-using VectorRef = Eigen::Ref<Eigen::VectorXd>;             ///< to be written
-using ConstVectorRef = Eigen::Ref<const Eigen::VectorXd>;  ///< to be read
-using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;             ///< to be written; column-major
-using ConstMatrixRef = Eigen::Ref<const Eigen::MatrixXd>;  ///< to be read; column-major
 
 /// What a program hands out: views without an alignment promise. Owning Eigen objects must not cross into a plugin,
 /// which may be built for wider vector registers than core. `auto` keeps a view; naming VectorXd makes a copy.
 using VectorView = Eigen::Map<const Eigen::VectorXd>;
 using MatrixView = Eigen::Map<const Eigen::MatrixXd>;  ///< As VectorView; column-major.
+
+/// What becomes of complementarity before a solver sees it (ComplementarityProgram).
+enum class Treatment { penalty, slack, scholtes, fischer_burmeister };
+TENDRIL_API std::string_view to_string(Treatment treatment);  ///< The word that scenes use.
 
 /// How often a program was evaluated (cache hits do not count).
 struct EvaluationCounts {
@@ -138,6 +135,16 @@ class TENDRIL_API NonlinearProgram {
   double hessian_sigma_ = 0.0;
   Eigen::VectorXd hessian_multipliers_;
   EvaluationCounts counts_;
+};
+
+/// A point of a program judged by first-order conditions alone.
+struct KktJudgement {
+  double cost = infinity;             ///< of the program
+  double infeasibility = infinity;    ///< largest violation of rows and bounds
+  double stationarity = infinity;     ///< largest entry of the Lagrangian's gradient with admissible multipliers
+  Eigen::VectorXd multipliers;        ///< of the rows; a row at its lower bound <= 0, at its upper >= 0, inactive 0
+  Eigen::VectorXd bound_multipliers;  ///< of the variables, same signs
+  Eigen::VectorXd slope;              ///< gradient of the Lagrangian, where multipliers were given
 };
 
 }  // namespace tendril

@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -137,5 +138,14 @@ TENDRIL_API std::string nearest_name(std::string_view name, std::span<const std:
 
 /// "; did you mean 'x'?" for the nearest name, or " (known: a, b, c)" when none is near.
 TENDRIL_API std::string did_you_mean(std::string_view name, std::span<const std::string> known);
+
+/// What a component says of itself, and how to make one.
+template <class Interface>
+struct Component {
+  std::string name;                                                ///< as scenes write it: lower case, digits, '_'
+  std::string description;                                         ///< one line
+  OptionSchema options;                                            ///< what a scene may set
+  std::function<std::unique_ptr<Interface>(const Options&)> make;  ///< from checked, dimensionless options
+};
 
 }  // namespace tendril

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -8,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "tendril/backbone_point.hpp"
+#include "tendril/certificate.hpp"
 #include "tendril/geometry.hpp"
 #include "tendril/solver.hpp"
 
@@ -16,27 +19,6 @@ namespace tendril {
 /// How a plan ended.
 enum class PlanStatus { solved, infeasible, unstable, not_converged, diverged, time_limit, interrupted, failed };
 TENDRIL_API std::string_view to_string(PlanStatus status);  ///< The status as results write it.
-
-/// Quality of a plan, judged without asking the solver (model.md section 7). Everything dimensionless; each number is
-/// the size of a defect except stability (a margin) and d_ss.
-struct Certificate {
-  double equilibrium = infinity;      ///< largest residual of the equilibrium rows
-  double bounds = infinity;           ///< largest excess over a limit of a variable
-  double penetration = infinity;      ///< certified depth: the true one is not larger
-  double complementarity = infinity;  ///< largest min(g, f)
-  double closest_point = infinity;    ///< largest tangent . normal at a contact
-  double balance = infinity;          ///< force along a grasp's axis that one finger leaves; 0 where none is asked for
-  double stationarity = infinity;     ///< gradient of the Lagrangian of the tightened program
-  std::string stationarity_kind = "none";  ///< "S", "M", "C" or "none"
-  double moment_balance = infinity;        ///< strong form: a direct measure of model error
-  double stability = -infinity;            ///< margin mu
-  double contact_convexity = infinity;     ///< smallest d_ss of interior contacts with force; infinity: none
-  double quadrature = infinity;            ///< largest change of any row when the rule is doubled
-  /// One line for each requirement that is not met; empty: certified.
-  std::vector<std::string> failures{"no point was judged"};
-  /// Every requirement is met.
-  bool valid() const { return failures.empty(); }
-};
 
 /// A contact of a plan, SI units.
 struct PlannedContact {
@@ -52,9 +34,6 @@ struct PlannedContact {
   /// not solved for that reason, the point whose force would be spread.
   bool extended = false;
 };
-
-/// s (m), x, y (m), angle (rad), curvature (1/m).
-using BackbonePoint = std::array<double, 5>;
 
 /// Something that a scene could have needed and did not.
 struct LeftOut {
@@ -150,6 +129,64 @@ struct Plan {
   double seconds_assemble = 0.0;  ///< wall time to make the problem
   double seconds_solve = 0.0;     ///< of everything after that but the certificates
   double seconds_certify = 0.0;   ///< of the certificates
+};
+
+/// What ended a stable branch.
+enum class SnapKind {
+  fold,         ///< the branch turns back: no equilibrium near it carries a higher load
+  bifurcation,  ///< the branch goes on but is unstable; both sides of it are equal, the larger tip angle is taken
+  release,      ///< the last contact that held the rod let go
+  slip,         ///< a contact slid to the tip, where it holds the rod no longer
+  start         ///< the shape that was started from is no stable equilibrium of its own loads
+};
+TENDRIL_API std::string_view to_string(SnapKind kind);  ///< The kind as results write it.
+
+/// A jump to another stable state while loads grow. SI units; `before` and `after` are at the same load, except at a
+/// bifurcation, where the new branch grows out of the old one and `after` stands 1e-3 of the loads further.
+struct Snap {
+  SnapKind kind = SnapKind::fold;               ///< what ended the branch
+  double load = 0.0;                            ///< load fraction, 0 at the start shape, 1 at the final loads
+  std::vector<double> moments;                  ///< N m, one per actuator, at that load fraction
+  std::vector<BackbonePoint> before;            ///< the shape that was left
+  std::vector<BackbonePoint> after;             ///< the shape that was reached
+  std::vector<PlannedContact> contacts_before;  ///< with the shape that was left
+  std::vector<PlannedContact> contacts_after;   ///< with the shape that was reached
+  double stability_after = 0.0;                 ///< margin
+};
+
+/// What a plan starts from and what may end it.
+struct PlanControl {
+  /// set to true from outside to end planning cleanly; null: nothing does
+  const std::atomic<bool>* stop = nullptr;
+  const Plan* start = nullptr;  ///< warm start: shape, moments and contacts of an earlier plan
+  /// Try Newton on the earlier plan's active set first. If that is certified and no contact is about to come or go, no
+  /// solver is called.
+  bool follow = false;
+  std::vector<std::string> without{};  ///< ways of being in contact (ModeRecord::mode) that are not tried
+};
+
+/// What was built and what was left out, for `describe`.
+struct Description {
+  /// How many variables or rows of one name there are.
+  struct Count {
+    std::string name;    ///< as in results
+    int count = 0;       ///< how many
+    std::string kind{};  ///< rows: "equality" or "inequality"
+  };
+  /// The program of one way of being in contact.
+  struct Mode {
+    std::string name;              ///< as in ModeRecord
+    std::vector<Count> variables;  ///< by name
+    std::vector<Count> rows;       ///< by name
+  };
+  std::vector<Count> variables;       ///< of the largest mode
+  std::vector<Count> rows;            ///< of the largest mode
+  std::vector<std::string> terms;     ///< objective terms that count
+  std::vector<std::string> energies;  ///< "bending", "gravity", ...
+  std::vector<Mode> modes;            ///< the small programs, one per way of being in contact
+  std::vector<LeftOut> left_out;      ///< and why
+  double length_unit = 0.0;           ///< L, m
+  double force_unit = 0.0;            ///< EI0/L^2, N
 };
 
 }  // namespace tendril

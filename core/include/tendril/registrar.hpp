@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tendril/coordinate_model.hpp"
 #include "tendril/objective_term.hpp"
@@ -18,15 +19,6 @@ enum class ComponentKind { coordinates, objective, obstacle, solver };
 
 /// "coordinates", "objective", "obstacle", "solver": also the middle word of a plugin's file name.
 TENDRIL_API std::string_view to_string(ComponentKind kind);
-
-/// What a component says of itself, and how to make one.
-template <class Interface>
-struct Component {
-  std::string name;                                                ///< as scenes write it: lower case, digits, '_'
-  std::string description;                                         ///< one line
-  OptionSchema options;                                            ///< what a scene may set
-  std::function<std::unique_ptr<Interface>(const Options&)> make;  ///< from checked, dimensionless options
-};
 
 using CoordinateComponent = Component<CoordinateModel>;  ///< A coordinate model.
 using ObjectiveComponent = Component<ObjectiveTerm>;     ///< An objective term.
@@ -45,5 +37,13 @@ class TENDRIL_API Registrar {
 
 /// Hands the shapes that core brings along (circle, ...) to `registrar`.
 TENDRIL_API void register_builtin_obstacles(Registrar& registrar);
+
+/// The components that a scene names, made by whoever can load them. Order as in the scene.
+struct Components {
+  std::unique_ptr<CoordinateModel> coordinates;       ///< never null
+  std::vector<std::unique_ptr<Obstacle>> obstacles;   ///< all of them, or none if needs_obstacles() is false
+  std::vector<std::unique_ptr<ObjectiveTerm>> terms;  ///< one per objective of the scene; null where its weight is 0
+  std::unique_ptr<Solver> solver;                     ///< never null
+};
 
 }  // namespace tendril

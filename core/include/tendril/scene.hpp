@@ -8,6 +8,7 @@
 #include "tendril/geometry.hpp"
 #include "tendril/nonlinear_program.hpp"
 #include "tendril/options.hpp"
+#include "tendril/scale.hpp"
 
 namespace tendril {
 
@@ -18,11 +19,8 @@ namespace tendril {
 enum class ProblemKind { pose, trajectory, grasp, execute, estimate };
 /// How contact is planned.
 enum class ContactModeName { ignore, avoid, allow, require };
-/// What becomes of complementarity before a solver sees it (ComplementarityProgram).
-enum class Treatment { penalty, slack, scholtes, fischer_burmeister };
 TENDRIL_API std::string_view to_string(ProblemKind kind);      ///< The word that scenes use.
 TENDRIL_API std::string_view to_string(ContactModeName mode);  ///< The word that scenes use.
-TENDRIL_API std::string_view to_string(Treatment treatment);   ///< The word that scenes use.
 
 /// A stretch of the rod with constant properties.
 struct SegmentSpec {
@@ -177,5 +175,17 @@ struct Scene {
   SolverSpec solver;                        ///< who solves the programs
   QuantityReader read_quantity;             ///< for numbers with units inside raw options; may be empty
 };
+
+/// Which of a scene's components have to be opened at all (a weight of 0 opens nothing).
+TENDRIL_API bool needs_term(const ObjectiveSpec& objective);
+/// Whether the obstacles have to be made: not with contact mode "ignore".
+TENDRIL_API bool needs_obstacles(const Scene& scene);
+
+/// Refuses a scene that makes no sense (lengths, limits, ranges). Throws SceneError with the key's path. Call it before
+/// anything else.
+TENDRIL_API void validate(const Scene& scene);
+
+/// The scale of a valid scene: L and the first segment's EI.
+TENDRIL_API Scale scale_of(const Scene& scene);
 
 }  // namespace tendril

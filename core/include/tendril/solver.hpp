@@ -11,7 +11,6 @@
 
 #include "tendril/error.hpp"
 #include "tendril/export.hpp"
-#include "tendril/multipliers.hpp"
 #include "tendril/nonlinear_program.hpp"
 
 namespace tendril {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tendril/planner.hpp"
+#include "tendril/problem.hpp"
 
 namespace tendril {
 

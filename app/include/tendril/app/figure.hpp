@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tendril/app/files.hpp"
-#include "tendril/planner.hpp"
+#include "tendril/problem.hpp"
 
 namespace tendril::app {
 
@@ -48,5 +48,8 @@ std::string gnuplot_string(const std::string& text);
 /// The kind of picture that a file name asks for. Throws InputError if it ends in neither .svg nor .png or cannot be
 /// written down in a script.
 Picture picture_of(const std::filesystem::path& file);
+
+/// Puts the object and the other finger of a grasp into a figure of its plan.
+void add_gripper(FigureScene& figure, const Scene& scene, const Plan& plan);
 
 }  // namespace tendril::app

@@ -13,8 +13,8 @@
 #include "tendril/app/units.hpp"
 #include "tendril/estimate.hpp"
 #include "tendril/execute.hpp"
-#include "tendril/planner.hpp"
 #include "tendril/plugins/components.hpp"
+#include "tendril/problem.hpp"
 #include "tendril/trajectory.hpp"
 
 namespace tendril::app {

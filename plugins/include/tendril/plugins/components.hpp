@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tendril/planner.hpp"
+#include "tendril/problem.hpp"
 #include "tendril/plugins/registry.hpp"
 
 namespace tendril::plugins {

@@ -1,0 +1,301 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
+#include <iostream>
+
+#include "command/new_command.hpp"
+#include "command/reference.hpp"
+#include "tendril/app/commands.hpp"
+#include "tendril/app/input_error.hpp"
+#include "tendril/app/study_command.hpp"
+#include "tendril/version.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+constexpr int wrong_input = 2;
+
+/// Options that change the scene; every one is a setting of one of its keys.
+struct SceneOptions {
+  std::string scene;
+  std::vector<std::string> plugin_directories;
+  std::vector<Override> overrides;
+
+  void add_to(CLI::App& command) {
+    command.add_option("SCENE", scene, "Scene file (TOML)")->required();
+    add_plugin_directory(command, plugin_directories);
+    setting(command, "--coordinates", "NAME", "coordinates.plugin", "Coordinate plugin instead of the scene's", true);
+    setting(command, "--order", "N", "coordinates.order", "Functions per piece", false);
+    setting(command, "--pieces", "N", "coordinates.pieces", "Pieces per actuated segment", false);
+    command.add_flag_callback(
+        "--split",
+        [this] {
+          overrides.push_back({"--split", "coordinates.split_at_contact", "true"});
+        },
+        "Put a knot at each contact point");
+    command
+        .add_flag_callback(
+            "--no-split",
+            [this] {
+              overrides.push_back({"--no-split", "coordinates.split_at_contact", "false"});
+            },
+            "Put no knot at contact points")
+        ->excludes("--split");
+    setting(command, "--solver", "NAME", "solver.plugin", "Solver plugin instead of the scene's", true);
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--set", [this](const std::vector<std::string>& settings) { add_settings(settings); },
+            "Sets a key of the scene, for instance contact.max_force=\"0.5 N\", rod.actuator.0.limit=0.01")
+        ->type_name("KEY=VALUE")
+        ->expected(1)
+        ->take_all();
+  }
+
+  SceneArguments arguments() const {
+    return {scene, overrides, {plugin_directories.begin(), plugin_directories.end()}};
+  }
+
+  static void add_plugin_directory(CLI::App& command, std::vector<std::string>& directories) {
+    command.add_option("--plugin-dir", directories, "Directory to search for plugins first; may be repeated")
+        ->type_name("DIR")
+        ->expected(1)
+        ->take_all();
+  }
+
+ private:
+  void setting(CLI::App& command, const std::string& option, const std::string& value, const std::string& key,
+               const std::string& description, bool literal) {
+    command
+        .add_option_function<std::string>(
+            option,
+            [this, option, key, literal](const std::string& text) {
+              overrides.push_back({option + ' ' + text, key, text, literal});
+            },
+            description)
+        ->type_name(value);
+  }
+
+  void add_settings(const std::vector<std::string>& settings) {
+    for (const std::string& text : settings) {
+      const auto equals = text.find('=');
+      if (equals == std::string::npos || equals == 0) {
+        throw InputError("--set " + text + ": expected KEY=VALUE, for instance --set contact.max_force=\"0.5 N\"");
+      }
+      overrides.push_back({"--set " + text, text.substr(0, equals), text.substr(equals + 1)});
+    }
+  }
+};
+
+/// Where a result comes from and goes to.
+struct ResultOptions {
+  std::string start, output, figure;
+  bool json = false;
+
+  void add_to(CLI::App& command, const char* what) {
+    command.add_option("--start", start, "Earlier result to start from")->type_name("RESULT.json");
+    command.add_option("--output", output, "Directory for result.json and figure.svg, .png, .gnuplot, .dat")
+        ->type_name("DIR");
+    command.add_option("--figure", figure, std::string("Picture of the ") + what + ", .svg or .png")->type_name("FILE");
+    command.add_flag("--json", json, "One JSON document on standard output and nothing else");
+  }
+  void check(const CLI::App& command) const {
+    for (const auto& [name, value] :
+         {std::pair("--start", &start), std::pair("--output", &output), std::pair("--figure", &figure)}) {
+      if (command.count(name) > 0 && value->empty()) throw InputError(std::string(name) + ": found an empty name");
+    }
+  }
+};
+
+std::optional<std::filesystem::path> optional_path(const std::string& text) {
+  return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
+}
+
+/// Names and text of a scene appear in messages; they must not steer the terminal.
+std::string harmless(std::string text) {
+  for (char& c : text) {
+    if ((c >= 0 && c < ' ' && c != '\n') || c == 127) c = '?';
+  }
+  return text;
+}
+
+/// CLI11 says only that something was not expected; this adds what may have been meant.
+std::string meant(const CLI::App& app, int argc, const char* const* argv) {
+  if (argc < 2) return "";
+  std::vector<std::string> commands;
+  const CLI::App* chosen = nullptr;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (!command->get_group().empty()) commands.push_back(command->get_name());
+    if (command->get_name() == argv[1]) chosen = command;
+  }
+  if (chosen == nullptr) {
+    return argv[1][0] == '-' ? ""
+                             : "found the command '" + std::string(argv[1]) + "'" + did_you_mean(argv[1], commands);
+  }
+  std::vector<std::string> options;
+  for (const CLI::Option* option : chosen->get_options()) {
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  }
+  for (int i = 2; i < argc; ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
+    if (!word.starts_with("--") || std::find(options.begin(), options.end(), word) != options.end()) continue;
+    return "found the option '" + word + "'" + did_you_mean(word, options);
+  }
+  return "";
+}
+
+/// What the reference pages say of the command, taken from what the command itself parses with.
+std::vector<CommandSpec> command_specs(const CLI::App& app) {
+  std::vector<CommandSpec> commands;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    CommandSpec spec{command->get_name(), command->get_description(), {}};
+    for (const CLI::Option* option : command->get_options()) {
+      if (option->get_group().empty() || option == command->get_help_ptr()) continue;
+      const bool positional = option->get_positional();
+      spec.options.push_back({option->get_name(positional),
+                              positional || option->get_items_expected_max() == 0 ? "" : option->get_type_name(),
+                              option->get_description(), positional, option->get_required()});
+    }
+    commands.push_back(std::move(spec));
+  }
+  return commands;
+}
+
+int run_reference(const CLI::App& app, const std::string& page, const std::vector<std::string>& directories) {
+  const std::vector<std::string> pages{"keys", "man", "bash"};
+  if (page == "keys") {
+    std::cout << key_page({directories.begin(), directories.end()});
+  } else if (page == "man") {
+    std::cout << manual_page(command_specs(app));
+  } else if (page == "bash") {
+    std::cout << bash_completion(command_specs(app));
+  } else {
+    throw InputError("reference: found the page '" + page + "', expected keys, man or bash" +
+                     did_you_mean(page, pages));
+  }
+  return 0;
+}
+
+int parse_and_run(int argc, const char* const* argv) {
+  CLI::App app("Plans poses of soft continuum robots that use contact.", "tendril");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", TENDRIL_VERSION);
+  app.get_formatter()->column_width(34);
+
+  CLI::App* plan =
+      app.add_subcommand("plan", "Plan a pose; exit code 0: solved, 1: no acceptable plan, 2: wrong input");
+  SceneOptions plan_scene;
+  plan_scene.add_to(*plan);
+  ResultOptions plan_result;
+  plan_result.add_to(*plan, "plan");
+  bool verify = false;
+  plan->add_flag("--verify", verify, "Execute the plan on a fine basis; its verdict depends on it");
+
+  CLI::App* execute = app.add_subcommand(
+      "execute", "What the rod does under given moments; exit code 0: a stable equilibrium, 1: none, 2: wrong input");
+  SceneOptions execute_scene;
+  execute_scene.add_to(*execute);
+  ResultOptions execute_result;
+  execute_result.add_to(*execute, "shape");
+  std::string moments;
+  std::string executed_plan;
+  CLI::Option* given = execute->add_option("--moments", moments, "One per actuator, in N m or with units");
+  given->type_name("\"M, ...\"");
+  execute->add_option("--plan", executed_plan, "Result whose moments are executed")
+      ->type_name("RESULT.json")
+      ->excludes(given);
+
+  CLI::App* study = app.add_subcommand(
+      "study", "Every combination of the sweeps in [study]; exit code 0: all solved, 1: not all, 2: wrong input");
+  SceneOptions study_scene;
+  study_scene.add_to(*study);
+  StudyArguments study_arguments;
+  std::string study_output;
+  study->add_option("--output", study_output, "Directory for results; run again with it, an unfinished study goes on")
+      ->type_name("DIR");
+  study->add_option("--jobs", study_arguments.jobs, "Worker processes")->type_name("N")->check(CLI::Range(1, 1024));
+  study->add_option("--shard", study_arguments.shard, "Only the i-th of N parts of the cases")->type_name("i/N");
+  study->add_flag("--merge", study_arguments.merge, "Join the parts that are in the output directory");
+  study->add_flag("--worker", study_arguments.worker)->group("");
+  study->add_flag("--json", study_arguments.json, "One JSON document on standard output and nothing else");
+
+  CLI::App* describe = app.add_subcommand("describe", "Show the assembled program and what was left out");
+  SceneOptions describe_scene;
+  describe_scene.add_to(*describe);
+  bool json = false;
+  describe->add_flag("--json", json, "One JSON document on standard output and nothing else");
+
+  CLI::App* plugins = app.add_subcommand("plugins", "List what is loadable, with options, and what was refused");
+  std::vector<std::string> plugin_directories;
+  SceneOptions::add_plugin_directory(*plugins, plugin_directories);
+  plugins->add_flag("--json", json, "One JSON document on standard output and nothing else");
+
+  CLI::App* make = app.add_subcommand("new", "Write a plugin project that builds, plans and passes its tests as it is");
+  NewArguments make_arguments;
+  std::string make_directory;
+  make->add_option("KIND", make_arguments.kind, "coordinates, objective, obstacle or solver")->required();
+  make->add_option("NAME", make_arguments.name, "Lower-case letters, digits and '_'")->required();
+  make->add_option("DIR", make_directory, "Directory to make, by default NAME");
+
+  CLI::App* reference = app.add_subcommand(
+      "reference", "Write reference pages: all scene keys and options, a manual page, a completion for bash");
+  std::string page;
+  reference->add_option("PAGE", page, "keys, man or bash")->required();
+  SceneOptions::add_plugin_directory(*reference, plugin_directories);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    const std::string better = meant(app, argc, argv);
+    std::cerr << "tendril: " << harmless(better.empty() ? error.what() : better) << "; see 'tendril --help'\n";
+    return wrong_input;
+  }
+  if (plan->parsed()) {
+    plan_result.check(*plan);
+    return run_plan({plan_scene.arguments(), optional_path(plan_result.start), optional_path(plan_result.output),
+                     optional_path(plan_result.figure), plan_result.json, verify});
+  }
+  if (execute->parsed()) {
+    execute_result.check(*execute);
+    if (execute->count("--moments") + execute->count("--plan") == 0) {
+      throw InputError("execute needs the moments, expected --moments \"M, ...\" or --plan RESULT.json");
+    }
+    if (execute->count("--plan") > 0 && executed_plan.empty()) throw InputError("--plan: found an empty name");
+    return run_execute({execute_scene.arguments(), moments, optional_path(executed_plan),
+                        optional_path(execute_result.start), optional_path(execute_result.output),
+                        optional_path(execute_result.figure), execute_result.json});
+  }
+  if (study->parsed()) {
+    if (study->count("--output") > 0 && study_output.empty()) throw InputError("--output: found an empty name");
+    study_arguments.scene = study_scene.arguments();
+    study_arguments.output = optional_path(study_output);
+    study_arguments.words.assign(argv + 1, argv + argc);
+    return run_study(study_arguments);
+  }
+  if (make->parsed()) {
+    if (make->count("DIR") > 0 && make_directory.empty()) throw InputError("new: found an empty directory name");
+    make_arguments.directory = optional_path(make_directory);
+    return run_new(make_arguments);
+  }
+  if (reference->parsed()) return run_reference(app, page, plugin_directories);
+  if (describe->parsed()) return run_describe(describe_scene.arguments(), json);
+  return run_plugins({plugin_directories.begin(), plugin_directories.end()}, json);
+}
+
+}  // namespace
+
+int run_command_line(int argc, const char* const* argv) {
+  try {
+    return parse_and_run(argc, argv);
+  } catch (const Error& error) {
+    std::cerr << "tendril: " << harmless(error.what()) << '\n';
+    return wrong_input;
+  } catch (const std::exception& error) {
+    std::cerr << "tendril: internal error: " << error.what() << '\n';
+    return 1;
+  }
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,63 @@
+#include "command/trajectory_command.hpp"
+
+#include "figure/panels.hpp"
+#include "result/trajectory_result.hpp"
+#include "system/output.hpp"
+#include "tendril/app/files.hpp"
+#include "tendril/app/input_error.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+void draw(Session& session, const Trajectory& trajectory, StagedFiles& files, const std::string& stem,
+          const std::vector<Picture>& pictures) {
+  ShapePanel panel = shape_panel(figure_scene(session.scene(), session.make_obstacles()));
+  panel.ordered = true;
+  for (const TrajectoryStep& step : trajectory.steps) {
+    panel.rods.push_back(line_of(step.plan.backbone));
+    if (step.target.position) panel.targets.push_back(*step.target.position);
+    for (const PlannedContact& contact : step.plan.contacts) {
+      if (contact.force > 0.0) panel.contacts.push_back(contact.point);
+    }
+  }
+  draw_panels(session.scene().title, {{panel}}, {}, files, stem, pictures);
+}
+
+}  // namespace
+
+int run_trajectory(Session& session, const PlanArguments& arguments) {
+  if (arguments.start) throw InputError("--start: a trajectory starts from its scene, expected no --start");
+  const Trajectory trajectory = session.plan_trajectory();
+  if (trajectory.interrupted) {
+    note(std::to_string(trajectory.steps.size()) + " steps were finished before the interruption");
+  }
+  const std::string json = arguments.json || arguments.output
+                               ? trajectory_json(session.scene(), trajectory, session.run_info())
+                               : std::string();
+  const std::string report = trajectory_report(session.scene(), trajectory);
+  if (arguments.output) {
+    {
+      StagedFiles files(*arguments.output);
+      files.write("result.json", json);
+      files.publish();
+    }
+    // A result without its picture is still a result.
+    try {
+      StagedFiles files(*arguments.output);
+      draw(session, trajectory, files, "figure", {Picture::svg, Picture::png});
+      files.publish();
+    } catch (const InputError& error) {
+      note(error.what());
+    }
+  }
+  if (arguments.figure) {
+    StagedFiles files(arguments.figure->parent_path());
+    draw(session, trajectory, files, arguments.figure->stem().string(), {picture_of(*arguments.figure)});
+    files.publish();
+  }
+  print(arguments.json ? json : report);
+  return trajectory.solved() ? 0 : 1;
+}
+
+}  // namespace tendril::app

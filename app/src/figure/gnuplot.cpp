@@ -1,0 +1,124 @@
+#include "figure/gnuplot.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "tendril/app/input_error.hpp"
+#include "tendril/app/process.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+constexpr double gnuplot_seconds = 60.0;
+
+}  // namespace
+
+LengthUnit unit_for(double length) {
+  if (length < 2e-3) return {"µm", 1e-6};
+  if (length < 2.0) return {"mm", 1e-3};
+  return {"m", 1.0};
+}
+
+void add_clamp(DataFile& data, Vec2 base, double base_angle, double length, const std::string& block) {
+  const Vec2 along{std::cos(base_angle), std::sin(base_angle)};
+  const Vec2 across = turned(along);
+  const double half = 0.07 * length;
+  data.block(block, "x y");
+  const auto line = [&](Vec2 a, Vec2 b) {
+    data.row({a.x, a.y});
+    data.row({b.x, b.y});
+    data.gap();
+  };
+  line(base - half * across, base + half * across);
+  constexpr int strokes = 7;
+  const double stroke = 2.0 * half / strokes;
+  for (int i = 0; i < strokes; ++i) {
+    const Vec2 end = base + (-half + (i + 1) * stroke) * across;
+    line(end, end - stroke * across - stroke * along);
+  }
+}
+
+std::string gnuplot_file(const std::string& name) {
+  std::string out = "'./";
+  for (const char c : name) out += c == '\'' ? std::string("''") : std::string(1, c);
+  return out + "'";
+}
+
+std::string gnuplot_string(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) {
+    // Line feeds would end the string, and with it the command.
+    if ((c >= 0 && c < ' ') || c == 127) {
+      out += ' ';
+    } else if (c == '\'') {
+      out += "\u2019";
+    } else {
+      out += c;
+    }
+  }
+  return out + "'";
+}
+
+std::string drawn_to(const std::vector<Picture>& pictures, const std::string& stem, int width, int height,
+                     std::string draw, const std::string& again) {
+  std::string script;
+  const std::string svg_terminal =
+      fmt::format("set terminal svg size {},{} font 'sans-serif,16' rounded background '#ffffff'", width, height);
+  for (const Picture picture : pictures) {
+    if (picture == Picture::svg) {
+      script += svg_terminal + "\nset output " + gnuplot_file(stem + ".svg") + '\n' + draw + "unset output\n";
+    } else {
+      // Where gnuplot has no PNG, an SVG is left for rsvg-convert.
+      script += fmt::format(
+          "picture = {2}\n"
+          "if (strstrt(GPVAL_TERMINALS, 'pngcairo') > 0) {{\n"
+          "  set terminal pngcairo size {0},{1} font 'sans-serif,16' fontscale 2 linewidth 2 pointscale 2 rounded "
+          "background '#ffffff'\n"
+          "}} else {{\n"
+          "  if (strstrt(GPVAL_TERMINALS, ' png ') > 0) {{\n"
+          "    set terminal png size {0},{1} font 'sans-serif,16' fontscale 2 linewidth 2 background '#ffffff' "
+          "truecolor\n"
+          "  }} else {{\n"
+          "    {4}\n"
+          "    picture = {3}\n"
+          "  }}\n"
+          "}}\n",
+          2 * width, 2 * height, gnuplot_file(stem + ".png"), gnuplot_file(stem + ".svg"), svg_terminal);
+      script += "set output picture\n" + draw + "unset output\n";
+    }
+    draw = again;
+  }
+  return script;
+}
+
+void render(StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
+  // -d: a user's own start-up file would change the picture.
+  const ProcessResult gnuplot =
+      run_process("gnuplot", {"-d", "./" + stem + ".gnuplot"}, files.staging(), gnuplot_seconds);
+  if (!gnuplot.started)
+    throw InputError("no figure: gnuplot cannot be started; install gnuplot or leave the figure out");
+  const auto wrong = [&](const std::string& what) {
+    return InputError("no figure: " + what + (gnuplot.output.empty() ? "" : ":\n" + gnuplot.output));
+  };
+  if (gnuplot.timed_out) throw wrong("gnuplot did not end within a minute");
+  if (gnuplot.exit_code != 0) throw wrong("gnuplot failed");
+  for (const Picture picture : pictures) {
+    const std::string name = stem + (picture == Picture::svg ? ".svg" : ".png");
+    std::error_code error;
+    if (!std::filesystem::exists(files.staging() / name, error) && picture == Picture::png &&
+        std::filesystem::exists(files.staging() / (stem + ".svg"), error)) {
+      run_process("rsvg-convert", {"--zoom", "2", "--output", "./" + name, "./" + stem + ".svg"}, files.staging(),
+                  gnuplot_seconds);
+    }
+    if (!std::filesystem::exists(files.staging() / name, error)) {
+      throw wrong(picture == Picture::svg ? "gnuplot wrote no SVG"
+                                          : "this gnuplot cannot write PNG, and rsvg-convert is not there either");
+    }
+    files.adopt(name);
+  }
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,155 @@
+#include "result/estimate_report.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "result/result_object.hpp"
+#include "system/tables.hpp"
+#include "tendril/coordinate_model.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+Json contact_json(const EstimatedContact& contact) {
+  const bool known = contact.identifiable;
+  const auto value = [&](double v) { return known ? number(v) : Json(nullptr); };
+  const auto vector = [&](Vec2 v) { return known ? Json{number(v.x), number(v.y)} : Json(nullptr); };
+  Json json;
+  json["arc_length"] = value(contact.arc_length);
+  json["force"] = value(contact.force);
+  json["point"] = vector(contact.point);
+  json["normal"] = vector(contact.normal);
+  json["force_error"] = number(contact.force_error);
+  json["arc_length_error"] = number(contact.arc_length_error);
+  json["correlation"] = number(contact.correlation);
+  json["at_tip"] = contact.at_tip;
+  json["identifiable"] = known;
+  json["reason"] = contact.reason;
+  return json;
+}
+
+Json tests_json(const std::vector<ContactTest>& tests) {
+  Json array = Json::array();
+  for (const ContactTest& test : tests) {
+    array.push_back({{"contacts", test.contacts},
+                     {"chi2", number(test.chi_square)},
+                     {"degrees_of_freedom", test.degrees_of_freedom},
+                     {"probability", number(test.probability)},
+                     {"supported", test.supported},
+                     {"converged", test.converged}});
+  }
+  return array;
+}
+
+std::string line(const std::string& name, const std::string& value) { return fmt::format("{:<15}{}\n", name, value); }
+
+std::string contacts_text(const Estimate& estimate, const DisplayUnits& units) {
+  if (estimate.contacts.empty()) return "";
+  Grid grid;
+  grid.row({"contact", "force", "error", "arc length", "error", "correlation", "point", "direction"});
+  std::string reasons;
+  for (std::size_t k = 0; k < estimate.contacts.size(); ++k) {
+    const EstimatedContact& c = estimate.contacts[k];
+    const std::string name = std::to_string(k + 1) + (c.at_tip ? " (tip)" : "");
+    if (!c.identifiable) {
+      grid.row({name, "not identifiable"});
+      reasons += fmt::format("contact {} is not identifiable: {}\n", k + 1, printable(c.reason));
+      continue;
+    }
+    grid.row({name, force(c.force), fmt::format("{:.2g} %", 100.0 * c.force_error / c.force),
+              units.lengths(c.arc_length), units.lengths(c.arc_length_error), fmt::format("{:.4f}", c.correlation),
+              units.point(c.point), fmt::format("({:.4f}, {:.4f})", c.normal.x, c.normal.y)});
+  }
+  return '\n' + grid.text("") + reasons;
+}
+
+std::string tests_text(const std::vector<ContactTest>& tests) {
+  if (tests.empty()) return "";
+  Grid grid;
+  grid.row({"contacts", "chi-square", "degrees of freedom", "better by chance", "supported by the points"});
+  for (const ContactTest& test : tests) {
+    const std::string chance = test.contacts == 0 ? "" : fmt::format("{:.2g}", test.probability);
+    const std::string answer = test.contacts == 0 ? "" : test.supported ? "yes" : "no";
+    grid.row({std::to_string(test.contacts),
+              std::isfinite(test.chi_square) ? fmt::format("{:.6g}", test.chi_square) : "none",
+              std::to_string(test.degrees_of_freedom), chance, answer});
+  }
+  return '\n' + grid.text("");
+}
+
+}  // namespace
+
+std::string estimate_json(const Scene& scene, const Estimate& estimate, const RunInfo& run) {
+  Json json;
+  json["schema"] = 1;
+  json["status"] = to_string(estimate.status);
+  json["message"] = estimate.message;
+  json["scene"] = scene.file;
+  json["title"] = scene.title;
+  json["problem"] = to_string(scene.problem);
+  json["coordinates"] = {{"name", LegendreBasis::name}, {"order", estimate.order}, {"split_at_contact", true}};
+  json["moments"] = numbers(estimate.moments);
+  json["contacts"] = Json::array();
+  for (const EstimatedContact& contact : estimate.contacts) json["contacts"].push_back(contact_json(contact));
+  // Force and arc length of each contact in turn.
+  json["covariance"] = Json::array();
+  for (Eigen::Index i = 0; i < estimate.covariance.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index k = 0; k < estimate.covariance.cols(); ++k) row.push_back(number(estimate.covariance(i, k)));
+    json["covariance"].push_back(std::move(row));
+  }
+  json["tests"] = tests_json(estimate.tests);
+  json["points"] = scene.measurement.points.size();
+  json["noise"] = number(estimate.noise);
+  json["noise_estimated"] = estimate.noise_estimated;
+  json["residual_rms"] = number(estimate.residual_rms);
+  json["chi2"] = number(estimate.chi_square);
+  json["degrees_of_freedom"] = estimate.degrees_of_freedom;
+  json["fit_probability"] = number(estimate.fit_probability);
+  json["model_error"] = number(estimate.model_error);
+  json["starts"] = estimate.starts;
+  json["solves"] = estimate.solves;
+  const bool has_shape = !estimate.backbone.empty();
+  const auto tip = [&](std::size_t i) { return has_shape ? number(estimate.backbone.back()[i]) : Json(nullptr); };
+  json["tip"] = {{"x", tip(1)}, {"y", tip(2)}, {"angle", tip(3)}};
+  json["left_out"] = left_out_json(estimate.left_out);
+  json["seconds"] = {
+      {"read", number(run.seconds_read)}, {"open", number(run.seconds_open)}, {"solve", number(estimate.seconds)}};
+  json["backbone"] = Json::array();
+  for (const BackbonePoint& point : estimate.backbone)
+    json["backbone"].push_back(numbers({point.begin(), point.end()}));
+  json["plugins"] = components_json(run.components);
+  json["versions"] = versions_json();
+  return written(json);
+}
+
+std::string estimate_report(const Scene& scene, const Estimate& estimate) {
+  const DisplayUnits units(scene.rod.length());
+  const std::string file = printable(scene.file);
+  std::string text = scene.title.empty() ? file + "\n\n" : fmt::format("{} ({})\n\n", printable(scene.title), file);
+  text += line("status", std::string(to_string(estimate.status)));
+  if (!estimate.message.empty()) text += line("", printable(estimate.message));
+  if (!estimate.backbone.empty()) {
+    text += line("points", fmt::format("{}, residuals {} (rms of a coordinate)", scene.measurement.points.size(),
+                                       units.lengths(estimate.residual_rms)));
+    text += line("noise",
+                 units.lengths(estimate.noise) + (estimate.noise_estimated ? " (estimated from the residuals)" : ""));
+    text += line(
+        "chi-square",
+        fmt::format("{:.4g} with {} degrees of freedom{}", estimate.chi_square, estimate.degrees_of_freedom,
+                    estimate.noise_estimated ? "" : fmt::format(", probability {:.2g}", estimate.fit_probability)));
+    text += line("model", fmt::format("order {} per piece, points exact to {}", estimate.order,
+                                      units.lengths(estimate.model_error)));
+    text += contacts_text(estimate, units);
+  }
+  text += tests_text(estimate.tests);
+  Grid left_out;
+  for (const LeftOut& item : estimate.left_out) left_out.row({printable(item.what), printable(item.why)});
+  if (!left_out.empty()) text += "\nleft out\n" + left_out.text("  ");
+  return text + fmt::format("\ntime: {}, {} starts, {} equilibria\n", seconds(estimate.seconds), estimate.starts,
+                            estimate.solves);
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,146 @@
+#include "result/grasp_result.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "system/tables.hpp"
+#include "tendril/grasp.hpp"
+#include "tendril/scale.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril::app {
+
+std::vector<ShownFinger> fingers_of(const Scene& scene, const Plan& plan) {
+  const FingerPlan first{plan.coordinates, plan.moments, plan.contacts,  plan.backbone,
+                         plan.tip_x,       plan.tip_y,   plan.tip_angle, plan.self_overlap};
+  if (!plan.grasp || !plan.grasp->lower) {
+    return {{"", plans_both_fingers(scene) ? finger_of(scene, FingerName::upper).rod : scene.rod, first}};
+  }
+  const auto shown = [&](FingerName name, const FingerPlan& state) {
+    return ShownFinger{std::string(to_string(name)), finger_of(scene, name).rod, state};
+  };
+  return {shown(FingerName::upper, first), shown(FingerName::lower, *plan.grasp->lower)};
+}
+
+std::vector<double> all_moments(const Plan& plan) {
+  std::vector<double> moments = plan.moments;
+  if (plan.grasp && plan.grasp->lower) {
+    const std::vector<double>& lower = plan.grasp->lower->moments;
+    moments.insert(moments.end(), lower.begin(), lower.end());
+  }
+  return moments;
+}
+
+std::size_t actuator_count(const Scene& scene) {
+  if (!plans_both_fingers(scene)) return scene.rod.actuators.size();
+  return finger_of(scene, FingerName::upper).rod.actuators.size() +
+         finger_of(scene, FingerName::lower).rod.actuators.size();
+}
+
+std::vector<std::optional<double>> pressures_of(const Scene& scene, const Plan& plan) {
+  std::vector<std::optional<double>> pressures;
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    const std::vector<ActuatorSpec>& actuators = finger.rod.actuators;
+    for (std::size_t a = 0; a < std::min(finger.state.moments.size(), actuators.size()); ++a) {
+      const double per_pressure = actuators[a].moment_per_pressure;
+      pressures.push_back(per_pressure == 0.0 ? std::nullopt : std::optional(finger.state.moments[a] / per_pressure));
+    }
+  }
+  return pressures;
+}
+
+std::string_view turning(const Scene& scene, double moment) {
+  const double rounding = tolerance::bounds * scale_of(scene).moment();
+  if (std::abs(moment) <= rounding) return "";
+  return moment > 0.0 ? "opening" : "closing";
+}
+
+void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
+  Json pressures = Json::array();
+  bool any = false;
+  for (const std::optional<double>& p : pressures_of(scene, plan)) {
+    any = any || p;
+    pressures.push_back(p ? number(*p) : Json(nullptr));
+  }
+  if (any || plan.grasp) json["pressures"] = std::move(pressures);
+  if (!plan.grasp) return;
+  const GraspPlan& grasp = *plan.grasp;
+  json["palm_distance"] = number(grasp.palm_distance);
+  json["net_force"] = numbers({grasp.net_force.x, grasp.net_force.y});
+  Json quality{
+      {"object",
+       {{"center", numbers({grasp.object_center.x, grasp.object_center.y})}, {"radius", number(grasp.object_radius)}}},
+      {"axial_force", number(grasp.axial_force)},
+      {"lateral_force", number(grasp.lateral_force)}};
+  if (grasp.quality) {
+    const GraspQuality& q = *grasp.quality;
+    quality["force_to_limit"] = numbers(q.force_margins);
+    quality["axial_stiffness"] = number(q.axial_stiffness);
+    quality["lateral_stiffness"] = number(q.lateral_stiffness);
+    quality["holds_object_along_axis"] = q.axial_stiffness > 0.0;
+    Json by_moment = Json::array();
+    for (const Vec2 f : q.force_by_moment) by_moment.push_back(numbers({f.x, f.y}));
+    quality["force_by_1_percent_of_moment"] = std::move(by_moment);
+    quality["force_by_1_mm_of_place"] = numbers({-1e-3 * q.axial_stiffness, -1e-3 * q.lateral_stiffness});
+  }
+  json["grasp"] = std::move(quality);
+  if (!grasp.lower) return;
+  Json fingers = Json::array();
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    const FingerPlan& state = finger.state;
+    fingers.push_back(
+        {{"finger", finger.name},
+         {"moments", numbers(state.moments)},
+         {"tip", {{"x", number(state.tip_x)}, {"y", number(state.tip_y)}, {"angle", number(state.tip_angle)}}},
+         {"contacts", contacts_json(state.contacts, finger.name)},
+         {"coordinates", numbers(state.coordinates)},
+         {"backbone", backbone_json(state.backbone)}});
+    if (state.self_overlap)
+      fingers.back()["self_overlap"] = {number(state.self_overlap->first), number(state.self_overlap->second)};
+  }
+  json["fingers"] = std::move(fingers);
+}
+
+std::string grasp_text(const Scene& scene, const Plan& plan) {
+  if (!plan.grasp) return "";
+  const DisplayUnits units(scene.rod.length());
+  const GraspPlan& grasp = *plan.grasp;
+  const auto newtons = [](double f) { return fmt::format("{:.6g} N", f); };
+  const auto pair = [&](double along, double across) {
+    return newtons(along) + " along, " + newtons(across) + " across the axis";
+  };
+  Grid grid;
+  grid.row({"grasp", ""});
+  grid.row({"palm distance", units.lengths(grasp.palm_distance)});
+  grid.row({"net force", newtons(grasp.axial_force) + " along the axis (positive: away from the palm)"});
+  grid.row({"each finger presses", newtons(grasp.lateral_force) + " across the axis"});
+  if (grasp.quality) {
+    const GraspQuality& q = *grasp.quality;
+    std::size_t contact = 0;
+    for (const ShownFinger& finger : fingers_of(scene, plan)) {
+      for (std::size_t k = 0; k < finger.state.contacts.size() && contact < q.force_margins.size(); ++k, ++contact) {
+        const double margin = q.force_margins[contact];
+        grid.row({(finger.name.empty() ? "" : finger.name + " ") + "force to its limit",
+                  std::isfinite(margin) ? newtons(margin) : "no limit"});
+      }
+    }
+    grid.row({"stiffness of the object",
+              fmt::format("{:.6g} N/m along, {:.6g} N/m across the axis{}", q.axial_stiffness, q.lateral_stiffness,
+                          q.axial_stiffness > 0.0 ? "" : "; at held moments it is driven out along the axis")});
+    std::size_t at = 0;
+    for (const ShownFinger& finger : fingers_of(scene, plan)) {
+      for (std::size_t a = 0; a < finger.state.moments.size() && at < q.force_by_moment.size(); ++a, ++at) {
+        const std::string_view turns = turning(scene, finger.state.moments[a]);
+        grid.row({fmt::format("1 % of {}{}moment {}{}", finger.name, finger.name.empty() ? "" : " ", a + 1,
+                              turns.empty() ? "" : fmt::format(" ({})", turns)),
+                  pair(q.force_by_moment[at].x, q.force_by_moment[at].y)});
+      }
+    }
+    grid.row({"1 mm of its place", pair(-1e-3 * q.axial_stiffness, -1e-3 * q.lateral_stiffness)});
+  }
+  return '\n' + grid.text("");
+}
+
+}  // namespace tendril::app

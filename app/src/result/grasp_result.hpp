@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "result/result_object.hpp"
+#include "tendril/plan.hpp"
+#include "tendril/scene.hpp"
+
+namespace tendril::app {
+
+/// A finger of a plan, as results show it.
+struct ShownFinger {
+  std::string name;  ///< "upper" or "lower"; empty: the plan has one rod, or its other finger is the mirror image
+  RodSpec rod;
+  FingerPlan state;
+};
+
+/// The rod of a plan, or both fingers where both are planned.
+std::vector<ShownFinger> fingers_of(const Scene& scene, const Plan& plan);
+
+/// One per actuator (N m), those of the lower finger behind those of the upper one.
+std::vector<double> all_moments(const Plan& plan);
+
+/// Moments that a plan of the scene has: one per actuator of the rod, or of both fingers.
+std::size_t actuator_count(const Scene& scene);
+
+/// Pressure of each actuator (Pa) under the plan's moments; none where the scene does not say what moment a pressure
+/// gives.
+std::vector<std::optional<double>> pressures_of(const Scene& scene, const Plan& plan);
+
+/// "closing" or "opening" (the upper finger: negative or positive); empty for a moment that is no more than rounding.
+std::string_view turning(const Scene& scene, double moment);
+
+/// Adds "pressures" if a scene knows them, and what only a grasp has.
+void add_grasp(Json& json, const Scene& scene, const Plan& plan);
+
+/// The same for people; empty for a plan that is no grasp.
+std::string grasp_text(const Scene& scene, const Plan& plan);
+
+}  // namespace tendril::app

@@ -1,0 +1,262 @@
+#include "tendril/app/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "result/grasp_result.hpp"
+#include "system/tables.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+std::string heading(const Scene& scene) {
+  const std::string file = printable(scene.file);
+  return scene.title.empty() ? file + "\n" : fmt::format("{} ({})\n", printable(scene.title), file);
+}
+
+std::string line(const std::string& name, const std::string& value) { return fmt::format("{:<15}{}\n", name, value); }
+
+std::string shape_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
+  std::string text;
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    text += line(finger.name.empty() ? "tip" : finger.name + " tip",
+                 units.point({finger.state.tip_x, finger.state.tip_y}) + ", " + angle(finger.state.tip_angle));
+  }
+  if (plan.target_error) text += line("target error", units.lengths(*plan.target_error));
+  std::string terms;
+  for (const auto& [name, value] : plan.terms)
+    terms += fmt::format("{}{} {:.6g}", terms.empty() ? "" : " + ", name, value);
+  if (!terms.empty()) text += line("objective", fmt::format("{:.6g} = {}", plan.objective, terms));
+  return text;
+}
+
+std::string verification_text(const Plan& plan) {
+  return plan.verification.empty() ? "" : line("execution", printable(plan.verification));
+}
+
+std::string moments_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
+  if (all_moments(plan).empty()) return "";
+  Grid grid;
+  grid.row({"moment", "value", "from", "to", "where"});
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    const std::vector<double>& moments = finger.state.moments;
+    for (std::size_t i = 0; i < moments.size() && i < finger.rod.actuators.size(); ++i) {
+      const ActuatorSpec& actuator = finger.rod.actuators[i];
+      const double value = moments[i];
+      const double close = 1e-6 * std::max(std::abs(actuator.minimum), std::abs(actuator.maximum));
+      const bool at_limit = value >= actuator.maximum - close || value <= actuator.minimum + close;
+      const auto limit = [&](double v) { return std::isfinite(v) ? units.moment(v) : std::string("no limit"); };
+      const bool beyond = value > actuator.maximum + close || value < actuator.minimum - close;
+      grid.row({fmt::format("{}{}{}", finger.name, finger.name.empty() ? "" : " ", i + 1), units.moment(value),
+                limit(actuator.minimum), limit(actuator.maximum),
+                !std::isfinite(close) || !at_limit ? "inside"
+                : beyond                           ? "beyond its limit"
+                                                   : "at its limit"});
+    }
+  }
+  return '\n' + grid.text("");
+}
+
+/// Contacts in a row that stand for the stretch along which the rod lies on one obstacle are one line: from where to
+/// where, the sum of their forces, the largest gap. `whose`: stands before the obstacle's name.
+void add_contacts(Grid& grid, const std::string& whose, const std::vector<PlannedContact>& all,
+                  const DisplayUnits& units) {
+  for (std::size_t first = 0, next = 0; first < all.size(); first = next) {
+    const PlannedContact& contact = all[first];
+    double sum = contact.force;
+    double gap = contact.gap;
+    for (next = first + 1; contact.extended && next < all.size(); ++next) {
+      if (!all[next].extended || all[next].obstacle != contact.obstacle) break;
+      sum += all[next].force;
+      if (std::abs(all[next].gap) > std::abs(gap)) gap = all[next].gap;
+    }
+    const PlannedContact& last = all[next - 1];
+    const std::string name = whose + printable(contact.obstacle_name) + (last.at_tip ? " (tip)" : "");
+    if (grid.empty()) grid.row({"contact", "arc length", "force", "gap", "point"});
+    if (next - first == 1) {
+      grid.row({name + (contact.extended ? " (extended)" : ""), units.lengths(contact.arc_length), force(contact.force),
+                units.lengths(contact.gap), units.point(contact.point)});
+      continue;
+    }
+    grid.row({name + fmt::format(" (extended, {} points)", next - first),
+              units.lengths(contact.arc_length) + " to " + units.lengths(last.arc_length), force(sum),
+              units.lengths(gap), units.point(contact.point) + " to " + units.point(last.point)});
+  }
+}
+
+std::string contacts_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
+  Grid grid;
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    add_contacts(grid, finger.name + (finger.name.empty() ? "" : " with "), finger.state.contacts, units);
+  }
+  return grid.empty() ? "" : '\n' + grid.text("");
+}
+
+/// The model lets a rod pass through itself; what cannot be made has to be said.
+std::string overlap_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
+  std::string text;
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    const auto& overlap = finger.state.self_overlap;
+    if (!overlap) continue;
+    text += line("self-overlap", fmt::format("the {} crosses or covers itself: its arc lengths {} and {} meet",
+                                             finger.name.empty() ? "rod" : finger.name + " finger",
+                                             units.lengths(overlap->first), units.lengths(overlap->second)));
+  }
+  return text;
+}
+
+std::string certificate_text(const Certificate& certificate) {
+  Grid grid;
+  grid.row({"certificate", "value", "required", ""});
+  const auto entry = [&](const char* name, double value, const std::string& required, bool good) {
+    grid.row({name, std::isfinite(value) ? fmt::format("{:.3g}", value) : "none", required, good ? "ok" : "FAILS"});
+  };
+  const auto at_most = [&](const char* name, double value, double limit) {
+    entry(name, value, fmt::format("<= {:g}", limit), value <= limit);
+  };
+  at_most("equilibrium", certificate.equilibrium, tolerance::equilibrium);
+  at_most("bounds", certificate.bounds, tolerance::bounds);
+  at_most("penetration", certificate.penetration, tolerance::penetration);
+  at_most("complementarity", certificate.complementarity, tolerance::complementarity);
+  at_most("closest point", certificate.closest_point, tolerance::closest_point);
+  if (certificate.balance > 0.0) at_most("force balance", certificate.balance, tolerance::balance);
+  at_most("stationarity", certificate.stationarity, tolerance::stationarity);
+  grid.row({"  kind", certificate.stationarity_kind, "S", certificate.stationarity_kind == "S" ? "ok" : "FAILS"});
+  entry("stability", certificate.stability, fmt::format("> {:g}", tolerance::stability),
+        certificate.stability > tolerance::stability);
+  const auto information = [&](const char* name, double value, const char* what) {
+    if (std::isfinite(value)) grid.row({name, fmt::format("{:.3g}", value), what, ""});
+  };
+  information("convexity", certificate.contact_convexity,
+              fmt::format("> {:g} at contacts", tolerance::convexity).c_str());
+  information("moment balance", certificate.moment_balance, "(model error)");
+  information("quadrature", certificate.quadrature, "(change if doubled)");
+  std::string text = '\n' + grid.text("");
+  for (const std::string& failure : certificate.failures) text += "  " + printable(failure) + '\n';
+  return text;
+}
+
+std::string left_out_text(const std::vector<LeftOut>& items) {
+  if (items.empty()) return "";
+  Grid grid;
+  for (const LeftOut& item : items) grid.row({printable(item.what), printable(item.why)});
+  return "\nleft out\n" + grid.text("  ");
+}
+
+std::string counts_text(const std::vector<Description::Count>& counts) {
+  Grid grid;
+  int sum = 0;
+  for (const Description::Count& count : counts) {
+    grid.row({count.name, std::to_string(count.count), count.kind});
+    sum += count.count;
+  }
+  grid.row({"together", std::to_string(sum)});
+  return grid.text("  ");
+}
+
+int total(const std::vector<Description::Count>& counts) {
+  int sum = 0;
+  for (const Description::Count& count : counts) sum += count.count;
+  return sum;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + printable(word);
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run) {
+  const DisplayUnits units(scene.rod.length());
+  std::string text = heading(scene) + '\n';
+  text += line("status", std::string(to_string(plan.status)));
+  if (!plan.message.empty()) text += line("", printable(plan.message));
+  // Without a shape there is nothing to tell of it.
+  const bool has_shape = !plan.backbone.empty();
+  if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);
+  text += verification_text(plan);
+  text += line("coordinates", fmt::format("{}, order {}, {} values{}", plan.coordinates_name, plan.order,
+                                          plan.coordinates.size(), plan.split_at_contact ? ", split at contact" : ""));
+  text += line("solver", fmt::format("{}: {} ({}), {} iterations, {} evaluations", plan.solver_name,
+                                     to_string(plan.solver.status),
+                                     plan.solver.native_status.empty() ? "-" : printable(plan.solver.native_status),
+                                     plan.solver.iterations, plan.solver.evaluations.values));
+  if (has_shape)
+    text += moments_text(scene, plan, units) + contacts_text(scene, plan, units) + grasp_text(scene, plan) +
+            certificate_text(plan.certificate);
+  if (!plan.modes.empty()) {
+    Grid modes;
+    for (const ModeRecord& mode : plan.modes) {
+      modes.row({printable(mode.mode), printable(mode.outcome),
+                 fmt::format("{} solves, {} polishes", mode.solves, mode.polishes)});
+    }
+    text += "\nways of being in contact\n" + modes.text("  ");
+  }
+  text += left_out_text(plan.left_out);
+  text += fmt::format("\ntime: read {}, open plugins {}, assemble {}, solve {}, certify {}\n",
+                      seconds(run.seconds_read), seconds(run.seconds_open), seconds(plan.seconds_assemble),
+                      seconds(plan.seconds_solve), seconds(plan.seconds_certify));
+  return text;
+}
+
+std::string execution_report(const Scene& scene, const Execution& execution, const RunInfo& run) {
+  const DisplayUnits units(scene.rod.length());
+  const Plan& plan = execution.result;
+  std::string text = heading(scene) + '\n';
+  text += line("status", std::string(to_string(plan.status)));
+  if (!plan.message.empty()) text += line("", printable(plan.message));
+  const bool has_shape = !plan.backbone.empty();
+  if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);
+  text += line("path", fmt::format("load fraction {:.9g} reached in {} steps, {} contacts made or released",
+                                   execution.load, execution.steps, execution.contact_changes));
+  text += line("basis", fmt::format("{} pieces of {} functions", execution.pieces, plan.order));
+  if (!execution.snaps.empty()) {
+    Grid snaps;
+    snaps.row({"snap", "load fraction", "moments", "tip before", "tip after", "stability after"});
+    for (const Snap& snap : execution.snaps) {
+      std::string moments;
+      for (const double m : snap.moments) moments += (moments.empty() ? "" : ", ") + units.moment(m);
+      const auto tip = [&](const std::vector<BackbonePoint>& shape) {
+        return shape.empty() ? std::string("-") : units.point({shape.back()[1], shape.back()[2]});
+      };
+      snaps.row({std::string(to_string(snap.kind)), fmt::format("{:.9g}", snap.load), moments, tip(snap.before),
+                 tip(snap.after), fmt::format("{:.3g}", snap.stability_after)});
+    }
+    text += '\n' + snaps.text("");
+  }
+  if (has_shape)
+    text += moments_text(scene, plan, units) + contacts_text(scene, plan, units) + grasp_text(scene, plan) +
+            certificate_text(plan.certificate);
+  text += left_out_text(plan.left_out);
+  text += fmt::format("\ntime: read {}, open plugins {}, execute {}, certify {}\n", seconds(run.seconds_read),
+                      seconds(run.seconds_open), seconds(plan.seconds_solve), seconds(plan.seconds_certify));
+  return text;
+}
+
+std::string description_report(const Scene& scene, const Description& description, const RunInfo& run) {
+  const DisplayUnits units(scene.rod.length());
+  std::string text = heading(scene) + '\n';
+  text += "variables\n" + counts_text(description.variables);
+  text += "\nrows\n" + counts_text(description.rows);
+  text += '\n' + line("terms", joined(description.terms)) + line("energies", joined(description.energies));
+  text += line("units", fmt::format("lengths in {}, forces in {}", units.lengths(description.length_unit),
+                                    force(description.force_unit)));
+  Grid modes;
+  for (const Description::Mode& mode : description.modes) {
+    modes.row({printable(mode.name), fmt::format("{} variables, {} rows", total(mode.variables), total(mode.rows))});
+  }
+  if (!modes.empty()) text += "\nways of being in contact\n" + modes.text("  ");
+  Grid plugins;
+  for (const UsedComponent& component : run.components)
+    plugins.row({component.kind, component.name, printable(component.file)});
+  if (!plugins.empty()) text += "\nplugins opened\n" + plugins.text("  ");
+  return text + left_out_text(description.left_out);
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,278 @@
+#include "tendril/app/result.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "result/grasp_result.hpp"
+#include "result/result_object.hpp"
+#include "tendril/app/files.hpp"
+#include "tendril/app/input_error.hpp"
+#include "tendril/coordinate_model.hpp"
+#include "tendril/version.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+Json certificate_json(const Certificate& certificate) {
+  return {{"equilibrium", number(certificate.equilibrium)},
+          {"penetration", number(certificate.penetration)},
+          {"complementarity", number(certificate.complementarity)},
+          {"closest_point", number(certificate.closest_point)},
+          {"force_balance", number(certificate.balance)},
+          {"stationarity", number(certificate.stationarity)},
+          {"stationarity_kind", certificate.stationarity_kind},
+          {"bounds", number(certificate.bounds)},
+          {"stability", number(certificate.stability)},
+          {"moment_balance", number(certificate.moment_balance)},
+          {"contact_convexity", number(certificate.contact_convexity)},
+          {"quadrature", number(certificate.quadrature)},
+          {"failures", certificate.failures}};
+}
+
+Json solver_json(const Plan& plan) {
+  const OptimalityReport& report = plan.solver;
+  return {{"name", plan.solver_name},
+          {"status", to_string(report.status)},
+          {"native_status", report.native_status},
+          {"message", report.message},
+          {"iterations", report.iterations},
+          {"evaluations",
+           {{"values", report.evaluations.values},
+            {"first_derivatives", report.evaluations.first_derivatives},
+            {"hessians", report.evaluations.hessians}}},
+          {"infeasibility", number(report.infeasibility)},
+          {"stationarity", number(report.stationarity)},
+          {"multipliers_recovered", report.multipliers_recovered},
+          {"seconds", number(report.seconds)},
+          {"seconds_evaluating", number(report.seconds_evaluating)},
+          {"options", report.effective_options}};
+}
+
+/// Values by name; a name that occurs again gets a number ("tip_pose 2").
+Json terms_json(const std::vector<std::pair<std::string, double>>& terms) {
+  Json object = Json::object();
+  for (const auto& [name, value] : terms) {
+    std::string unique = name;
+    for (int i = 2; object.contains(unique); ++i) unique = fmt::format("{} {}", name, i);
+    object[unique] = number(value);
+  }
+  return object;
+}
+
+Json counts_json(const std::vector<Description::Count>& counts, bool with_kind) {
+  Json array = Json::array();
+  for (const Description::Count& count : counts) {
+    Json entry{{"name", count.name}, {"count", count.count}};
+    if (with_kind) entry["kind"] = count.kind;
+    array.push_back(std::move(entry));
+  }
+  return array;
+}
+
+}  // namespace
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json numbers(const std::vector<double>& values) {
+  Json::array_t array;
+  array.reserve(values.size());
+  for (const double value : values) array.push_back(number(value));
+  return array;
+}
+
+Json contacts_json(const std::vector<PlannedContact>& contacts, const std::string& finger) {
+  Json array = Json::array();
+  for (const PlannedContact& contact : contacts) {
+    array.push_back({{"obstacle", contact.obstacle_name},
+                     {"obstacle_index", contact.obstacle},
+                     {"at_tip", contact.at_tip},
+                     {"arc_length", number(contact.arc_length)},
+                     {"point", {number(contact.point.x), number(contact.point.y)}},
+                     {"normal", {number(contact.normal.x), number(contact.normal.y)}},
+                     {"force", number(contact.force)},
+                     {"gap", number(contact.gap)}});
+    if (!finger.empty()) array.back()["finger"] = finger;
+    if (contact.extended) array.back()["extended"] = true;
+  }
+  return array;
+}
+
+Json backbone_json(const std::vector<BackbonePoint>& points) {
+  Json::array_t array;
+  array.reserve(points.size());
+  for (const BackbonePoint& point : points) {
+    Json::array_t row;
+    row.reserve(point.size());
+    for (const double value : point) row.push_back(number(value));
+    array.emplace_back(std::move(row));
+  }
+  return array;
+}
+
+Json left_out_json(const std::vector<LeftOut>& items) {
+  Json array = Json::array();
+  for (const LeftOut& item : items) array.push_back({{"what", item.what}, {"why", item.why}});
+  return array;
+}
+
+Json components_json(const std::vector<UsedComponent>& components) {
+  Json array = Json::array();
+  for (const UsedComponent& component : components) {
+    array.push_back({{"kind", component.kind},
+                     {"name", component.name},
+                     {"file", component.file.empty() ? Json(nullptr) : Json(component.file)}});
+  }
+  return array;
+}
+
+Json versions_json() {
+  return {{"tendril", TENDRIL_VERSION},
+          {"plugin_interface", TENDRIL_INTERFACE_VERSION},
+          {"eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+          {"nlohmann_json", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR,
+                                        NLOHMANN_JSON_VERSION_PATCH)},
+          {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
+          {"compiler", __VERSION__}};
+}
+
+std::string written(const Json& json) {
+  // Text that is not UTF-8 (a file name, for instance) must not cost the whole result.
+  std::string text = json.dump(2, ' ', false, Json::error_handler_t::replace);
+  text += '\n';
+  return text;
+}
+
+/// `problem` is what was done with the scene: a scene of another kind can be executed.
+Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
+  Json json;
+  json["schema"] = 1;
+  json["status"] = to_string(plan.status);
+  json["message"] = plan.message;
+  json["scene"] = scene.file;
+  json["title"] = scene.title;
+  json["problem"] = to_string(problem);
+  json["coordinates"] = {{"name", plan.coordinates_name},
+                         {"order", plan.order},
+                         {"split_at_contact", plan.split_at_contact},
+                         {"dimension", plan.coordinates.size()},
+                         {"values", numbers(plan.coordinates)}};
+  json["solver"] = solver_json(plan);
+  // A plan that came to no shape has no tip and no objective either.
+  const bool has_shape = !plan.backbone.empty();
+  json["objective"] = has_shape ? number(plan.objective) : Json(nullptr);
+  json["terms"] = terms_json(plan.terms);
+  json["tip"] = {{"x", has_shape ? number(plan.tip_x) : Json(nullptr)},
+                 {"y", has_shape ? number(plan.tip_y) : Json(nullptr)},
+                 {"angle", has_shape ? number(plan.tip_angle) : Json(nullptr)}};
+  json["target_error"] = plan.target_error ? number(*plan.target_error) : Json(nullptr);
+  json["moments"] = numbers(all_moments(plan));
+  json["contacts"] = Json::array();
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    for (Json& contact : contacts_json(finger.state.contacts, finger.name))
+      json["contacts"].push_back(std::move(contact));
+  }
+  add_grasp(json, scene, plan);
+  json["certificate"] = certificate_json(plan.certificate);
+  if (!plan.verification.empty()) {
+    json["model_error"] = plan.model_error ? number(*plan.model_error) : Json(nullptr);
+    json["local_model_error"] = plan.local_model_error ? number(*plan.local_model_error) : Json(nullptr);
+    json["verification"] = plan.verification;
+  }
+  Json modes = Json::array();
+  for (const ModeRecord& mode : plan.modes) {
+    modes.push_back({{"mode", mode.mode},
+                     {"outcome", mode.outcome},
+                     {"solves", mode.solves},
+                     {"polishes", mode.polishes},
+                     {"iterations", mode.iterations},
+                     {"evaluations", mode.evaluations},
+                     {"seconds", number(mode.seconds)}});
+  }
+  json["modes"] = std::move(modes);
+  json["left_out"] = left_out_json(plan.left_out);
+  json["seconds"] = {{"assemble", number(plan.seconds_assemble)},
+                     {"solve", number(plan.seconds_solve)},
+                     {"certify", number(plan.seconds_certify)}};
+  if (plan.self_overlap) json["self_overlap"] = {number(plan.self_overlap->first), number(plan.self_overlap->second)};
+  json["backbone"] = backbone_json(plan.backbone);
+  return json;
+}
+
+Json plan_object(const Scene& scene, const Plan& plan) { return plan_object(scene, scene.problem, plan); }
+
+namespace {
+
+/// What the command did around the planner.
+void add_run(Json& json, const RunInfo& run) {
+  json["seconds"]["read"] = number(run.seconds_read);
+  json["seconds"]["open"] = number(run.seconds_open);
+  json["plugins"] = components_json(run.components);
+  json["versions"] = versions_json();
+}
+
+/// A state beside a snap. Its tip is the end of its backbone.
+Json state_json(const std::vector<BackbonePoint>& shape, const std::vector<PlannedContact>& contacts) {
+  const BackbonePoint tip = shape.empty() ? BackbonePoint{} : shape.back();
+  return {{"tip", {{"x", number(tip[1])}, {"y", number(tip[2])}, {"angle", number(tip[3])}}},
+          {"contacts", contacts_json(contacts)},
+          {"backbone", backbone_json(shape)}};
+}
+
+}  // namespace
+
+std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) {
+  Json json = plan_object(scene, plan);
+  add_run(json, run);
+  return written(json);
+}
+
+std::string execution_json(const Scene& scene, const Execution& execution, const RunInfo& run) {
+  Json json = plan_object(scene, ProblemKind::execute, execution.result);
+  add_run(json, run);
+  json["load"] = {
+      {"reached", number(execution.load)}, {"steps", execution.steps}, {"contact_changes", execution.contact_changes}};
+  json["basis"] = {{"name", LegendreBasis::name}, {"order", execution.result.order}, {"pieces", execution.pieces}};
+  Json snaps = Json::array();
+  for (const Snap& snap : execution.snaps) {
+    snaps.push_back({{"kind", to_string(snap.kind)},
+                     {"load", number(snap.load)},
+                     {"moments", numbers(snap.moments)},
+                     {"stability_after", number(snap.stability_after)},
+                     {"before", state_json(snap.before, snap.contacts_before)},
+                     {"after", state_json(snap.after, snap.contacts_after)}});
+  }
+  json["snaps"] = std::move(snaps);
+  return written(json);
+}
+
+std::string description_json(const Scene& scene, const Description& description, const RunInfo& run) {
+  Json json;
+  json["schema"] = 1;
+  json["scene"] = scene.file;
+  json["title"] = scene.title;
+  json["problem"] = to_string(scene.problem);
+  json["variables"] = counts_json(description.variables, false);
+  json["rows"] = counts_json(description.rows, true);
+  json["terms"] = description.terms;
+  json["energies"] = description.energies;
+  json["plugins"] = components_json(run.components);
+  json["left_out"] = left_out_json(description.left_out);
+  Json modes = Json::array();
+  for (const Description::Mode& mode : description.modes) {
+    modes.push_back({{"name", mode.name},
+                     {"variables", counts_json(mode.variables, false)},
+                     {"rows", counts_json(mode.rows, true)}});
+  }
+  json["modes"] = std::move(modes);
+  json["units"] = {{"length", number(description.length_unit)}, {"force", number(description.force_unit)}};
+  json["versions"] = versions_json();
+  return written(json);
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/keys.hpp"
+#include "tendril/scene.hpp"
+
+namespace tendril::app {
+
+/// [[rod.actuator]] as written, before the rod's length is known.
+struct ActuatorDraft {
+  std::optional<double> from, to, limit, minimum, maximum, smallest_pressure, largest_pressure;
+  double moment_per_pressure = 0.0;
+  SourcePosition position{};
+};
+
+/// [rod] as written.
+struct RodDraft {
+  std::optional<double> length, bending_stiffness, linear_density, rest_curvature;
+  std::vector<SegmentSpec> segments;
+  std::vector<ActuatorDraft> actuators;
+  Vec2 base_position{};
+  double base_angle = 0.0;
+};
+
+/// What one finger of a grasp states; the rest is that of [rod], [contact] and [gripper].
+struct FingerDraft : RodDraft {
+  std::optional<double> angle, min_force, max_force;
+};
+
+/// Keys of [rod] and of [[finger]].
+Table<RodDraft> rod_table();
+Table<FingerDraft> finger_table();
+
+/// The rod that is described at `table`. Throws InputError with the place where its values contradict each other.
+RodSpec finish_rod(const Document& document, const std::string& table, const RodDraft& draft);
+
+/// The fingers; what one does not state is taken from `rod` and from what has been read of the scene.
+std::vector<FingerSpec> finish_fingers(const Document& document, const RodDraft& rod,
+                                       const std::vector<FingerDraft>& drafts, const Scene& scene);
+
+}  // namespace tendril::app

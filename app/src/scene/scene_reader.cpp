@@ -1,0 +1,97 @@
+#include "tendril/app/scene_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/measurement_reader.hpp"
+#include "scene/rod_reader.hpp"
+#include "scene/scene_tables.hpp"
+#include "tendril/app/input_error.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+/// A kind of problem that exists in the format but not in this version deserves a better answer than "unknown word".
+void refuse_other_problems(const Document& document) {
+  const Node* node = document.root().find("problem");
+  if (node == nullptr) return;
+  const auto* kind = std::get_if<std::string>(&node->value);
+  if (kind == nullptr) return;
+  for (const std::string_view other : {"study"}) {
+    if (*kind == other) {
+      document.fail(node->position, "found problem = \"" + *kind +
+                                        "\", which is not available in this version, expected one of \"pose\", "
+                                        "\"trajectory\", \"grasp\", \"execute\", \"estimate\"");
+    }
+  }
+}
+
+std::vector<TargetSpec> finish_trajectory(const Document& document, const TrajectoryDraft& draft) {
+  const std::size_t positions = draft.positions.size();
+  const std::size_t angles = draft.angles.size();
+  if (positions > 0 && angles > 0 && positions != angles) {
+    document.fail(document.find("trajectory.angles"),
+                  fmt::format("found {} angles for {} positions, expected one for each", angles, positions));
+  }
+  if (positions == 0 && angles == 0 && document.root().find("trajectory") != nullptr) {
+    document.fail(document.find("trajectory"),
+                  "[trajectory] has neither 'positions' nor 'angles', expected one of them");
+  }
+  std::vector<TargetSpec> targets(std::max(positions, angles));
+  for (std::size_t i = 0; i < positions; ++i) targets[i].position = draft.positions[i];
+  for (std::size_t i = 0; i < angles; ++i) targets[i].angle = draft.angles[i];
+  return targets;
+}
+
+}  // namespace
+
+std::vector<KeySpec> scene_keys() { return scene_table().specs(); }
+
+Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
+  const Context context{document, *units};
+  refuse_other_problems(document);
+  SceneDraft draft;
+  draft.scene.coordinates.plugin = default_coordinates;
+  draft.scene.solver.plugin = default_solver;
+  draft.scene.coordinates.position = document.find("coordinates");
+  draft.scene.solver.position = document.find("solver");
+  read_table(context, document.root(), "", scene_table(), draft);
+  Scene scene = std::move(draft.scene);
+  scene.rod = finish_rod(document, "rod", draft.rod);
+  scene.fingers = finish_fingers(document, draft.rod, draft.fingers, scene);
+  if (scene.gripper && scene.gripper->palm_distance_range && std::isnan(scene.gripper->palm_distance_range->second)) {
+    document.fail(document.find("gripper.palm_distance_range"), "expected two lengths: the smallest and the largest");
+  }
+  scene.measurement = finish_measurement(context, draft.measurement, scene);
+  scene.trajectory.targets = finish_trajectory(document, draft.trajectory);
+  if (scene.contact.min_force > scene.contact.max_force) {
+    document.fail(document.find("contact.min_force"),
+                  fmt::format("found min_force {} N above max_force {} N, expected min_force <= max_force",
+                              scene.contact.min_force, scene.contact.max_force));
+  }
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    if (scene.obstacles[i].name.empty()) scene.obstacles[i].name = fmt::format("obstacle {}", i + 1);
+  }
+  scene.file = document.file();
+  scene.read_quantity = [units = std::move(units)](std::string_view number, const Dimension& wanted) {
+    try {
+      return units->read(number, wanted);
+    } catch (const QuantityError& error) {
+      // Whoever resolves options says what was found and expected.
+      throw InputError(error.why());
+    }
+  };
+  return scene;
+}
+
+StudySpec read_study(const Document& document, const Units& units) {
+  SceneDraft draft;
+  read_table(Context{document, units}, document.root(), "", scene_table(), draft);
+  if (!draft.study) document.fail({1, 1}, "the scene has no [study], expected one with targets, modes or limits");
+  return std::move(*draft.study);
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,236 @@
+#include "scene/scene_tables.hpp"
+
+#include <cmath>
+
+namespace tendril::app {
+
+namespace {
+
+Table<ObstacleSpec> obstacle_table() {
+  using T = ObstacleSpec;
+  return {{text<T>("name", "obstacle 1, ...", "Name in reports.", [](T& t, const std::string& v) { t.name = v; }),
+           text<T>(
+               "shape", "", "the name of an obstacle shape, such as \"circle\"",
+               [](T& t, const std::string& v) { t.shape = v; }, {}, Need::required)},
+          [](T& t, const std::string& name, RawValue value) { t.options[name] = std::move(value); }};
+}
+
+Table<ObjectiveSpec> objective_table() {
+  using T = ObjectiveSpec;
+  return {{text<T>(
+               "plugin", "", "the name of an objective plugin, such as \"tip_pose\"",
+               [](T& t, const std::string& v) { t.plugin = v; }, {}, Need::required),
+           quantity<T>("weight", none, not_negative, "1", "Factor of the dimensionless term; 0 leaves the term out.",
+                       [](T& t, double v) { t.weight = v; })},
+          [](T& t, const std::string& name, RawValue value) { t.options[name] = std::move(value); }};
+}
+
+Table<CoordinatesSpec> coordinates_table() {
+  using T = CoordinatesSpec;
+  return {
+      {text<T>("plugin", default_coordinates, "Coordinate plugin.", [](T& t, const std::string& v) { t.plugin = v; }),
+       boolean<T>("split_at_contact", "true", "Puts a knot at each contact point: exact there, at little cost.",
+                  [](T& t, bool v) { t.split_at_contact = v; })},
+      [](T& t, const std::string& name, RawValue value) { t.options[name] = std::move(value); }};
+}
+
+Table<ContactSpec> contact_table() {
+  using T = ContactSpec;
+  return {{text<T>("mode", "allow", "Whether contact is ignored, avoided, allowed or required.",
+                   [](T& t, const std::string& v) {
+                     t.mode = v == "ignore"  ? ContactModeName::ignore
+                              : v == "avoid" ? ContactModeName::avoid
+                              : v == "allow" ? ContactModeName::allow
+                                             : ContactModeName::require;
+                   },
+                   {"ignore", "avoid", "allow", "require"}),
+           quantity<T>("min_force", dimension::force, not_negative, "0",
+                       "Smallest contact force; for mode \"require\".", [](T& t, double v) { t.min_force = v; }),
+           quantity<T>("max_force", dimension::force, not_negative, "no limit", "Largest contact force; 0 means avoid.",
+                       [](T& t, double v) { t.max_force = v; }),
+           integer<T>("count", 1, "1", "Contacts at most.", [](T& t, int v) { t.count = v; }),
+           text<T>("treatment", "penalty", "How complementarity is brought into the program.",
+                   [](T& t, const std::string& v) {
+                     t.treatment = v == "penalty"    ? Treatment::penalty
+                                   : v == "slack"    ? Treatment::slack
+                                   : v == "scholtes" ? Treatment::scholtes
+                                                     : Treatment::fischer_burmeister;
+                   },
+                   {"penalty", "slack", "scholtes", "fischer_burmeister"}),
+           quantity<T>("beta", none, positive, "1", "First weight of the complementarity penalty, dimensionless.",
+                       [](T& t, double v) { t.beta = v; }),
+           integer<T>("check_points", 0, "0",
+                      "A fixed number of clearance points, without refinement; 0: chosen and refined.",
+                      [](T& t, int v) { t.check_points = v; })}};
+}
+
+Table<SolverSpec> solver_table() {
+  using T = SolverSpec;
+  return {
+      {text<T>("plugin", default_solver, "Solver plugin.", [](T& t, const std::string& v) { t.plugin = v; }),
+       quantity<T>("tolerance", none, positive, "1e-9",
+                   "Feasibility and stationarity asked of the solver, dimensionless.",
+                   [](T& t, double v) { t.tolerance = v; }),
+       quantity<T>("time_limit", dimension::time, positive, "10 s", "Wall time for one plan.",
+                   [](T& t, double v) { t.time_limit = v; }),
+       integer<T>("max_iterations", 1, "500", "Iterations of one solve.", [](T& t, int v) { t.max_iterations = v; }),
+       options<T>(
+           "options", "solver.options", "The solver's own options, by their native names.",
+           [](T & t) -> auto& { return t.options; })}};
+}
+
+Table<SceneDraft> trajectory_table() {
+  using T = SceneDraft;
+  return {{points<T>("positions", KeyType::points, dimension::length, "Where the tip should be, step by step.",
+                     [](T& t, std::vector<Vec2> v) { t.trajectory.positions = std::move(v); }),
+           quantities<T>("angles", dimension::angle, any, "Directions that the tip should have, step by step.",
+                         [](T& t, std::vector<double> v) { t.trajectory.angles = std::move(v); }),
+           integer<T>("replan_every", 0, "0",
+                      "Steps between full plans, which may jump to another way of being in contact; 0: full plans only "
+                      "where a contact comes or goes or Newton's method fails.",
+                      [](T& t, int v) { t.scene.trajectory.replan_every = v; }),
+           boolean<T>("cold_starts", "false", "Plans each step from the scene's own start as well, to compare.",
+                      [](T& t, bool v) { t.scene.trajectory.cold_starts = v; })}};
+}
+
+Table<GripperSpec> gripper_table() {
+  using T = GripperSpec;
+  return {
+      {quantity<T>(
+           "half_palm", dimension::length, positive, "", "Distance from the axis of symmetry to either finger's base.",
+           [](T& t, double v) { t.half_palm = v; }, Need::required),
+       quantity<T>("finger_angle", dimension::angle, any, "0",
+                   "Angle of the upper finger's base against the axis; that of the lower one is mirrored.",
+                   [](T& t, double v) { t.finger_angle = v; }),
+       quantity<T>(
+           "object_diameter", dimension::length, positive, "", "Diameter of the round object.",
+           [](T& t, double v) { t.object_diameter = v; }, Need::required),
+       quantity<T>("palm_distance", dimension::length, positive, "free",
+                   "Fixed distance from the palm to the object's centre.", [](T& t, double v) { t.palm_distance = v; }),
+       quantities<T>("palm_distance_range", dimension::length, not_negative,
+                     "Smallest and largest distance from the palm to the object's centre.",
+                     [](T& t, std::vector<double> v) {
+                       // Two entries are asked for below, where the place in the file is known.
+                       t.palm_distance_range = {v.front(), v.size() == 2 ? v.back() : std::nan("")};
+                     }),
+       point<T>("position", dimension::length, "[0, 0]", "The palm's middle.", [](T& t, Vec2 v) { t.position = v; }),
+       quantity<T>("angle", dimension::angle, any, "0", "Direction of the axis of symmetry, away from the palm.",
+                   [](T& t, double v) { t.angle = v; }),
+       text<T>("balance", "exact", "Forces along the axis: none at all, or as an objective has it.",
+               [](T& t, const std::string& v) { t.exact_balance = v == "exact"; }, {"exact", "objective"}),
+       text<T>("fingers", "both where they differ or gravity acts across the axis",
+               "Which fingers are planned: one, whose mirror image the other one is, or both.",
+               [](T& t, const std::string& v) { t.fingers = v == "both" ? Fingers::both : Fingers::mirrored; },
+               {"mirrored", "both"})}};
+}
+
+Table<StudySpec> study_table() {
+  using T = StudySpec;
+  const auto modes_of = [](const std::vector<std::string>& names) {
+    std::vector<StudyMode> modes;
+    modes.reserve(names.size());
+    for (const std::string& name : names) modes.push_back(study_mode(name));
+    return modes;
+  };
+  return {{points<T>("targets", KeyType::targets, dimension::length,
+                     "Target positions: a list of points, or {x = [...], y = [...]} for all pairs.",
+                     [](T& t, std::vector<Vec2> v) { t.targets = std::move(v); }),
+           texts<T>("modes",
+                    "Paradigms: contact modes, and \"ignore_then_execute\" for plans that ignore obstacles and are "
+                    "carried out among them.",
+                    study_mode_names(), [modes_of](T& t, const std::vector<std::string>& v) { t.modes = modes_of(v); }),
+           quantities<T>("limits", dimension::moment, positive,
+                         "Largest moments in either direction, for all actuators; a side that is 0 stays 0.",
+                         [](T& t, std::vector<double> v) { t.limits = std::move(v); }),
+           quantities<T>("force_limits", dimension::force, positive, "Largest contact forces.",
+                         [](T& t, std::vector<double> v) { t.force_limits = std::move(v); }),
+           quantities<T>("diameters", dimension::length, positive, "Diameters of a grasp's object.",
+                         [](T& t, std::vector<double> v) { t.diameters = std::move(v); }),
+           quantities<T>("moments", dimension::moment, any,
+                         "Changes of the planned moment of a grasp's last actuator, each carried out with the object "
+                         "where it was planned.",
+                         [](T& t, std::vector<double> v) { t.moments = std::move(v); }),
+           texts<T>("starts", "Paradigms whose results \"allow\" and \"require\" start from as well.",
+                    {"ignore", "ignore_then_execute", "avoid"},
+                    [modes_of](T& t, const std::vector<std::string>& v) { t.starts = modes_of(v); })}};
+}
+
+}  // namespace
+
+Table<SceneDraft> scene_table() {
+  using T = SceneDraft;
+  const std::vector<std::string> problems{"pose", "trajectory", "grasp", "execute", "estimate"};
+  Table<T> scene;
+  scene.keys = {
+      text<T>("title", "", "Title of reports and figures.", [](T& t, const std::string& v) { t.scene.title = v; }),
+      text<T>(
+          "problem", "pose", "Kind of problem.",
+          [](T& t, const std::string& v) {
+            for (const ProblemKind kind :
+                 {ProblemKind::trajectory, ProblemKind::grasp, ProblemKind::execute, ProblemKind::estimate}) {
+              if (v == to_string(kind)) t.scene.problem = kind;
+            }
+          },
+          problems),
+      point<T>("gravity", dimension::acceleration, "no gravity", "Gravity.", [](T& t, Vec2 v) { t.scene.gravity = v; }),
+      table<T>(
+          "rod", "rod", "the rod", rod_table(), [](T & t) -> auto& { return t.rod; }, Need::required),
+      table<T>(
+          "tip_load", "tip_load", "A load at the tip.",
+          Table<TipLoadSpec>{
+              {quantity<TipLoadSpec>("mass", dimension::mass, not_negative, "0", "Point mass at the tip.",
+                                     [](TipLoadSpec& t, double v) { t.mass = v; }),
+               point<TipLoadSpec>("force", dimension::force, "[0, 0]",
+                                  "Dead force at the tip; of a grasp at that of the upper finger, and mirrored at the "
+                                  "other one.",
+                                  [](TipLoadSpec& t, Vec2 v) { t.force = v; })}},
+          [](T & t) -> auto& { return t.scene.tip_load; }),
+      table<T>(
+          "coordinates", "coordinates", "How the backbone is described. Further keys are options of the plugin.",
+          coordinates_table(), [](T & t) -> auto& { return t.scene.coordinates; }),
+      table<T>(
+          "start", "start", "Where the search begins.",
+          Table<Scene>{
+              {quantity<Scene>("tip_angle", dimension::angle, any, "0", "Tip angle of a constant-curvature start.",
+                               [](Scene& t, double v) { t.start_tip_angle = v; })}},
+          [](T & t) -> auto& { return t.scene; }),
+      tables<T>(
+          "obstacle", "obstacle", "An obstacle. Further keys are options of its shape.", obstacle_table(),
+          [](T & t) -> auto& { return t.scene.obstacles; }),
+      table<T>(
+          "contact", "contact", "How contact with obstacles is planned.", contact_table(),
+          [](T & t) -> auto& { return t.scene.contact; }),
+      table<T>(
+          "target", "target", "The pose asked for.",
+          Table<TargetSpec>{
+              {point<TargetSpec>("position", dimension::length, "", "Where the tip should be.",
+                                 [](TargetSpec& t, Vec2 v) { t.position = v; }),
+               quantity<TargetSpec>("angle", dimension::angle, any, "", "Direction that the tip should have.",
+                                    [](TargetSpec& t, double v) { t.angle = v; })}},
+          [](T & t) -> auto& { return t.scene.target; }),
+      tables<T>(
+          "objective", "objective", "A term of the objective. Further keys are options of the plugin.",
+          objective_table(), [](T & t) -> auto& { return t.scene.objectives; }),
+      table<T>(
+          "solver", "solver", "The solver.", solver_table(), [](T & t) -> auto& { return t.scene.solver; }),
+      table<T>(
+          "gripper", "gripper", "Palm, fingers and object; for the problem kind \"grasp\".", gripper_table(),
+          [](T & t) -> auto& { return t.scene.gripper.emplace(); }),
+      tables<T>(
+          "finger", "finger",
+          "Fingers of a grasp that differ: the upper one, then the lower one. Everything is said as of an upper "
+          "finger: "
+          "of the lower one it is the mirror image that is described. Segments or actuators replace those of [rod].",
+          finger_table(), [](T & t) -> auto& { return t.fingers; }),
+      table<T>("trajectory", "trajectory", "The targets of a trajectory.", trajectory_table(),
+               [](T& t) -> T& { return t; }),
+      table<T>(
+          "measurement", "measurement", "What was measured of the rod; for the problem kind \"estimate\".",
+          measurement_table(), [](T & t) -> auto& { return t.measurement; }),
+      table<T>(
+          "study", "study", "Sweeps for 'tendril study': every combination is one case.", study_table(),
+          [](T & t) -> auto& { return t.study.emplace(); })};
+  return scene;
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "scene/keys.hpp"
+#include "scene/measurement_reader.hpp"
+#include "scene/rod_reader.hpp"
+#include "tendril/app/study.hpp"
+#include "tendril/scene.hpp"
+
+namespace tendril::app {
+
+/// What a scene plans with if it names no plugin; core itself knows none.
+inline constexpr const char* default_coordinates = "legendre";
+inline constexpr const char* default_solver = "nlopt";
+
+/// [trajectory] as written.
+struct TrajectoryDraft {
+  std::vector<Vec2> positions;
+  std::vector<double> angles;
+};
+
+/// What a scene says before defaults that depend on other keys are filled in.
+struct SceneDraft {
+  Scene scene;
+  RodDraft rod;
+  std::vector<FingerDraft> fingers;
+  MeasurementDraft measurement;
+  TrajectoryDraft trajectory;
+  std::optional<StudySpec> study;
+};
+
+/// The keys of a scene, tables and all.
+Table<SceneDraft> scene_table();
+
+}  // namespace tendril::app

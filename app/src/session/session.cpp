@@ -1,0 +1,292 @@
+#include "tendril/app/session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "tendril/app/input_error.hpp"
+#include "tendril/app/interrupt.hpp"
+#include "tendril/app/scene_reader.hpp"
+#include "tendril/execute.hpp"
+#include "tendril/grasp.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+/// Adds the time that it lives to a sum.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  ~Stopwatch() { seconds_ += std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& seconds_;
+  Clock::time_point begin_ = Clock::now();
+};
+
+/// The plugin that the document names in a table; empty: none.
+std::string plugin_in(const Document& document, const char* table) {
+  const Node* node = document.root().find(table);
+  if (node != nullptr) node = node->find("plugin");
+  const auto* text = node != nullptr ? std::get_if<std::string>(&node->value) : nullptr;
+  return text != nullptr ? *text : "";
+}
+
+bool declares(const OptionSchema& schema, std::string_view name) {
+  return std::any_of(schema.begin(), schema.end(),
+                     [&](const OptionSpec& spec) { return spec.name == name || spec.name == any_option; });
+}
+
+}  // namespace
+
+/// Runs `make`; what it throws gets the place of `path` in the scene. An option stands below `path`.
+template <class Make>
+decltype(auto) Session::located(const std::string& path, Make&& make) const {
+  try {
+    return make();
+  } catch (const OptionError& error) {
+    const bool in_file = error.position().line > 0;
+    document_.fail(in_file ? error.position() : document_.find(path + '.' + error.option()), error.what());
+  } catch (const SceneError& error) {
+    document_.fail(document_.find(error.path()), error.what());
+  } catch (const plugins::PluginError& error) {
+    // The name of the component, if the scene writes it down.
+    const std::string key = path.starts_with("obstacle") ? ".shape" : ".plugin";
+    document_.fail(document_.find(path + key), error.what());
+  } catch (const InputError&) {
+    throw;
+  } catch (const Error& error) {
+    document_.fail(document_.find(path), error.what());
+  }
+}
+
+Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Units>()) {
+  {
+    const Stopwatch watch(seconds_read_);
+    document_ = Document::read(arguments.scene);
+    const std::string coordinates = plugin_in(document_, "coordinates");
+    const std::string solver = plugin_in(document_, "solver");
+    document_.apply(arguments.overrides);
+    const bool other_coordinates = plugin_in(document_, "coordinates") != coordinates;
+    const bool other_solver = plugin_in(document_, "solver") != solver;
+    scene_ = read_scene(document_, units_);
+    located("", [&] { validate(scene_); });
+    {
+      const Stopwatch open(seconds_open_);
+      registry_ =
+          std::make_unique<plugins::Registry>(plugins::Catalog(plugins::search_places(arguments.plugin_directories)));
+      // An estimate opens no plugin, so nobody knows which options are foreign.
+      if (scene_.problem != ProblemKind::estimate) drop_foreign_options(other_coordinates, other_solver);
+    }
+  }
+  seconds_read_ -= seconds_open_;
+}
+
+Session::~Session() = default;
+
+void Session::drop_foreign_options(bool other_coordinates, bool other_solver) {
+  const auto drop = [&](RawOptions& options, const OptionSchema& schema, const std::string& table,
+                        const std::string& owner) {
+    for (auto option = options.begin(); option != options.end();) {
+      // What the command line itself asks for is never dropped: its position has no line.
+      if (option->second.position.line > 0 && !declares(schema, option->first)) {
+        dropped_.push_back({fmt::format("option {}.{} of the scene", table, option->first),
+                            fmt::format("{} has no such option", owner)});
+        option = options.erase(option);
+      } else {
+        ++option;
+      }
+    }
+  };
+  if (other_coordinates) {
+    const OptionSchema& schema =
+        located(
+            "coordinates", [&]() -> auto& { return registry_->coordinates(scene_.coordinates.plugin); })
+            .options;
+    drop(scene_.coordinates.options, schema, "coordinates", "coordinates plugin '" + scene_.coordinates.plugin + "'");
+  }
+  if (other_solver) {
+    const OptionSchema& schema = located(
+                                     "solver", [&]() -> auto& { return registry_->solver(scene_.solver.plugin); })
+                                     .options;
+    drop(scene_.solver.options, schema, "solver.options", "solver plugin '" + scene_.solver.plugin + "'");
+  }
+}
+
+std::vector<std::unique_ptr<Obstacle>> Session::make_obstacles() {
+  return plugins::make_obstacles(*registry_, scene_, place());
+}
+
+Components Session::make_components() { return plugins::make_components(*registry_, scene_, place()); }
+
+plugins::Located Session::place() const {
+  return [this](const std::string& path, const std::function<void()>& step) { located(path, step); };
+}
+
+Problem& Session::problem() {
+  if (problem_) return *problem_;
+  Components components;
+  {
+    const Stopwatch open(seconds_open_);
+    components = make_components();
+  }
+  located("", [&] { problem_.emplace(scene_, std::move(components)); });
+  return *problem_;
+}
+
+Description Session::describe() {
+  if (scene_.problem != ProblemKind::estimate) return problem().describe();
+  return located("", [&] { return describe_estimate(scene_); });
+}
+
+Estimate Session::estimate() {
+  const InterruptGuard interrupt;
+  PlanControl control;
+  control.stop = &InterruptGuard::flag();
+  Estimate estimate = located("", [&] { return tendril::estimate(scene_, control); });
+  estimate.left_out.insert(estimate.left_out.end(), dropped_.begin(), dropped_.end());
+  return estimate;
+}
+
+Plan Session::plan(const std::optional<std::filesystem::path>& start) {
+  std::optional<Plan> earlier;
+  if (start) earlier = read_start(*start, scene_);
+  problem();
+  const InterruptGuard interrupt;
+  Plan plan = plan_from(earlier ? &*earlier : nullptr);
+  plan.left_out.insert(plan.left_out.end(), dropped_.begin(), dropped_.end());
+  return plan;
+}
+
+Plan Session::plan_from(const Plan* start, bool follow, const std::vector<std::string>& without) {
+  Problem& ready = problem();
+  PlanControl control;
+  control.stop = &InterruptGuard::flag();
+  control.start = start;
+  control.follow = follow;
+  control.without = without;
+  constexpr double grace = 2.0;
+  const Watchdog watchdog(
+      std::chrono::duration<double>(scene_.solver.time_limit + grace),
+      fmt::format("tendril: solver '{}' did not return within {} s after the time limit of {} s; no result was written",
+                  scene_.solver.plugin, grace, scene_.solver.time_limit));
+  return located("", [&] { return ready.plan(control); });
+}
+
+Trajectory Session::plan_trajectory() {
+  problem();
+  const InterruptGuard interrupt;
+  return tendril::plan_trajectory(scene_.trajectory.targets,
+                                  {scene_.trajectory.replan_every, scene_.trajectory.cold_starts},
+                                  [this](const TargetSpec& target, const Plan* start, bool follow) {
+                                    problem().set_target(target);
+                                    return plan_from(start, follow);
+                                  });
+}
+
+void Session::use(const Scene& scene) {
+  scene_ = scene;
+  problem_.reset();
+  located("", [&] { validate(scene_); });
+}
+
+Execution Session::execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start,
+                           std::optional<double> palm_distance) {
+  std::optional<Plan> earlier;
+  if (start) earlier = read_start(*start, scene_);
+  const bool grasp = scene_.problem == ProblemKind::grasp;
+  if (grasp && !palm_distance) palm_distance = scene_.gripper->palm_distance;
+  if (grasp && !palm_distance) {
+    document_.fail(document_.find("gripper"),
+                   "the object's place is not known, expected 'palm_distance' in [gripper], or a result for --plan");
+  }
+  const InterruptGuard interrupt;
+  const ExecuteControl control = execute_control(earlier);
+  Execution done;
+  if (plans_both_fingers(scene_)) {
+    done = located("", [&] { return execute_both_fingers(scene_, *palm_distance, moments, control); });
+  } else {
+    const std::vector<std::unique_ptr<Obstacle>> obstacles =
+        grasp ? obstacles_of_finger(scene_, *palm_distance) : make_obstacles();
+    const Scene executed = grasp ? finger_in_world(scene_) : scene_;
+    done = located("", [&] { return tendril::execute(executed, obstacles, moments, control); });
+    if (grasp && !done.result.backbone.empty())
+      done.result.grasp = grasp_of(scene_, *palm_distance, done.result.contacts);
+  }
+  done.result.left_out.insert(done.result.left_out.end(), dropped_.begin(), dropped_.end());
+  return done;
+}
+
+std::optional<Execution> Session::verify(Plan& plan, const std::optional<std::filesystem::path>& start) {
+  if (plan.backbone.empty()) {
+    plan.verification = "not executed: the plan came to no shape";
+    return std::nullopt;
+  }
+  std::optional<Plan> earlier;
+  if (start) earlier = read_start(*start, scene_);
+  const InterruptGuard interrupt;
+  if (plan.grasp) return verify_grasp(plan, earlier);
+  const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
+  const ExecuteControl control = execute_control(earlier);
+  return located("", [&] { return tendril::verify(scene_, obstacles, plan, control); });
+}
+
+Execution Session::verify_grasp(Plan& plan, const std::optional<Plan>& earlier) {
+  const auto settle = [&](Plan& judged) {
+    ExecuteControl control = execute_control(earlier);
+    if (!earlier) control.start = &judged;
+    if (judged.grasp->lower) return located("", [&] { return verify_both_fingers(scene_, judged, control); });
+    const Scene finger = finger_in_world(scene_);
+    const std::vector<std::unique_ptr<Obstacle>> obstacles = obstacles_of_finger(scene_, judged.grasp->palm_distance);
+    return located("", [&] { return tendril::verify(finger, obstacles, judged, control); });
+  };
+  const bool planned = plan.status == PlanStatus::solved;
+  Execution reached = settle(plan);
+  std::vector<std::string> refuted;
+  for (Plan last = plan; planned && last.status != PlanStatus::solved;) {
+    const auto won = std::find_if(last.modes.begin(), last.modes.end(), [&](const ModeRecord& mode) {
+      return mode.certified && mode.objective == last.objective;
+    });
+    if (won == last.modes.end()) break;
+    refuted.push_back(won->mode);
+    Plan next = plan_from(nullptr, false, refuted);
+    if (next.status != PlanStatus::solved) break;
+    Execution executed = settle(next);
+    for (const std::string& mode : refuted) {
+      next.left_out.push_back({mode, "a plan was certified, but the finger does not come to rest there"});
+    }
+    if (next.status == PlanStatus::solved) {
+      plan = next;
+      reached = std::move(executed);
+    }
+    last = std::move(next);
+  }
+  return reached;
+}
+
+/// `earlier` has to outlive what is returned.
+ExecuteControl Session::execute_control(const std::optional<Plan>& earlier) const {
+  ExecuteControl control;
+  control.stop = &InterruptGuard::flag();
+  control.start = earlier ? &*earlier : nullptr;
+  control.time_limit = scene_.solver.time_limit;
+  return control;
+}
+
+RunInfo Session::run_info() const {
+  RunInfo run;
+  for (const plugins::Registry::Opened& opened : registry_->opened()) {
+    run.components.push_back({std::string(to_string(opened.kind)), opened.name, opened.file.string()});
+  }
+  run.seconds_read = seconds_read_;
+  run.seconds_open = seconds_open_;
+  return run;
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,139 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "figure/panels.hpp"
+#include "study/grasp.hpp"
+#include "study/result.hpp"
+#include "system/tables.hpp"
+#include "tendril/app/input_error.hpp"
+#include "tendril/scale.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+/// More panels than these cannot be read.
+constexpr std::size_t most_columns = 6;
+constexpr std::size_t most_rows = 6;
+
+constexpr const char* series_colors[] = {"#1f4e8c", "#e0872b", "#2e7d32", "#7b3f98", "#8c5a2b", "#606060"};
+
+std::vector<Vec2> points_of(const Json& list) {
+  std::vector<Vec2> points;
+  for (const Json& p : list) {
+    if (p.is_array() && p.size() == 2 && p[0].is_number() && p[1].is_number()) points.push_back({p[0], p[1]});
+  }
+  return points;
+}
+
+std::string title_of(const std::optional<StudyMode>& mode) {
+  if (!mode) return "";
+  return *mode == StudyMode::ignore_then_execute ? "ignore, then execute" : std::string(to_string(*mode));
+}
+
+void add_case(ShapePanel& panel, const StudyCase& one, const Json& value) {
+  if (one.target) panel.targets.push_back(*one.target);
+  if (const auto lines = value.find("lines"); lines != value.end()) {
+    for (const Json& line : *lines) panel.rods.push_back(points_of(line));
+  }
+  if (const auto path = value.find("path"); path != value.end()) {
+    panel.ordered = true;
+    const std::vector<Vec2> more = points_of(*path);
+    panel.targets.insert(panel.targets.end(), more.begin(), more.end());
+  }
+  if (const auto contacts = value.find("contact_points"); contacts != value.end()) {
+    const std::vector<Vec2> more = points_of(*contacts);
+    panel.contacts.insert(panel.contacts.end(), more.begin(), more.end());
+  }
+}
+
+/// A power of ten of a unit.
+struct BarUnit {
+  double size = 1.0;
+  std::string name;
+};
+/// The one in which `largest` (in `unit`) is at most `goal`, but above a tenth of it: all bars then share an axis.
+BarUnit bar_unit(double largest, double goal, const std::string& unit) {
+  if (!(largest > 0.0) || !(goal > 0.0)) return {1.0, unit};
+  const int exponent = static_cast<int>(std::ceil(std::log10(largest / goal)));
+  return {std::pow(10.0, exponent), exponent == 0   ? unit
+                                    : exponent == 1 ? "10 " + unit
+                                    : exponent == 2 ? "100 " + unit
+                                                    : fmt::format("1e{} {}", exponent, unit)};
+}
+
+std::vector<BarPanel> bars_of(const Scene& scene, const StudyResult& result, std::size_t columns) {
+  const DisplayUnits units(scene.rod.length());
+  const std::string length = units.length == std::string("um") ? "µm" : units.length;
+  double error = 0.0;
+  double moment = 0.0;
+  double force = 0.0;
+  for (const StudyGroup& g : result.groups) {
+    error = std::max(error, g.tip_error.mean / units.length_size);
+    moment = std::max(moment, g.moment.mean / units.length_size);
+    force = std::max(force, g.contact_force.mean * 1e3);
+  }
+  if (!(error > 0.0)) error = moment;
+  const double grazing = grazing_force * scale_of(scene).force();
+  BarUnit bending = bar_unit(moment, error, "N " + length);
+  bending.size *= units.length_size;
+  BarUnit newton = bar_unit(force, error, "mN");
+  newton.size *= 1e-3;
+  std::vector<BarPanel> panels(columns);
+  for (std::size_t i = 0; i < result.groups.size(); ++i) {
+    const StudyGroup& g = result.groups[i];
+    BarPanel& panel = panels[i % columns];
+    panel.title = title_of(g.mode);
+    panel.quantities = {{"moment", bending.name}, {"tip error", length}, {"contact force", newton.name}};
+    const std::size_t row = i / columns;
+    const bool touches = g.contact_force.mean >= grazing;
+    panel.series.push_back({g.limit ? "limit " + units.moment(*g.limit) : "all cases",
+                            series_colors[row % std::size(series_colors)],
+                            {g.moment.mean / bending.size, g.tip_error.mean / units.length_size,
+                             touches ? g.contact_force.mean / newton.size : 0.0},
+                            {g.moment.deviation / bending.size, g.tip_error.deviation / units.length_size,
+                             touches ? g.contact_force.deviation / newton.size : 0.0}});
+  }
+  return panels;
+}
+
+}  // namespace
+
+void draw_study(Session& session, const StudyResult& result, StagedFiles& files) {
+  const Scene& scene = session.scene();
+  if (scene.problem == ProblemKind::grasp) return draw_grasp_study(scene, result, files);
+  std::size_t columns = 1;
+  while (columns < result.groups.size() && result.groups[columns].limit == result.groups[0].limit) ++columns;
+  const std::size_t rows = result.groups.size() / columns;
+  if (columns > most_columns || rows > most_rows) {
+    throw InputError(fmt::format("no figure: found {} modes and {} limits, expected at most {} and {}", columns, rows,
+                                 most_columns, most_rows));
+  }
+  const DisplayUnits units(scene.rod.length());
+  FigureScene figure = figure_scene(scene, session.make_obstacles());
+  std::vector<std::vector<ShapePanel>> panels(rows);
+  for (std::size_t i = 0; i < result.groups.size(); ++i) {
+    const StudyGroup& group = result.groups[i];
+    ShapePanel panel = shape_panel(figure);
+    panel.obstacles_ignored = group.mode ? *group.mode == StudyMode::ignore : figure.obstacles_ignored;
+    panel.title = title_of(group.mode);
+    if (group.limit) panel.title += (panel.title.empty() ? "" : ", ") + units.moment(*group.limit);
+    panel.color = series_colors[i / columns % std::size(series_colors)];
+    panels[i / columns].push_back(std::move(panel));
+  }
+  std::size_t group = 0;
+  int seen = 0;
+  for (std::size_t i = 0; i < result.cases.size(); ++i) {
+    if (seen == result.groups[group].cases) {
+      ++group;
+      seen = 0;
+    }
+    ++seen;
+    add_case(panels[group / columns][group % columns], result.cases[i], result.values[i]);
+  }
+  draw_panels(scene.title, panels, bars_of(scene, result, columns), files, "figure", {Picture::svg, Picture::png});
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/section.hpp"
+#include "tendril/plugins/registry.hpp"
+
+namespace tendril::bench {
+
+/// Random scenes, each planned in a process of its own, so that a crash or a hang is seen as such, and every plan
+/// checked by formulas of its own (plan_check.hpp).
+struct CampaignSetup {
+  std::uint64_t first = 1, last = 1000;  ///< seeds
+  std::vector<std::string> solvers;
+  int jobs = 1;  ///< processes at a time
+  /// s, of one plan. What is asked is what the planner answers; how fast it does stands in the table.
+  double time_limit = 30.0;
+  double share = 0.995;  ///< of the cases that have to be met
+  std::vector<std::string> plugin_directories;
+  const std::atomic<bool>* stop = nullptr;
+};
+
+/// How one scene ended.
+struct CampaignCase {
+  std::uint64_t seed = 0;
+  std::string solver;
+  std::string summary;  ///< of the scene
+  std::string verdict;  ///< "solved", "infeasible" or what is counted as a failure
+  bool met = false;     ///< solved and confirmed, or infeasible, within the time limit
+  bool grave = false;   ///< a crash, a hang, a false plan or a missed time limit
+  std::string reason;
+  double seconds = 0.0, cpu_seconds = 0.0;
+  double objective = 0.0;
+  double equilibrium = 0.0, penetration = 0.0, margin = 0.0;  ///< of the check
+};
+
+/// Coordinate models and objectives that random_scene() may draw.
+std::set<std::string> names_at_hand(const plugins::Registry& registry);
+
+/// Plans the scene of one seed, checks the plan, and returns one line of JSON. Throws where the scene cannot be used.
+std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const std::string& solver,
+                          double time_limit);
+
+/// Every case, in order of solver and seed; those not reached before `stop` are missing.
+std::vector<CampaignCase> run_campaign(const CampaignSetup& setup);
+
+/// Enough cases are met and none is grave, for every solver.
+bool acceptable(const CampaignSetup& setup, const std::vector<CampaignCase>& cases);
+
+Section campaign_section(const CampaignSetup& setup, const std::vector<CampaignCase>& cases);
+
+}  // namespace tendril::bench

@@ -1,0 +1,123 @@
+#include "common/scenes.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "tendril/app/document.hpp"
+#include "tendril/app/scene_reader.hpp"
+#include "tendril/problem.hpp"
+
+namespace tendril::bench {
+
+Scene scene_from_text(const std::string& text, const std::string& name, const plugins::Registry& registry) {
+  Scene scene = app::read_scene(app::Document::parse(text, "scene '" + name + "'"), std::make_shared<app::Units>());
+  const std::vector<std::string> solvers = registry.names(ComponentKind::solver);
+  if (solvers.empty()) throw Error("no solver was found, expected at least one: see `tendril plugins`");
+  if (std::find(solvers.begin(), solvers.end(), scene.solver.plugin) == solvers.end()) {
+    scene.solver.plugin = solvers.front();
+  }
+  validate(scene);
+  return scene;
+}
+
+Scene scene_from_file(const std::string& file, const std::vector<std::string>& settings) {
+  app::Document document = app::Document::read(file);
+  std::vector<app::Override> overrides;
+  for (const std::string& text : settings) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) throw Error("--set " + text + ": expected KEY=VALUE");
+    overrides.push_back({"--set " + text, text.substr(0, equals), text.substr(equals + 1)});
+  }
+  document.apply(overrides);
+  Scene scene = app::read_scene(document, std::make_shared<app::Units>());
+  validate(scene);
+  return scene;
+}
+
+std::string gravity() { return "gravity = [\"0 m/s^2\", \"-9.81 m/s^2\"]\n"; }
+
+std::string arm(const std::string& limit) {
+  return "[rod]\nlength = \"100 mm\"\nbending_stiffness = \"4.9e-4 N m^2\"\nlinear_density = \"84 g/m\"\n"
+         "[[rod.actuator]]\nlimit = \"" +
+         limit + "\"\n[start]\ntip_angle = \"0.5 rad\"\n";
+}
+
+std::string peg() {
+  return "[[obstacle]]\nname = \"peg\"\nshape = \"circle\"\ncenter = [\"60 mm\", \"0 mm\"]\nradius = \"8 mm\"\n";
+}
+
+std::string objectives() {
+  return "[[objective]]\nplugin = \"tip_pose\"\nweight = 100\n"
+         "[[objective]]\nplugin = \"actuation_effort\"\nweight = 1e-4\n";
+}
+
+std::vector<KnownScene> known_scenes(const plugins::Registry& registry) {
+  std::vector<KnownScene> known;
+  // self_weight.csv, weight 1 and tip moment 1.
+  known.push_back({"free arm",
+                   scene_from_text(gravity() +
+                                       "[rod]\nlength = \"100 mm\"\nbending_stiffness = \"9.81e-3 N m^2\"\n"
+                                       "linear_density = \"1 kg/m\"\n[[rod.actuator]]\nlimit = \"98.1 N mm\"\n"
+                                       "[target]\nposition = [\"70 mm\", \"70 mm\"]\n" +
+                                       objectives(),
+                                   "free arm", registry),
+                   0.0981,
+                   {0.0898317039, 0.0363091933},
+                   std::nullopt,
+                   std::nullopt,
+                   1e-9});
+  // braced_arm.csv, moment 2.5 N mm.
+  known.push_back({"braced arm",
+                   scene_from_text(gravity() + arm("2.5 N mm") + peg() +
+                                       "[contact]\nmode = \"allow\"\nmax_force = \"1 N\"\n"
+                                       "[target]\nposition = [\"97 mm\", \"26 mm\"]\n" +
+                                       objectives(),
+                                   "braced arm", registry),
+                   0.0025,
+                   {0.09670319442, 0.02200183222},
+                   0.05862167146,
+                   0.06178404562,
+                   1e-10});
+  return known;
+}
+
+std::vector<Vec2> grid(Vec2 low, Vec2 high, int side) {
+  std::vector<Vec2> points;
+  const auto at = [&](double a, double b, int i) { return side == 1 ? 0.5 * (a + b) : a + (b - a) * i / (side - 1); };
+  for (int i = 0; i < side; ++i) {
+    for (int j = 0; j < side; ++j) points.push_back({at(low.x, high.x, i), at(low.y, high.y, j)});
+  }
+  return points;
+}
+
+std::vector<BenchScene> bench_scenes(const plugins::Registry& registry, int side) {
+  const std::string target = "[target]\nposition = [\"97 mm\", \"20 mm\"]\n";
+  const std::string allow = "[contact]\nmode = \"allow\"\nmax_force = \"1 N\"\n";
+  const std::string two_pegs =
+      peg() +
+      "[[obstacle]]\nname = \"upper\"\nshape = \"circle\"\ncenter = [\"80 mm\", \"26 mm\"]\nradius = \"8 mm\"\n";
+  const std::string ledge =
+      "[[obstacle]]\nname = \"ledge\"\nshape = \"polygon\"\nvertices = [[\"50 mm\", \"3 mm\"], [\"40 mm\", \"-20 "
+      "mm\"], "
+      "[\"72 mm\", \"-20 mm\"], [\"66 mm\", \"2 mm\"]]\nrounding = \"4 mm\"\n"
+      "[[obstacle]]\nname = \"bar\"\nshape = \"capsule\"\nfrom = [\"78 mm\", \"22 mm\"]\nto = [\"100 mm\", \"42 mm\"]\n"
+      "radius = \"5 mm\"\n";
+  std::vector<BenchScene> scenes;
+  const auto add = [&](const std::string& name, const std::string& text, Vec2 low, Vec2 high) {
+    scenes.push_back({name, scene_from_text(text, name, registry), grid(low, high, side)});
+  };
+  // The targets of the paper's pose problem, both limits of its motor; then scenes with two obstacles.
+  add("free", gravity() + arm("10 N mm") + target + objectives(), {0.091, 0.006}, {0.099, 0.026});
+  add("avoid", gravity() + arm("10 N mm") + peg() + "[contact]\nmode = \"avoid\"\n" + target + objectives(),
+      {0.091, 0.006}, {0.099, 0.026});
+  add("brace", gravity() + arm("2.5 N mm") + peg() + allow + target + objectives(), {0.091, 0.006}, {0.099, 0.026});
+  add("brace, strong", gravity() + arm("10 N mm") + peg() + allow + target + objectives(), {0.091, 0.006},
+      {0.099, 0.026});
+  add("two pegs", gravity() + arm("5 N mm") + two_pegs + allow + "count = 2\n" + target + objectives(), {0.091, 0.018},
+      {0.097, 0.030});
+  add("ledge", gravity() + arm("5 N mm") + ledge + allow + "count = 2\n" + target + objectives(), {0.090, 0.014},
+      {0.096, 0.030});
+  return scenes;
+}
+
+}  // namespace tendril::bench

@@ -1,0 +1,149 @@
+// What one evaluation of a pose program costs, beside what the sines and cosines in it cost anyway: order 6, split, one
+// contact, 20 check points. Reports heap allocations per iteration too. The ratio of the rows is the result; times
+// depend on the machine.
+
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <memory>
+
+#include "certificate/certifier.hpp"
+#include "counting_malloc.hpp"
+#include "nlp/polish.hpp"
+#include "obstacle/circle.hpp"
+#include "program/pose_program.hpp"
+
+namespace {
+
+using namespace tendril;
+using test::allocations;
+
+/// Tip position and moment, as in the paper's Eq. 5.
+class Pose : public ObjectiveBase<Pose> {
+ public:
+  Reads reads() const override {
+    Reads r;
+    r.tip_position = r.moments = true;
+    return r;
+  }
+  template <class T>
+  void operator()(const Quantities<T>& x, Contribution<T>& out) const {
+    out.residual(x.fingers[0].tip.x - 0.97);
+    out.residual(x.fingers[0].tip.y - 0.2);
+    out.residual(0.01 * x.fingers[0].moments[0]);
+  }
+};
+
+struct Fixture {
+  explicit Fixture(int order = 6, int check_points = 20) : basis(order) {
+    rod.segments[0].weight = 1.68;
+    rod.actuators = {{0.0, 1.0, -0.51, 0.51}};
+    rod.gravity = {0.0, -1.0};
+    PoseProgramSpec spec;
+    spec.rod = &rod;
+    spec.model = &basis;
+    spec.obstacles = {&circle};
+    spec.terms = {{&pose, 1.0, "pose"}};
+    spec.split = true;
+    spec.contacts = {{0, false, 0}};
+    const int per_piece = check_points / 2;
+    for (int i = 1; i <= per_piece; ++i) {
+      for (const int piece : {0, 1}) spec.checks.push_back({piece, static_cast<double>(i) / (per_piece + 1), 0});
+    }
+    spec.nodes = suggested_nodes(order, 1.0);
+    program = std::make_unique<PoseProgram>(spec);
+    x = program->start_from(constant_curvature(0.5));
+    x[program->layout().first_force] = 1.2;
+    y = Eigen::VectorXd::Constant(program->row_count(), 0.3);
+  }
+
+  /// A new point each time, so that nothing is found in the cache.
+  void nudge() { x[0] += (flip = -flip); }
+
+  LegendreBasis basis;
+  Circle circle{{0.6, 0.0}, 0.08};
+  Pose pose;
+  Rod rod;
+  std::unique_ptr<PoseProgram> program;
+  Eigen::VectorXd x, y;
+  double flip = 1e-6;
+};
+
+void count_allocations(benchmark::State& state, long before) {
+  state.counters["allocations"] =
+      benchmark::Counter(static_cast<double>(allocations() - before), benchmark::Counter::kAvgIterations);
+}
+
+void sixty_sine_cosine_pairs(benchmark::State& state) {
+  double angles[60];
+  for (int i = 0; i < 60; ++i) angles[i] = 0.013 * i;
+  for (auto _ : state) {
+    double sum = 0.0;
+    for (double& angle : angles) {
+      sum += std::sin(angle) + std::cos(angle);
+    }
+    benchmark::DoNotOptimize(sum);
+    benchmark::ClobberMemory();
+  }
+}
+BENCHMARK(sixty_sine_cosine_pairs);
+
+void values(benchmark::State& state) {
+  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  const long before = allocations();
+  for (auto _ : state) {
+    f.nudge();
+    benchmark::DoNotOptimize(f.program->constraints(f.x).data());
+  }
+  count_allocations(state, before);
+}
+BENCHMARK(values)->Args({6, 20});
+
+void first_derivatives(benchmark::State& state) {
+  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  const long before = allocations();
+  for (auto _ : state) {
+    f.nudge();
+    benchmark::DoNotOptimize(f.program->jacobian(f.x).data());
+    benchmark::DoNotOptimize(f.program->gradient(f.x).data());
+  }
+  count_allocations(state, before);
+}
+BENCHMARK(first_derivatives)->Args({6, 20})->Args({6, 4})->Args({12, 20})->Args({24, 20})->Args({48, 20});
+
+void with_hessian(benchmark::State& state) {
+  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  const long before = allocations();
+  for (auto _ : state) {
+    f.nudge();
+    benchmark::DoNotOptimize(f.program->jacobian(f.x).data());
+    benchmark::DoNotOptimize(f.program->hessian(f.x, 1.0, f.y).data());
+  }
+  count_allocations(state, before);
+}
+BENCHMARK(with_hessian)->Args({6, 20})->Args({6, 4})->Args({12, 20})->Args({24, 20})->Args({48, 20});
+
+/// One mode's program with its tables, and the doubled one that judges it.
+void assembly(benchmark::State& state) {
+  const Fixture f;
+  for (auto _ : state) {
+    const PoseProgram program(f.program->spec());
+    const Certifier certifier(f.program->spec());
+    benchmark::DoNotOptimize(&program);
+    benchmark::DoNotOptimize(&certifier);
+  }
+}
+BENCHMARK(assembly);
+
+/// The whole certificate of a polished plan.
+void certificate(benchmark::State& state) {
+  Fixture f;
+  f.program->set_branch(0, Branch::touching);
+  const PolishReport plan = polish(*f.program, f.x, {});
+  Certifier certifier(f.program->spec());
+  for (auto _ : state) benchmark::DoNotOptimize(certifier.certify(*f.program, plan.x).stability);
+  state.counters["converged"] = plan.converged ? 1.0 : 0.0;
+}
+BENCHMARK(certificate);
+
+}  // namespace

@@ -1,0 +1,413 @@
+#include "certificate/certifier.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "nlp/multipliers.hpp"
+#include "program/stability.hpp"
+#include "rod/quadrature.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril {
+namespace {
+
+std::string defect(const char* what, double value, double limit) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%s %.2e is above %.0e", what, value, limit);
+  return text;
+}
+
+/// Somewhere the rod lies along an obstacle instead of touching it at a point.
+bool spreads(const Certificate& c) { return !(c.contact_convexity > tolerance::convexity); }
+
+}  // namespace
+
+struct Certifier::Data {
+  explicit Data(const PoseProgramSpec& s)
+      : spec(doubled(s)), program(std::make_unique<PoseProgram>(spec)), stability(*program) {
+    tables = program->chain().curve_tables();
+    curve = std::make_unique<Curve>(tables);
+    const Chain& chain = program->chain();
+    const int n = chain.functions();
+    first.resize(chain.nodes(), n);
+    Eigen::MatrixXd value(chain.nodes(), n);
+    Eigen::MatrixXd second(chain.nodes(), n);
+    const Eigen::VectorXd& sigma = chain.table().sigma;
+    chain.model().evaluate({sigma.data(), static_cast<std::size_t>(sigma.size())}, value, first, second);
+    polynomials.resize(static_cast<std::size_t>(tables->per_interval()) + 1);
+  }
+
+  static PoseProgramSpec doubled(PoseProgramSpec s) {
+    s.nodes *= 2;
+    return s;
+  }
+
+  void move(ConstVectorRef x) {
+    program->jacobian(x);
+    curve->follow(program->backbone());
+    if (spec.carried == 0) return;
+    if (!from_palm) from_palm = std::make_unique<Curve>(tables);
+    *from_palm = *curve;
+    from_palm->translate(-program->base_shift());
+  }
+
+  /// Obstacles that the rod has to keep out of.
+  std::size_t bodies() const { return spec.obstacles.size() - static_cast<std::size_t>(spec.measures); }
+
+  /// The rod in the frame of an obstacle.
+  const Curve& curve_beside(std::size_t obstacle) const {
+    return obstacle + static_cast<std::size_t>(spec.carried) >= spec.obstacles.size() ? *from_palm : *curve;
+  }
+
+  double moment_balance(ConstVectorRef x);
+  double margin(ConstVectorRef x) { return stability.margin(*program, x); }
+  /// A quadratic form that holds for half of all disturbances is positive there only if it is for all of them: a
+  /// contact at the end of the rod has to hold it as one that slides and as one at the tip.
+  double margin_to_both_sides(ConstVectorRef x) {
+    const double sliding = margin(x);
+    bool leans = false;
+    for (int k = 0; k < program->layout().forces; ++k) leans = leans || Stability::leans_on_end(*program, k);
+    if (!leans) return sliding;
+    stability.hold_ends(true);
+    const double held = margin(x);
+    stability.hold_ends(false);
+    return std::min(sliding, held);
+  }
+  void set_branch(int contact, Branch branch) {
+    if (program->branch(contact) != branch) program->set_branch(contact, branch);
+  }
+  void judge_stationarity(PoseProgram& judged, ConstVectorRef x, Certificate& c, const Eigen::VectorXd* multipliers,
+                          const Eigen::VectorXd* bound_multipliers);
+
+  PoseProgramSpec spec;
+  std::unique_ptr<PoseProgram> program;
+  std::shared_ptr<const CurveTables> tables;
+  std::unique_ptr<Curve> curve, from_palm;
+
+  Stability stability;
+  Eigen::MatrixXd first;  ///< the basis' slopes at the nodes
+  // Memory that is used again.
+  Eigen::VectorXd coarse, rows;                ///< of the judged program, and on the doubled rule
+  Eigen::VectorXd shear, coefficients, up_to;  ///< moment balance
+  std::vector<double> polynomials;             ///< moment balance
+  std::vector<int> biactive;
+  std::vector<ClosestApproach> near;
+  KktJudgement known;
+};
+
+Certifier::Certifier(const PoseProgramSpec& spec) : data_(std::make_unique<Data>(spec)) {}
+Certifier::~Certifier() = default;
+Certifier::Certifier(Certifier&&) noexcept = default;
+Certifier& Certifier::operator=(Certifier&&) noexcept = default;
+
+void Certifier::set_checks(const std::vector<CheckPoint>& checks) {
+  data_->spec.checks = checks;
+  data_->program = std::make_unique<PoseProgram>(data_->spec);
+}
+
+/// max over nodes and knots of |EI (kappa - kappa0) - moment of everything beyond|.
+double Certifier::Data::moment_balance(ConstVectorRef x) {
+  const Chain& chain = program->chain();
+  const Backbone& shape = program->backbone();
+  const Rod& rod = *spec.rod;
+  const int n = tables->per_interval();
+  const int intervals = tables->intervals();
+  const int functions = chain.functions();
+  const bool gravity = rod.has_gravity();
+  const Eigen::VectorXd& sigma = chain.table().sigma;
+
+  const std::vector<PoseProgram::ContactState>& contacts = program->contacts();
+  Vec2 force = rod.tip_force;
+  double mass = rod.payload;
+  double beyond = 0.0;  // moment of all forces beyond the current point, about it
+  double worst = 0.0;
+  shear.resize(n);
+  coefficients.resize(n);
+  up_to.resize(n);
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    if (spec.contacts[k].at_tip) force += contacts[k].force * contacts[k].surface.normal;
+  }
+  // The force of an unsplit contact ends inside a piece, where no series over the nodes follows it: force times arm
+  // does.
+  const auto unsplit_moment = [&](int j, double at) {
+    double moment = 0.0;
+    if (spec.split || contacts.empty()) return moment;
+    const double s = shape.start(j) + shape.length(j) * at;
+    const Vec2 here = curve->position(j, at);
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      if (spec.contacts[k].at_tip || !(contacts[k].arc_length > s)) continue;
+      moment += cross(contacts[k].point - here, contacts[k].force * contacts[k].surface.normal);
+    }
+    return moment;
+  };
+  std::size_t knot = static_cast<std::size_t>(program->layout().arc_lengths);
+  for (int j = chain.piece_count() - 1; j >= 0; --j) {
+    const Chain::Piece& piece = chain.piece(j);
+    const double h = shape.length(j);
+    while (spec.split && knot > 0 && chain.piece_before_knot(static_cast<int>(knot) - 1) == j) {
+      --knot;
+      force += contacts[knot].force * contacts[knot].surface.normal;
+    }
+    double applied = piece.stiffness * piece.rest_curvature;
+    for (int a = 0; a < chain.actuator_count(); ++a) {
+      const int variable = program->moment_variable(a);
+      if (variable >= 0 && chain.actuated(a, j)) applied += x[variable];
+    }
+    const double own = piece.weight * h;
+    const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), functions);
+    const auto check = [&](double curvature, double moment) {
+      worst = std::max(worst, std::abs(piece.stiffness * curvature - applied - moment));
+    };
+    check(chain.table().slope_end.dot(q) / h, beyond + unsplit_moment(j, 1.0));
+    for (int i = intervals - 1; i >= 0; --i) {
+      const double width = tables->end(i + 1) - tables->end(i);
+      double before = 0.0;
+      for (int g = 0; g < n; ++g) {
+        const int node = i * n + g;
+        Vec2 f = force;
+        if (gravity) f += (mass + own * (1.0 - sigma[node])) * rod.gravity;
+        shear[g] = f.y * shape.cosines(j)[node] - f.x * shape.sines(j)[node];
+      }
+      coefficients.noalias() = tables->transform() * shear;
+      up_to.noalias() = 0.5 * width * h * (tables->cumulative() * coefficients);
+      before = width * h * coefficients[0];
+      for (int g = 0; g < n; ++g) {
+        check(first.row(i * n + g).dot(q) / h, beyond + before - up_to[g] + unsplit_moment(j, sigma[i * n + g]));
+      }
+      // The defect of an unsplit basis peaks at the contact, where it cannot kink.
+      for (std::size_t k = 0; !spec.split && k < contacts.size(); ++k) {
+        const double at = (contacts[k].arc_length - shape.start(j)) / h;
+        if (spec.contacts[k].at_tip || !(at >= tables->end(i) && at <= tables->end(i + 1))) continue;
+        const double z = 2.0 * (at - tables->end(i)) / width - 1.0;
+        legendre_polynomials(z, polynomials);
+        double here = (1.0 + z) * coefficients[0];
+        for (std::size_t m = 1; m + 1 < polynomials.size(); ++m) {
+          const double order = static_cast<double>(m);
+          here += coefficients[static_cast<Eigen::Index>(m)] * (polynomials[m + 1] - polynomials[m - 1]) /
+                  (2.0 * order + 1.0);
+        }
+        check(shape.at(j, at).curvature, beyond + before - 0.5 * width * h * here + unsplit_moment(j, at));
+      }
+      beyond += before;
+    }
+    check(chain.table().slope_start.dot(q) / h, beyond + unsplit_moment(j, 0.0));
+    mass += own;
+  }
+  return worst;
+}
+
+void Certifier::Data::judge_stationarity(PoseProgram& judged, ConstVectorRef x, Certificate& c,
+                                         const Eigen::VectorXd* multipliers, const Eigen::VectorXd* bound_multipliers) {
+  const PoseProgram::Layout& at = program->layout();
+  // The tightened program: the branch of each contact is what the point says it is.
+  biactive.clear();
+  for (int k = 0; k < at.forces; ++k) {
+    const PoseProgram::ContactState& state = program->contacts()[static_cast<std::size_t>(k)];
+    const bool touches =
+        judged.branch(k) == Branch::touching || std::abs(state.surface.distance) <= tolerance::complementarity;
+    const bool pushes = state.force > tolerance::complementarity;
+    if (touches && !pushes) biactive.push_back(k);
+    set_branch(k, touches ? Branch::touching : Branch::separated);
+  }
+  constexpr double active = 1e-8;
+  if (multipliers != nullptr && bound_multipliers != nullptr && biactive.empty()) {
+    judge_kkt(*program, x, active, *multipliers, *bound_multipliers, known);
+    c.stationarity = known.stationarity;
+    c.stationarity_kind = "S";
+    if (known.stationarity <= tolerance::stationarity) return;
+  }
+  const KktJudgement best = judge_kkt(*program, x, active);
+  c.stationarity = best.stationarity;
+  c.stationarity_kind = best.stationarity <= tolerance::stationarity ? "S" : "none";
+  if (biactive.empty() || c.stationarity_kind == "none") return;
+  // Gap and force both zero: the gap's multiplier must be that of g >= 0 for strong stationarity.
+  for (const int k : biactive) set_branch(k, Branch::open);
+  const KktJudgement strong = judge_kkt(*program, x, active);
+  if (strong.stationarity <= tolerance::stationarity) {
+    c.stationarity = strong.stationarity;
+    return;
+  }
+  c.stationarity_kind = "M";
+  for (const int k : biactive) {
+    const double gap = -best.multipliers[at.first_gap + k];
+    const double force = -best.bound_multipliers[at.first_force + k];
+    const double small = tolerance::stationarity;
+    if (std::abs(gap) <= small || std::abs(force) <= small || (gap > 0.0 && force > 0.0)) continue;
+    c.stationarity_kind = gap * force > 0.0 ? "C" : "none";
+    if (gap * force <= 0.0) return;
+  }
+}
+
+Certificate Certifier::certify(PoseProgram& judged, ConstVectorRef x) {
+  Certificate c;
+  certify(judged, x, c, nullptr, nullptr);
+  return c;
+}
+
+void Certifier::set_target(const Target& target) {
+  data_->spec.target = target;
+  data_->program->set_target(target);
+}
+
+void Certifier::certify(PoseProgram& judged, ConstVectorRef x, Certificate& c, const Eigen::VectorXd* multipliers,
+                        const Eigen::VectorXd* bound_multipliers) {
+  if (!x.allFinite()) {
+    c = Certificate{};
+    c.failures.assign(1, "the plan is not finite");
+    return;
+  }
+  measure(judged, x, c);
+  const PoseProgram::Layout& at = data_->program->layout();
+  c.balance = at.balances > 0 ? std::abs(data_->rows[at.first_balance]) : 0.0;
+  data_->judge_stationarity(judged, x, c, multipliers, bound_multipliers);
+  list_failures(c);
+}
+
+void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
+  Data& d = *data_;
+  c.contact_convexity = infinity;
+  const PoseProgram::Layout& at = d.program->layout();
+  d.coarse = judged.constraints(x);
+  d.move(x);
+  const Eigen::VectorXd& rows = d.rows = d.program->constraints(x);
+  c.quadrature = (rows - d.coarse).cwiseAbs().maxCoeff();
+  c.equilibrium = rows.head(at.coordinates).cwiseAbs().maxCoeff();
+
+  c.bounds = 0.0;
+  for (int i = 0; i < judged.variable_count(); ++i) {
+    // Limits are those of the scene: a branch that holds a force at zero is no limit.
+    const bool force = i >= at.first_force && i < at.first_force + at.forces;
+    const double low = force ? d.spec.min_force : judged.lower()[i];
+    const double high = force ? d.spec.max_force : judged.upper()[i];
+    c.bounds = std::max({c.bounds, low - x[i], x[i] - high});
+  }
+
+  c.penetration = 0.0;
+  for (std::size_t o = 0; o < d.bodies(); ++o) {
+    c.penetration = std::max(c.penetration, certified_depth(d.curve_beside(o), *d.spec.obstacles[o]));
+  }
+
+  c.complementarity = 0.0;
+  c.closest_point = 0.0;
+  for (int k = 0; k < at.forces; ++k) {
+    const PoseProgram::ContactState& state = d.program->contacts()[static_cast<std::size_t>(k)];
+    c.complementarity = std::max(c.complementarity, std::abs(std::min(state.surface.distance, state.force)));
+    if (!(state.force > tolerance::force)) continue;
+    const double slope = dot(state.tangent, state.surface.normal);
+    const bool at_tip = d.spec.contacts[static_cast<std::size_t>(k)].at_tip;
+    c.closest_point = std::max(c.closest_point, at_tip ? std::max(0.0, slope) : std::abs(slope));
+    const double convexity = d.program->contact_convexity(k);
+    if (std::isnan(convexity) || convexity < c.contact_convexity) c.contact_convexity = convexity;
+  }
+  c.moment_balance = d.moment_balance(x);
+  c.stability = spreads(c) ? -infinity : d.margin_to_both_sides(x);
+}
+
+Certificate worse_of(const Certificate& a, const Certificate& b) {
+  Certificate c = a;
+  // What is no number is worse than any.
+  const auto larger = [](double& kept, double value) {
+    if (std::isnan(value) || value > kept) kept = value;
+  };
+  const auto smaller = [](double& kept, double value) {
+    if (std::isnan(value) || value < kept) kept = value;
+  };
+  larger(c.equilibrium, b.equilibrium);
+  larger(c.bounds, b.bounds);
+  larger(c.penetration, b.penetration);
+  larger(c.complementarity, b.complementarity);
+  larger(c.closest_point, b.closest_point);
+  larger(c.balance, b.balance);
+  larger(c.stationarity, b.stationarity);
+  larger(c.moment_balance, b.moment_balance);
+  larger(c.quadrature, b.quadrature);
+  smaller(c.stability, b.stability);
+  smaller(c.contact_convexity, b.contact_convexity);
+  if (b.stationarity_kind != "S") c.stationarity_kind = b.stationarity_kind;
+  c.failures.insert(c.failures.end(), b.failures.begin(), b.failures.end());
+  return c;
+}
+
+void list_failures(Certificate& c) {
+  c.failures.clear();
+  if (!(c.equilibrium <= tolerance::equilibrium))
+    c.failures.push_back(defect("equilibrium residual", c.equilibrium, tolerance::equilibrium));
+  if (!(c.balance <= tolerance::balance))
+    c.failures.push_back(defect("net force on the object", c.balance, tolerance::balance));
+  if (!(c.bounds <= tolerance::bounds))
+    c.failures.push_back(defect("violation of a limit", c.bounds, tolerance::bounds));
+  if (!(c.penetration <= tolerance::penetration))
+    c.failures.push_back(defect("penetration", c.penetration, tolerance::penetration));
+  if (!(c.complementarity <= tolerance::complementarity))
+    c.failures.push_back(defect("complementarity", c.complementarity, tolerance::complementarity));
+  if (!(c.closest_point <= tolerance::closest_point))
+    c.failures.push_back(defect("closest point", c.closest_point, tolerance::closest_point));
+  if (!(c.stationarity <= tolerance::stationarity))
+    c.failures.push_back(defect("stationarity", c.stationarity, tolerance::stationarity));
+  if (c.stationarity <= tolerance::stationarity && c.stationarity_kind != "S") {
+    c.failures.push_back("the point is " +
+                         (c.stationarity_kind == "none" ? std::string("not even C") : c.stationarity_kind) +
+                         "-stationary, not S-stationary");
+  }
+  if (spreads(c)) {
+    c.failures.emplace_back("contact spreads: the rod lies along the obstacle, a point contact does not hold it");
+  } else if (!(c.stability > tolerance::stability)) {
+    char text[120];
+    std::snprintf(text, sizeof text, "unstable: the stability margin is %.3e", c.stability);
+    c.failures.push_back(text);
+  }
+}
+
+std::vector<Certifier::Approach> Certifier::approaches(ConstVectorRef x, double level) {
+  Data& d = *data_;
+  d.move(x);
+  std::vector<Approach> all;
+  for (std::size_t o = 0; o < d.bodies(); ++o) {
+    for (const ClosestApproach& at : closest_approaches(d.curve_beside(o), *d.spec.obstacles[o], level)) {
+      all.push_back({static_cast<int>(o), at});
+    }
+  }
+  return all;
+}
+
+const PoseProgram& Certifier::finer(ConstVectorRef x) {
+  data_->move(x);
+  return *data_->program;
+}
+
+bool Certifier::approached(ConstVectorRef x, double level) {
+  Data& d = *data_;
+  d.move(x);
+  d.near.clear();
+  for (std::size_t o = 0; o < d.bodies() && d.near.empty(); ++o) {
+    closest_approaches(d.curve_beside(o), *d.spec.obstacles[o], level, d.near);
+  }
+  return !d.near.empty();
+}
+
+void Certifier::invalidate() { data_->program->invalidate(); }
+
+double Certifier::moment_balance(ConstVectorRef x) {
+  data_->move(x);
+  return data_->moment_balance(x);
+}
+
+double Certifier::stability(ConstVectorRef x) {
+  data_->move(x);
+  return data_->margin(x);
+}
+
+Eigen::MatrixXd Certifier::second_variation(ConstVectorRef x) {
+  data_->move(x);
+  Eigen::MatrixXd h;
+  data_->stability.second_variation(*data_->program, x, h);
+  return h;
+}
+
+double Certifier::contact_convexity(ConstVectorRef x, int contact) {
+  data_->move(x);
+  return data_->program->contact_convexity(contact);
+}
+
+}  // namespace tendril

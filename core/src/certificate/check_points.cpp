@@ -1,0 +1,54 @@
+#include "certificate/check_points.hpp"
+
+#include <cmath>
+#include <span>
+
+namespace tendril {
+
+bool exchange_checks(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
+                     std::vector<CheckPoint>& checks, double level, bool keep) {
+  const Chain& chain = program.chain();
+  const PoseProgram::Layout& at = program.layout();
+  const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));
+  bool changed = false;
+  std::vector<bool> moved(checks.size(), false);
+  for (const Certifier::Approach& valley : certifier.approaches(x, level)) {
+    const double s = valley.at.arc_length;
+    bool own_contact = false;
+    for (int k = 0; k < at.forces; ++k) {
+      const ContactSetup& c = program.spec().contacts[static_cast<std::size_t>(k)];
+      if (c.obstacle != valley.obstacle || program.branch(k) != Branch::touching) continue;
+      const double contact = c.at_tip ? 1.0 : x[at.first_arc_length + k];
+      own_contact = own_contact || std::abs(contact - s) < contact_neighbourhood;
+    }
+    if (own_contact) continue;
+    CheckPoint wanted{valley.at.piece, valley.at.sigma, valley.obstacle};
+    if (wanted.sigma < 1e-6) {
+      // The start of a piece is the end of the one before; the base itself cannot move.
+      if (wanted.piece == 0) continue;
+      wanted = {wanted.piece - 1, 1.0, wanted.obstacle};
+    }
+    // The nearest check point of the same valley moves: between it and the valley's floor the distance does not rise
+    // above what it is at the check point. A neighbourhood of a tenth of the rod stands for that.
+    int nearest = -1;
+    double best = 0.1;
+    for (std::size_t i = 0; i < checks.size(); ++i) {
+      if (keep || checks[i].obstacle != valley.obstacle || (i < moved.size() && moved[i])) continue;
+      const double own = chain.start(checks[i].piece, knots) + checks[i].sigma * chain.length(checks[i].piece, knots);
+      if (std::abs(own - s) >= best) continue;
+      best = std::abs(own - s);
+      nearest = static_cast<int>(i);
+    }
+    if (nearest >= 0) {
+      checks[static_cast<std::size_t>(nearest)] = wanted;
+      moved[static_cast<std::size_t>(nearest)] = true;
+    } else {
+      checks.push_back(wanted);
+      moved.push_back(true);
+    }
+    changed = true;
+  }
+  return changed;
+}
+
+}  // namespace tendril

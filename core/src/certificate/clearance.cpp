@@ -1,0 +1,155 @@
+#include "certificate/clearance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "tendril/tolerances.hpp"
+
+namespace tendril {
+
+namespace {
+
+/// Of a piece; they reach the spacing of doubles: nothing is hidden between two neighbours.
+constexpr int most_halvings = 60;
+
+struct Interval {
+  int piece = 0;
+  double from = 0.0, to = 1.0;
+  double core_from = 0.0,
+         core_to = 0.0;  // distance to the core at the ends; for a shape without rounding the signed distance
+  int depth = 0;
+};
+
+/// Where the rod meets the core the square of the distance bounds nothing. The signed distance to a convex shape is
+/// convex: it lies above its tangent at the middle, which bounds it like a wall.
+double support_bound(const Curve& curve, const Obstacle& obstacle, const Interval& at, double& lowest_seen) {
+  const Vec2 middle = curve.position(at.piece, 0.5 * (at.from + at.to));
+  const SurfacePoint s = obstacle.at(middle);
+  lowest_seen = std::min(lowest_seen, s.distance);
+  const double from = dot(s.normal, curve.position(at.piece, at.from) - middle);
+  const double to = dot(s.normal, curve.position(at.piece, at.to) - middle);
+  const double h = (at.to - at.from) * curve.length(at.piece);
+  return s.distance + std::min(from, to) - h * h / 8.0 * curve.curvature_bound(at.piece);
+}
+
+}  // namespace
+
+double certified_depth(const Curve& curve, const Obstacle& obstacle) {
+  const double radius = obstacle.rounding();
+  const bool flat = !std::isfinite(obstacle.smallest_radius());
+  double lowest_seen = 0.0;  // only depth counts
+  // Comparisons with what is no number would pass for clearance.
+  bool no_number = !(radius >= 0.0);
+  const auto core = [&](int piece, double sigma) {
+    const Vec2 p = curve.position(piece, sigma);
+    const double value = flat ? obstacle.at(p).distance : obstacle.core_distance(p);
+    if (!(value > -infinity)) no_number = true;
+    // Inside of the core only the signed distance tells how deep.
+    lowest_seen = std::min(lowest_seen, flat ? value : value > 0.0 ? value - radius : obstacle.at(p).distance);
+    return value;
+  };
+  double depth = 0.0;
+  // The ends of all pieces first: depth seen anywhere spares halvings everywhere.
+  for (int j = 0; j < curve.piece_count(); ++j) {
+    core(j, 0.0);
+    core(j, 1.0);
+  }
+  // Of an interval and its halves at most one more than the halvings are open at a time.
+  std::array<Interval, most_halvings + 2> open;
+  std::size_t count = 0;
+  int pieces_left = curve.piece_count();
+  while ((count > 0 || pieces_left > 0) && !no_number) {
+    if (count == 0) {
+      const int j = --pieces_left;
+      open[count++] = {j, 0.0, 1.0, core(j, 0.0), core(j, 1.0), 0};
+    }
+    const Interval at = open[--count];
+    const double h = (at.to - at.from) * curve.length(at.piece);
+    const double kappa = curve.curvature_bound(at.piece);
+    const double low = std::min(at.core_from, at.core_to);
+    const double farthest = std::max(at.core_from, at.core_to) + 0.5 * h;
+    const double square = low * low - 0.25 * h * h * (1.0 + kappa * farthest);
+    double bound = 0.0;  // of the distance to the obstacle
+    if (flat) {
+      bound = low - h * h / 8.0 * kappa;
+    } else if (square > 0.0) {
+      bound = std::sqrt(square) - radius;
+    } else {
+      bound = support_bound(curve, obstacle, at, lowest_seen);
+    }
+    if (bound >= lowest_seen - tolerance::clearance_sharpness || at.depth >= most_halvings) {
+      depth = std::max(depth, -bound);
+      continue;
+    }
+    const double middle = 0.5 * (at.from + at.to);
+    const double value = core(at.piece, middle);
+    open[count++] = {at.piece, at.from, middle, at.core_from, value, at.depth + 1};
+    open[count++] = {at.piece, middle, at.to, value, at.core_to, at.depth + 1};
+  }
+  return no_number ? infinity : depth;
+}
+
+std::vector<ClosestApproach> closest_approaches(const Curve& curve, const Obstacle& obstacle, double level) {
+  std::vector<ClosestApproach> found;
+  closest_approaches(curve, obstacle, level, found);
+  return found;
+}
+
+void closest_approaches(const Curve& curve, const Obstacle& obstacle, double level,
+                        std::vector<ClosestApproach>& found) {
+  const auto sample = [&](int piece, double sigma) {
+    return ClosestApproach{piece, sigma, curve.start(piece) + sigma * curve.length(piece),
+                           obstacle.at(curve.position(piece, sigma)).distance};
+  };
+  const auto at_arc_length = [&](double s) {
+    int j = 0;
+    while (j + 1 < curve.piece_count() && s > curve.start(j + 1)) ++j;
+    return sample(j, std::clamp((s - curve.start(j)) / curve.length(j), 0.0, 1.0));
+  };
+  /// A sample between its neighbours along the rod, where it has them.
+  const auto consider = [&](const ClosestApproach* before, const ClosestApproach& here, const ClosestApproach* after) {
+    if (before != nullptr && here.distance > before->distance) return;
+    if (after != nullptr && here.distance >= after->distance) return;
+    double low = before != nullptr ? before->arc_length : here.arc_length;
+    double high = after != nullptr ? after->arc_length : here.arc_length;
+    // A sample may stand above the level although the minimum beside it does not: neighbours bound the slope by 1.
+    if (here.distance - std::max(here.arc_length - low, high - here.arc_length) > level) return;
+    ClosestApproach best = here;
+    // Golden section: the distance has one minimum between neighbours of a lowest sample.
+    const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);
+    ClosestApproach left = at_arc_length(high - ratio * (high - low));
+    ClosestApproach right = at_arc_length(low + ratio * (high - low));
+    while (high - low > 1e-9) {
+      if (left.distance < right.distance) {
+        high = right.arc_length;
+        right = left;
+        left = at_arc_length(high - ratio * (high - low));
+      } else {
+        low = left.arc_length;
+        left = right;
+        right = at_arc_length(low + ratio * (high - low));
+      }
+      const ClosestApproach& lower = left.distance < right.distance ? left : right;
+      if (lower.distance < best.distance) best = lower;
+    }
+    if (best.distance <= level) found.push_back(best);
+  };
+  // Valleys of the distance are as wide as the obstacle is small; the curve itself is smooth on the scale of its
+  // pieces.
+  ClosestApproach before, here;
+  int seen = 0;
+  for (int j = 0; j < curve.piece_count(); ++j) {
+    const double wanted = curve.length(j) / std::clamp(0.5 * obstacle.smallest_radius(), 1e-3, 0.02);
+    const int steps = std::clamp(static_cast<int>(std::ceil(wanted)), 8, 1000);
+    for (int i = j == 0 ? 0 : 1; i <= steps; ++i, ++seen) {
+      const ClosestApproach next = sample(j, static_cast<double>(i) / steps);
+      if (seen > 0) consider(seen > 1 ? &before : nullptr, here, &next);
+      before = here;
+      here = next;
+    }
+  }
+  if (seen > 0) consider(seen > 1 ? &before : nullptr, here, nullptr);
+}
+
+}  // namespace tendril

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <atomic>
+#include <chrono>
+#include <span>
+#include <vector>
+
+#include "estimate/loaded_rod.hpp"
+
+namespace tendril {
+
+/// Measured backbone points, dimensionless.
+struct MeasuredShape {
+  std::vector<double> arc_lengths;
+  Eigen::VectorXd points;  ///< x and y in turn
+  double noise = 0.0;      ///< standard deviation of a coordinate; 0: not known
+
+  int degrees_of_freedom(int contacts) const { return static_cast<int>(points.size()) - 2 * contacts; }
+  /// Variance of a coordinate, as far as it is known when `sum` of squares is left over by `contacts`.
+  double variance(double sum, int contacts) const;
+};
+
+/// When to stop early.
+struct FitLimits {
+  const std::atomic<bool>* stop = nullptr;
+  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
+  bool interrupted() const { return stop != nullptr && stop->load(std::memory_order_relaxed); }
+  bool late() const { return std::chrono::steady_clock::now() > deadline; }
+  bool reached() const { return interrupted() || late(); }
+};
+
+/// A rod shape that comes as near to the measured points as forces and their places allow, locally.
+struct ShapeFit {
+  LoadedRod::Shape shape;
+  LoadedRod::Response response;
+  Eigen::VectorXd residual;  ///< points of the shape less measured ones
+  double sum = 0.0;          ///< of its squares
+  bool converged = false;
+
+  int contacts() const { return static_cast<int>(shape.forces.size()); }
+};
+
+/// A fit has converged when the next step is this small, in standard deviations of what is estimated: while places are
+/// still compared, and at the end.
+inline constexpr double search_accuracy = 1e-2;
+inline constexpr double final_accuracy = 1e-6;
+
+/// Levenberg and Marquardt's method over the places of the contacts, from `start`. In each step the forces, which act
+/// almost linearly, follow at their best (variable projection): contacts close together would else form a long curved
+/// valley. The shape follows by the implicit function theorem.
+ShapeFit fit_shape(const LoadedRod& rod, const MeasuredShape& measured, const LoadedRod::Shape& start, double accuracy,
+                   int most_steps, const FitLimits& limits);
+
+/// The backbone's curvature as the measured points show it: a smooth polynomial through the directions of chords. Good
+/// enough to start from.
+LoadedRod::Curvature measured_curvature(const Rod& rod, const MeasuredShape& measured);
+/// Largest change of direction between chords, a measure of how far the rod turns (radians).
+double measured_turn(const Rod& rod, const MeasuredShape& measured);
+
+/// Fits with `contacts` contacts (1 or 2) from many starts, and with them the local minima.
+/// `fewer`: the fit with one contact less, if it converged. Best first; those
+/// that ran out of steps are not converged.
+std::vector<ShapeFit> search(const LoadedRod& rod, const MeasuredShape& measured, const LoadedRod::Curvature& curvature,
+                             int contacts, const ShapeFit& fewer, const FitLimits& limits, int& starts);
+
+/// Arc lengths spread over the rod, none at its ends.
+std::vector<double> spread_places(int count);
+
+}  // namespace tendril

@@ -1,0 +1,202 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "grasp/frames.hpp"
+#include "program/grasp_program.hpp"
+#include "scene/make_rod.hpp"
+#include "scene/plan_report.hpp"
+#include "search/contacts.hpp"
+#include "tendril/error.hpp"
+#include "tendril/grasp.hpp"
+
+namespace tendril {
+namespace {
+
+/// A term's value for made-up quantities of some fingers: all different, none zero.
+class Trial {
+ public:
+  Trial(std::size_t samples, const std::array<std::size_t, 2>& moments) {
+    for (std::size_t which = 0; which < 2; ++which) {
+      samples_[which].resize(samples);
+      for (auto& p : samples_[which]) p = {next(), next(), next(), next()};
+      moments_[which].resize(moments[which]);
+      for (double& m : moments_[which]) m = next();
+      const double turn = next();
+      contacts_[which] = {next(), next(), next(), std::cos(turn), std::sin(turn), next(), next(), next(), next()};
+      FingerQuantities<double>& f = fingers_[which];
+      f.tip = {next(), next(), next(), next()};
+      f.samples = samples_[which];
+      f.contacts = {&contacts_[which], 1};
+      f.moments = moments_[which];
+      f.bending_energy = next();
+    }
+  }
+
+  double value(const ObjectiveTerm& term, std::size_t first, std::size_t count) const {
+    Quantities<double> x;
+    x.fingers = {&fingers_[first], count};
+    x.palm_distance = 0.83;
+    std::vector<double> residuals(64);
+    for (;;) {
+      Contribution<double> out{residuals};
+      term.evaluate(x, out);
+      if (out.residual_count() > residuals.size()) {
+        residuals.resize(out.residual_count());
+        continue;
+      }
+      double sum = out.linear_part() + out.smooth_part();
+      for (std::size_t i = 0; i < out.residual_count(); ++i) sum += residuals[i] * residuals[i];
+      return sum;
+    }
+  }
+
+ private:
+  double next() { return seed_ += 0.0173; }
+
+  double seed_ = 0.1;
+  std::array<std::vector<BackboneQuantities<double>>, 2> samples_;
+  std::array<std::vector<double>, 2> moments_;
+  std::array<ContactQuantities<double>, 2> contacts_{};
+  std::array<FingerQuantities<double>, 2> fingers_{};
+};
+
+/// Each finger has a program of its own, so a term has to be the sum of what it is for either.
+void require_sums(const Task& upper, const Task& lower, const Scene& scene) {
+  for (const PoseProgramTerm& t : upper.terms) {
+    const Trial trial(t.term->reads().samples.size(), {upper.rod.actuators.size(), lower.rod.actuators.size()});
+    const double apart = trial.value(*t.term, 0, 1) + trial.value(*t.term, 1, 1);
+    const double together = trial.value(*t.term, 0, 2);
+    if (std::abs(together - apart) <= 1e-9 * (std::abs(apart) + std::abs(together))) continue;
+    std::size_t at = 0;
+    while (at + 1 < scene.objectives.size() && scene.objectives[at].plugin != t.name.substr(0, t.name.find('#'))) ++at;
+    throw SceneError("objective[" + std::to_string(at) + "].plugin",
+                     "objective '" + t.name +
+                         "' is no sum over the fingers, which is all that can be planned where both fingers are; "
+                         "expected terms that read each finger for itself, such as 'actuation_effort'");
+  }
+}
+
+}  // namespace
+
+void add_lower_finger(Task& upper, const Scene& scene) {
+  if (!scene.gripper->exact_balance) {
+    throw SceneError("gripper.balance",
+                     "found \"objective\", but where both fingers are planned no force may be left on the object; "
+                     "expected \"exact\"");
+  }
+  if (scene.contact.count != 1) {
+    throw SceneError("contact.count", "found " + std::to_string(scene.contact.count) +
+                                          " contacts for each finger, but where both fingers are planned each touches "
+                                          "the object once; expected 1");
+  }
+  if (!scene.coordinates.split_at_contact) {
+    throw SceneError("coordinates.split_at_contact",
+                     "found false, but where both fingers are planned each has a knot at its contact; expected true");
+  }
+  upper.lower = std::make_unique<Task>();
+  Task& lower = *upper.lower;
+  lower.scene = finger_in_palm_frame(finger_of(scene, FingerName::lower));
+  lower.model = upper.model;
+  lower.scale = scale_of(lower.scene);
+  lower.scene_scale = upper.scene_scale;
+  lower.term_units = {lower.scale.length / lower.scene_scale.length, lower.scale.force() / lower.scene_scale.force()};
+  lower.rod = make_rod(lower.scene, lower.scale);
+  lower.obstacle_names = obstacle_names(lower.scene);
+  lower.max_force = lower.scale.to_dimensionless(lower.scene.contact.max_force, dimension::force);
+  set_up_grasp(lower);
+  lower.terms = upper.terms;
+  lower.objective_scale = upper.objective_scale;
+  require_sums(upper, lower, scene);
+  lower.nodes = lower.first_nodes();
+
+  // Both stand on one palm.
+  const double from_lower = lower.term_units.length / upper.term_units.length;
+  upper.palm->minimum = std::max(upper.palm->minimum, lower.palm->minimum * from_lower);
+  upper.palm->maximum = std::min(upper.palm->maximum, lower.palm->maximum * from_lower);
+  if (upper.palm->minimum > upper.palm->maximum) upper.palm->minimum = upper.palm->maximum;
+  lower.palm->minimum = upper.palm->minimum / from_lower;
+  lower.palm->maximum = upper.palm->maximum / from_lower;
+  // Both press with the same force.
+  const double force_from_lower = lower.term_units.force / upper.term_units.force;
+  if (std::max(upper.min_force, lower.min_force * force_from_lower) >
+      std::min(upper.max_force, lower.max_force * force_from_lower)) {
+    throw SceneError("contact.min_force",
+                     "one finger has to press harder than the other one may, but an object at rest is pressed equally "
+                     "hard from both sides");
+  }
+
+  for (Task* finger : {&upper, &lower}) {
+    finger->modes.clear();
+    const int stretches = static_cast<int>(finger->rod.fixed_knots().size()) - 1;
+    const std::vector<ContactSetup> slots = contact_slots(stretches, finger->contact_obstacles);
+    for (const ContactSetup& slot : slots) finger->modes.push_back(finger->mode({slot}));
+  }
+  for (std::size_t a = 0; a < lower.rod.actuators.size(); ++a) {
+    if (lower.rod.actuators[a].fixed_at_zero())
+      upper.left_out.push_back(
+          {"moment of actuator " + std::to_string(a + 1) + " of the lower finger", "its limit is 0"});
+  }
+  upper.left_out.push_back({"force of the second contact", "it is that of the first: the object is at rest"});
+}
+
+std::string pair_name(const Mode& above, const Mode& below) {
+  return "upper finger: " + above.name + "; lower finger: " + below.name;
+}
+
+Description describe_both_fingers(const Task& upper, Description out) {
+  const std::array<const Task*, 2> fingers{&upper, upper.lower.get()};
+  out.length_unit = upper.scene_scale.length;
+  out.force_unit = upper.scene_scale.force();
+  if (fingers[1]->rod.has_gravity() && !fingers[0]->rod.has_gravity()) out.energies.push_back("gravity");
+  std::size_t largest = 0;
+  int most = -1;
+  const auto add = [](std::vector<Description::Count>& to, const char* name, int count, const char* kind = "") {
+    if (count > 0) to.push_back({name, count, kind});
+  };
+  for (const Mode& above : fingers[0]->modes) {
+    for (const Mode& below : fingers[1]->modes) {
+      Description::Mode m;
+      m.name = pair_name(above, below);
+      int coordinates = 0, moments = 0, arc_lengths = 0, checks = 0;
+      for (std::size_t which = 0; which < 2; ++which) {
+        const Task& d = *fingers[which];
+        const Mode& mode = which == 0 ? above : below;
+        PoseProgramSpec spec = d.spec(mode, {mode.contacts.front().region}, d.nodes);
+        spec.checks = d.first_checks(spec, d.scene_start());
+        const PoseProgram program(spec);
+        const PoseProgram::Layout& at = program.layout();
+        coordinates += at.coordinates;
+        moments += at.moments;
+        arc_lengths += at.arc_lengths;
+        checks += at.checks;
+      }
+      const int palm = upper.palm->minimum != upper.palm->maximum ? 1 : 0;
+      add(m.variables, "coordinates", coordinates);
+      add(m.variables, "moments", moments);
+      add(m.variables, "contact_arc_length", arc_lengths);
+      add(m.variables, "contact_force", 1);
+      add(m.variables, "palm_distance", palm);
+      add(m.rows, "equilibrium", coordinates, "equality");
+      add(m.rows, "contact_gap", 2, "equality");
+      add(m.rows, "closest_point", arc_lengths, "equality");
+      add(m.rows, "closest_point", 2 - arc_lengths, "inequality");
+      add(m.rows, "non_penetration", checks, "inequality");
+      add(m.rows, "force_balance", 1, "equality");
+      const int count = coordinates + moments + arc_lengths + 1 + palm;
+      if (count > most) {
+        most = count;
+        largest = out.modes.size();
+      }
+      out.modes.push_back(std::move(m));
+    }
+  }
+  if (!out.modes.empty()) {
+    out.variables = out.modes[largest].variables;
+    out.rows = out.modes[largest].rows;
+  }
+  return out;
+}
+
+}  // namespace tendril

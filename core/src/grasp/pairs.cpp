@@ -1,0 +1,425 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "certificate/both_fingers.hpp"
+#include "certificate/check_points.hpp"
+#include "grasp/frames.hpp"
+#include "rod/self_overlap.hpp"
+#include "scene/plan_report.hpp"
+#include "search/earlier_plan.hpp"
+#include "search/planner.hpp"
+#include "search/steps.hpp"
+#include "tendril/error.hpp"
+#include "tendril/grasp.hpp"
+
+namespace tendril {
+namespace {
+
+/// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
+constexpr int most_exchanges = 25;
+constexpr int most_refinements = 5;  ///< of the quadrature
+
+template <class T>
+using Both = std::array<T, 2>;  ///< of the upper and the lower finger
+
+/// A grasp of two fingers: for every pair of ways of touching, a program of both. Each contact of a grasp touches and
+/// presses, so that no branch has to be decided.
+class GraspPlanner {
+ public:
+  GraspPlanner(Task& upper, const PlanControl& control)
+      : fingers_{&upper, upper.lower.get()},
+        control_(control),
+        steps_(*upper.components.solver, upper.scene.solver, control.stop) {}
+
+  Plan run();
+
+ private:
+  struct Best {
+    std::unique_ptr<GraspProgram> program;
+    std::unique_ptr<GraspCertifier> certifier;
+    Eigen::VectorXd x;
+    Certificate certificate;
+    double objective = infinity;  ///< scaled
+    OptimalityReport solver;
+    bool has_point() const { return program != nullptr; }
+    bool certified() const { return program && certificate.valid(); }
+  };
+  struct Pair : Attempt {
+    Both<const Mode*> modes{};
+    std::string skip;
+    Best best;
+    bool deferred = false;  ///< nothing feasible was near the last start, and no solver was asked
+  };
+  /// What a program is made of beside its pair of modes.
+  struct Assembly {
+    Both<int> nodes{};
+    Both<std::vector<CheckPoint>> checks;
+    std::vector<FingerSeparation> separations;
+  };
+
+  const Task& upper() const { return *fingers_[0]; }
+  bool must_stop() const { return steps_.must_stop(); }
+  double best_objective() const { return winner_ == nullptr ? infinity : winner_->best.objective; }
+  std::unique_ptr<GraspProgram> assemble(const Pair& pair, const Assembly& parts) const;
+  Both<StartShape> start_shapes(const Pair& pair, int index) const;
+  int starts() const { return grasp_starts + 1 + (control_.start != nullptr ? 1 : 0); }
+  OptimalityReport solve(Pair& pair, GraspProgram& program, const Eigen::VectorXd& x);
+  bool sharpen(Pair& pair, GraspProgram& program, Eigen::VectorXd& x, bool solver_allowed);
+  /// From x to a point that violates nothing, if there is one near; remembers where there is none.
+  bool restore(Pair& pair, GraspProgram& program, Eigen::VectorXd& x);
+  void consider(Pair& pair, const Both<StartShape>& shapes, bool only_promising);
+  /// Moves check points to where the fingers go through something, and says whether there was such a place.
+  bool exchange(GraspProgram& program, GraspCertifier& certifier, const Eigen::VectorXd& x, Assembly& parts) const;
+  /// Exchange and certificate; keeps the point if it is better than the pair's best.
+  void complete(Pair& pair, Assembly parts, Eigen::VectorXd x);
+  void search();
+  void judge(Plan& plan, const Pair* shown) const;
+  Plan report();
+  /// The shape, moments and contacts of one finger, in the world of its own scene.
+  Plan finger_plan(int which, Best& best) const;
+
+  Both<Task*> fingers_;
+  const PlanControl& control_;
+  ProgramSearch steps_;
+  std::vector<Pair> pairs_;
+  Pair* winner_ = nullptr;
+};
+
+std::unique_ptr<GraspProgram> GraspPlanner::assemble(const Pair& pair, const Assembly& parts) const {
+  GraspProgramSpec spec;
+  for (std::size_t which = 0; which < 2; ++which) {
+    const Mode& mode = *pair.modes[which];
+    spec.fingers[which] = fingers_[which]->spec(mode, {mode.contacts.front().region}, parts.nodes[which]);
+    spec.fingers[which].checks = parts.checks[which];
+  }
+  const double unit = upper().term_units.length;
+  spec.palm_minimum = upper().palm->minimum * unit;
+  spec.palm_maximum = upper().palm->maximum * unit;
+  spec.separations = parts.separations;
+  return std::make_unique<GraspProgram>(spec);
+}
+
+Both<StartShape> GraspPlanner::start_shapes(const Pair& pair, int index) const {
+  Both<StartShape> shapes;
+  const bool earlier = control_.start != nullptr;
+  for (std::size_t which = 0; which < 2; ++which) {
+    const Task& d = *fingers_[which];
+    const Mode& mode = *pair.modes[which];
+    const int own = earlier ? index - 1 : index;
+    if (own < 0) {
+      const bool apart = control_.start->grasp && control_.start->grasp->lower;
+      const FingerName name = which == 0 ? FingerName::upper : FingerName::lower;
+      // What was planned for one mirrored finger is a start of both.
+      shapes[which] = shape_of(d, apart ? plan_of_finger(d.scene, *control_.start, name) : *control_.start, mode);
+    } else if (own < grasp_starts) {
+      shapes[which] = grasp_start(d, mode, own);
+    } else {
+      shapes[which] = constant_curvature(d.scene.start_tip_angle);
+      shapes[which].forces = {std::isfinite(d.max_force) ? d.max_force : 1.0};
+    }
+  }
+  return shapes;
+}
+
+OptimalityReport GraspPlanner::solve(Pair& pair, GraspProgram& program, const Eigen::VectorXd& x) {
+  steps_.limit_patience(winner_ != nullptr);
+  return steps_.solve(pair, program, x);
+}
+
+bool GraspPlanner::sharpen(Pair& pair, GraspProgram& program, Eigen::VectorXd& x, bool solver_allowed) {
+  steps_.limit_patience(winner_ != nullptr);
+  return steps_.sharpen(pair, program, x, solver_allowed);
+}
+
+bool GraspPlanner::restore(Pair& pair, GraspProgram& program, Eigen::VectorXd& x) {
+  if (must_stop() || !x.allFinite()) return false;
+  const FeasibilityReport f = steps_.restore(pair, program, x);
+  if (f.feasible) x = f.x;
+  return f.feasible;
+}
+
+void GraspPlanner::consider(Pair& pair, const Both<StartShape>& shapes, bool only_promising) {
+  if (!pair.skip.empty() || must_stop()) return;
+  const double begin = now();
+  const int violations_before = pair.stationary_violations;
+  pair.deferred = false;
+  Assembly parts;
+  for (std::size_t which = 0; which < 2; ++which) {
+    const Task& d = *fingers_[which];
+    const Mode& mode = *pair.modes[which];
+    parts.nodes[which] = d.nodes;
+    parts.checks[which] = d.first_checks(d.spec(mode, {mode.contacts.front().region}, d.nodes), shapes[which]);
+  }
+  const std::unique_ptr<GraspProgram> program = assemble(pair, parts);
+  const Eigen::VectorXd start = program->start_from(shapes[0], shapes[1]);
+  Eigen::VectorXd feasible = start;
+  // From a start without a feasible point near, a solver takes far the longest, and mostly in vain. It is spent only
+  // where nothing else led to a plan.
+  const bool near = restore(pair, *program, feasible);
+  if (!near && only_promising) {
+    pair.deferred = true;
+  } else {
+    ++pair.starts_used;
+    const OptimalityReport r = solve(pair, *program, start);
+    const bool usable = r.x.allFinite() && r.x.size() == start.size() && r.infeasibility <= nearly_feasible;
+    Eigen::VectorXd x = usable ? r.x : feasible;
+    if (!usable && near) {
+      const OptimalityReport again = solve(pair, *program, feasible);
+      if (again.x.allFinite() && again.x.size() == x.size() && again.infeasibility <= nearly_feasible) x = again.x;
+    }
+    if (usable || near) complete(pair, parts, x);
+  }
+  // One start is one piece of evidence, however many programs it led to.
+  if (!pair.deferred || only_promising)
+    pair.stationary_violations = std::min(pair.stationary_violations, violations_before + 1);
+  pair.record.seconds += now() - begin;
+  if (pair.best.certified() && pair.best.objective < best_objective() - beats) winner_ = &pair;
+}
+
+bool GraspPlanner::exchange(GraspProgram& program, GraspCertifier& certifier, const Eigen::VectorXd& x,
+                            Assembly& parts) const {
+  bool changed = false;
+  for (int which = 0; which < 2; ++which) {
+    const Eigen::VectorXd own = program.finger_point(which, x);
+    // Unlike the search's program the judge's has no rows for separations: their check points come behind these.
+    const bool moved = exchange_checks(program.finger(which), own, certifier.finger(which),
+                                       parts.checks[static_cast<std::size_t>(which)], violation_level);
+    changed = changed || moved;
+  }
+  const FingerClearance between = certifier.clearance(x);
+  if (between.depth > tolerance::clearance_sharpness) {
+    parts.separations.insert(parts.separations.end(), between.crossings.begin(), between.crossings.end());
+    changed = changed || !between.crossings.empty();
+  }
+  return changed;
+}
+
+void GraspPlanner::complete(Pair& pair, Assembly parts, Eigen::VectorXd x) {
+  Best c;
+  const auto build = [&] {
+    c.program = assemble(pair, parts);
+    c.certifier = std::make_unique<GraspCertifier>(*c.program);
+  };
+  const auto sharpened = [&] {
+    if (sharpen(pair, *c.program, x, true)) return true;
+    return restore(pair, *c.program, x) && sharpen(pair, *c.program, x, true);
+  };
+  build();
+  bool sharp = sharpened();
+  const bool exchanges = upper().scene.contact.check_points == 0;
+  for (int round = 0; exchanges && sharp && round < most_exchanges && !must_stop(); ++round) {
+    if (!x.allFinite() || !exchange(*c.program, *c.certifier, x, parts)) break;
+    build();
+    sharp = sharpened();
+  }
+  for (int refinement = 0; refinement < most_refinements; ++refinement) {
+    const double begin = now();
+    c.certificate = c.certifier->certify(*c.program, x);
+    steps_.tally.seconds_certifying += now() - begin;
+    const bool enough = !(c.certificate.quadrature > tolerance::quadrature);
+    if (enough || !sharp || must_stop()) break;
+    for (int& nodes : parts.nodes) nodes += nodes / 2;
+    build();
+    sharp = sharpen(pair, *c.program, x, false);
+  }
+  if (!x.allFinite()) return;
+  c.x = x;
+  c.solver = pair.last;
+  c.objective = c.program->cost(x);
+  if (!std::isfinite(c.objective)) {
+    pair.trouble = "an objective gives a number that is not finite";
+    return;
+  }
+  Best& best = pair.best;
+  const bool better = !best.has_point() || (c.certified() && !best.certified()) ||
+                      (c.certified() == best.certified() && c.objective < best.objective - beats);
+  if (better) best = std::move(c);
+}
+
+void GraspPlanner::search() {
+  const int earlier = control_.start != nullptr ? 1 : 0;
+  for (int round = 0; round < starts() && !must_stop(); ++round) {
+    // A grasp comes in families with several valleys of the effort; what follows its own starts is no equilibrium.
+    if (winner_ != nullptr && round >= earlier + grasp_starts) break;
+    for (Pair& pair : pairs_) consider(pair, start_shapes(pair, round), true);
+    for (Pair& pair : pairs_) {
+      if (pair.deferred && winner_ == nullptr) consider(pair, start_shapes(pair, round), false);
+    }
+  }
+}
+
+Plan GraspPlanner::finger_plan(int which, Best& best) const {
+  const Task& d = *fingers_[static_cast<std::size_t>(which)];
+  GraspProgram& finer = best.certifier->finer(best.x);
+  const PoseProgram& program = finer.finger(which);
+  const Eigen::VectorXd x = finer.finger_point(which, best.x);
+  Plan plan;
+  plan.coordinates.assign(x.data(), x.data() + program.layout().coordinates);
+  for (std::size_t a = 0; a < d.rod.actuators.size(); ++a) {
+    const int variable = program.moment_variable(static_cast<int>(a));
+    plan.moments.push_back(variable < 0 ? 0.0 : x[variable] * d.scale.moment());
+  }
+  plan.contacts = planned_contacts(program, d.obstacle_names, d.scale);
+  plan.backbone = sampled_backbone(program, d.scale.length);
+  plan.self_overlap = self_overlap(plan.backbone);
+  finger_to_world(*d.scene.gripper, best.program->palm_distance(best.x) * d.scene_scale.length, plan);
+  return plan;
+}
+
+void GraspPlanner::judge(Plan& plan, const Pair* shown) const {
+  const bool by_bound = std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& p) { return !p.skip.empty(); });
+  const bool infeasible = std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& p) {
+    return !p.skip.empty() || (!p.best.has_point() && p.stationary_violations >= most_starts);
+  });
+  const bool stopped = control_.stop != nullptr && control_.stop->load();
+  const bool late = now() > steps_.deadline();
+  if (steps_.tally.solver_did_nothing() && (winner_ != nullptr || (!stopped && !late))) {
+    plan.status = PlanStatus::failed;
+    plan.message = told_uselessness(plan.solver_name, plan.solver);
+  } else if (winner_ != nullptr) {
+    plan.status = PlanStatus::solved;
+  } else if (stopped) {
+    plan.status = PlanStatus::interrupted;
+    plan.message = "interrupted before a plan was certified";
+  } else if (late) {
+    plan.status = PlanStatus::time_limit;
+    plan.message = "the time limit of " + std::to_string(upper().scene.solver.time_limit) +
+                   " s was reached before a plan was certified";
+  } else if (by_bound) {
+    plan.status = PlanStatus::infeasible;
+    plan.message = "infeasible by a bound: " + pairs_.back().skip;
+  } else if (infeasible) {
+    plan.status = PlanStatus::infeasible;
+    plan.message = "infeasible: from " + std::to_string(most_starts) +
+                   " starts per pair of contacts every search ended where no change of the plan reduces the violation "
+                   "of its constraints";
+    const auto least = std::min_element(pairs_.begin(), pairs_.end(),
+                                        [](const Pair& a, const Pair& b) { return a.violation < b.violation; });
+    plan.message += told_failure(*least);
+  } else if (shown != nullptr) {
+    const Certificate& c = shown->best.certificate;
+    const bool only_unstable =
+        c.failures.size() == 1 && c.contact_convexity > tolerance::convexity && !(c.stability > tolerance::stability);
+    plan.status = only_unstable ? PlanStatus::unstable : PlanStatus::not_converged;
+    plan.message = c.failures.empty() ? "no plan" : c.failures.front();
+  } else {
+    const SolveStatus last = plan.solver.status;
+    const bool refused =
+        last == SolveStatus::unsupported || last == SolveStatus::failed || last == SolveStatus::not_finite;
+    plan.status = last == SolveStatus::diverged ? PlanStatus::diverged
+                  : refused                     ? PlanStatus::failed
+                                                : PlanStatus::not_converged;
+    plan.message = plan.solver.message.empty() ? "no pair of contacts led to a plan" : plan.solver.message;
+    for (const Pair& pair : pairs_) {
+      if (!refused && !pair.trouble.empty()) plan.message = pair.record.mode + ": " + pair.trouble;
+    }
+  }
+}
+
+Plan GraspPlanner::report() {
+  const Task& d = upper();
+  Plan plan;
+  plan.coordinates_name = d.scene.coordinates.plugin;
+  plan.order = d.model->function_count();
+  plan.split_at_contact = d.scene.coordinates.split_at_contact;
+  plan.left_out = d.left_out;
+  plan.solver_name = d.scene.solver.plugin;
+  // Without a certified plan the nearest one is shown, for what it is worth.
+  Pair* shown = winner_;
+  for (Pair& pair : pairs_) {
+    if (winner_ != nullptr || !pair.best.has_point()) continue;
+    const auto rank = [](const Pair& p) { return std::pair(p.best.certificate.failures.size(), p.best.objective); };
+    if (shown == nullptr || rank(pair) < rank(*shown)) shown = &pair;
+  }
+  for (Pair& pair : pairs_) {
+    if (!pair.skip.empty()) {
+      pair.record.outcome = "skipped: " + pair.skip;
+    } else if (pair.best.has_point()) {
+      pair.record.certified = pair.best.certified();
+      pair.record.objective = pair.best.objective * d.objective_scale;
+      char text[80];
+      std::snprintf(text, sizeof text, "%s, objective %.6g", pair.best.certified() ? "certified" : "not certified",
+                    pair.best.objective * d.objective_scale);
+      pair.record.outcome = text;
+      if (!pair.best.certified()) {
+        pair.record.outcome += ": " + pair.best.certificate.failures.front();
+        if (!pair.trouble.empty()) pair.record.outcome += "; " + pair.trouble;
+      }
+    } else if (pair.starts_used > 0) {
+      pair.record.outcome =
+          "not solved: " + (pair.trouble.empty() ? std::string(to_string(pair.last.status)) : pair.trouble);
+    } else if (pair.record.outcome.empty()) {
+      pair.record.outcome = pair.trouble.empty() ? "not tried: stopped before"
+                                                 : "not solved: nothing feasible is near its starts, and there is a "
+                                                   "plan without it";
+    }
+    plan.modes.push_back(pair.record);
+  }
+  if (shown != nullptr) {
+    plan.solver = shown->best.solver;
+  } else if (!pairs_.empty()) {
+    plan.solver = pairs_.back().last;
+  }
+  report_tally(steps_.tally, plan);
+  judge(plan, shown);
+  if (shown == nullptr) return plan;
+
+  Best& best = shown->best;
+  best.program->cost(best.x);
+  plan.certificate = best.certificate;
+  plan.objective = best.objective * d.objective_scale;
+  for (std::size_t i = 0; i < d.terms.size(); ++i) {
+    const int term = static_cast<int>(i);
+    const double value = best.program->finger(0).term_value(term) + best.program->finger(1).term_value(term);
+    plan.terms.emplace_back(d.terms[i].name, value * d.objective_scale);
+  }
+  set_finger(plan, finger_state(finger_plan(0, best)));
+  const FingerPlan below = lower_in_world(d.scene, finger_plan(1, best));
+  plan.grasp =
+      grasp_of(d.scene, best.program->palm_distance(best.x) * d.scene_scale.length, plan.contacts, below.contacts);
+  GraspQuality& quality = plan.grasp->quality.emplace();
+  for (int which = 0; which < 2; ++which) {
+    const Task& own = *fingers_[static_cast<std::size_t>(which)];
+    const FingerResponse response =
+        finger_response(best.program->finger(which), best.program->finger_point(which, best.x), own.scale);
+    add_finger(quality, which == 0 ? FingerName::upper : FingerName::lower, response,
+               which == 0 ? plan.contacts : below.contacts, own.scene.contact.max_force);
+  }
+  plan.grasp->lower = below;
+  return plan;
+}
+
+Plan GraspPlanner::run() {
+  for (const Mode& above : fingers_[0]->modes) {
+    for (const Mode& below : fingers_[1]->modes) {
+      Pair pair;
+      pair.modes = {&above, &below};
+      pair.record.mode = pair_name(above, below);
+      if (!above.skip.empty() || !below.skip.empty())
+        pair.skip = above.skip.empty() ? "lower finger: " + below.skip : "upper finger: " + above.skip;
+      const auto reach = [](const Task& d, const Mode& mode) {
+        const ContactSetup& c = mode.contacts.front();
+        const double end = c.at_tip ? 1.0 : d.rod.fixed_knots()[static_cast<std::size_t>(c.region) + 1];
+        return end * d.scale.length;
+      };
+      if (pair.skip.empty())
+        pair.skip = pair_obstruction(upper(), reach(*fingers_[0], above), reach(*fingers_[1], below));
+      pairs_.push_back(std::move(pair));
+    }
+  }
+  const auto excluded = [&](const Pair& pair) {
+    return std::find(control_.without.begin(), control_.without.end(), pair.record.mode) != control_.without.end();
+  };
+  for (Pair& pair : pairs_) {
+    if (excluded(pair)) pair.skip = "left out on request";
+  }
+  search();
+  return report();
+}
+
+}  // namespace
+
+Plan plan_both_fingers(Task& upper, const PlanControl& control) { return GraspPlanner(upper, control).run(); }
+
+}  // namespace tendril

@@ -1,0 +1,148 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "objective/term_units.hpp"
+#include "tendril/nonlinear_program.hpp"
+#include "tendril/objective_term.hpp"
+#include "tendril/obstacle.hpp"
+
+namespace tendril {
+
+/// A term and its weight (already divided by the objective's scale).
+struct WeightedTerm {
+  const ObjectiveTerm* term = nullptr;
+  double weight = 1.0;
+  std::string name;
+};
+
+/// Where the base quantities stand: the backbone quantities and variables through which every term sees x. -1: not
+/// there.
+struct BaseIndex {
+  struct Point {
+    int x = -1, y = -1, angle = -1, curvature = -1;
+  };
+  struct Contact {
+    Point point;
+    int force = -1, arc_length = -1;
+  };
+  Point tip;
+  std::vector<Point> samples;  ///< of all terms, one after the other
+  std::vector<Contact> contacts;
+  std::vector<int> moments;  ///< one per actuator; -1: fixed at zero
+  int energy = -1;
+  int palm = -1;  ///< palm distance; -1: no variable
+  int count = 0;
+};
+
+/// What a program knows at a point and terms read.
+struct BaseValues {
+  Eigen::VectorXd base;                ///< BaseIndex::count
+  std::vector<SurfacePoint> surfaces;  ///< one per contact
+  std::vector<Vec2> references;        ///< one per contact
+  double palm = 0.0;                   ///< palm distance where it is no variable
+};
+
+/// One term with the storage that it reads from. It sees zeros wherever its Reads did not ask: a derivative can then
+/// never be missing in silence.
+class TermEvaluator {
+ public:
+  TermEvaluator(WeightedTerm term, const Target& target, int contacts, int moments, const TermUnits& units);
+  TermEvaluator(const TermEvaluator&) = delete;
+  TermEvaluator(TermEvaluator&&) = default;
+  TermEvaluator& operator=(const TermEvaluator&) = delete;
+  TermEvaluator& operator=(TermEvaluator&&) = default;
+  ~TermEvaluator() = default;
+
+  const std::string& name() const { return weighted_.name; }
+  const Reads& reads() const { return reads_; }
+  int residual_count() const { return residuals_; }
+  bool has_linear() const { return has_linear_; }
+  bool has_smooth() const { return has_smooth_; }
+  /// Weighted value at the last point.
+  double value() const { return value_; }
+
+  /// `first_sample`: where this term's samples start in BaseIndex::samples.
+  void bind(const BaseIndex& index, std::size_t first_sample);
+  void set_target(const Target& target);
+
+  /// Reads the point and computes value, rest and residuals (residual_count() entries, times the root of the weight).
+  void evaluate(const BaseValues& at, double& cost, double& rest, double* residuals);
+  /// Adds gradients; row i of the Jacobian belongs to residual `first + i`.
+  void differentiate(const BaseValues& at, Eigen::VectorXd& gradient, Eigen::VectorXd& rest_gradient,
+                     Eigen::MatrixXd& jacobian, int first);
+  void add_hessian(const BaseValues& at, double sigma, Eigen::MatrixXd& hessian);
+
+ private:
+  enum class Kind { plain, gap, normal_x, normal_y };
+  struct Input {
+    double* value = nullptr;
+    HyperDual* dual = nullptr;
+    Kind kind = Kind::plain;
+    int contact = -1;
+    int base[2] = {-1, -1};
+    double unit = 1.0;  ///< of the quantity, in units of the scene
+    double factor[2] = {1.0, 0.0};
+  };
+  void add_input(double& value, HyperDual& dual, int base, double unit);
+  void add_surface_input(double& value, HyperDual& dual, Kind kind, int contact);
+  /// Derivatives of the inputs with respect to base quantities at the current surfaces.
+  void refresh_factors(const BaseValues& at);
+  Contribution<HyperDual> run_dual();
+
+  WeightedTerm weighted_;
+  Reads reads_;
+  TermUnits units_;
+  const BaseIndex* index_ = nullptr;
+  std::vector<Input> inputs_;
+  int residuals_ = 0;
+  bool has_linear_ = false, has_smooth_ = false;
+  double value_ = 0.0;
+
+  std::vector<FingerQuantities<double>> finger_;
+  std::vector<BackboneQuantities<double>> samples_;
+  std::vector<ContactQuantities<double>> contacts_;
+  std::vector<double> moments_;
+  std::vector<FingerQuantities<HyperDual>> dual_finger_;
+  std::vector<BackboneQuantities<HyperDual>> dual_samples_;
+  std::vector<ContactQuantities<HyperDual>> dual_contacts_;
+  std::vector<HyperDual> dual_moments_;
+  Quantities<double> quantities_;
+  Quantities<HyperDual> dual_quantities_;
+  std::vector<double> residual_values_;
+  std::vector<HyperDual> dual_residuals_;
+  std::vector<double> input_gradient_, input_hessian_;
+};
+
+/// The whole objective as a function of base quantities.
+class TermSet {
+ public:
+  TermSet(const std::vector<WeightedTerm>& terms, const Target& target, int contacts, int moments,
+          const TermUnits& units);
+
+  bool reads_tip() const;
+  bool reads_energy() const;
+  std::vector<double> sample_arc_lengths() const;
+  void bind(const BaseIndex& index);
+  void set_target(const Target& target);
+
+  int residual_count() const { return residual_count_; }
+  bool has_rest() const;
+  bool rest_is_linear() const;
+  std::size_t size() const { return terms_.size(); }
+  const TermEvaluator& operator[](std::size_t i) const { return terms_[i]; }
+
+  void evaluate(const BaseValues& at, double& cost, double& rest, Eigen::VectorXd& residuals);
+  void differentiate(const BaseValues& at, Eigen::VectorXd& gradient, Eigen::VectorXd& rest_gradient,
+                     Eigen::MatrixXd& jacobian);
+  void add_hessian(const BaseValues& at, double sigma, Eigen::MatrixXd& hessian);
+
+ private:
+  std::vector<TermEvaluator> terms_;
+  BaseIndex index_;
+  int residual_count_ = 0;
+};
+
+}  // namespace tendril

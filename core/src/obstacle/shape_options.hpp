@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+
+#include "tendril/obstacle.hpp"
+#include "tendril/options.hpp"
+
+/// The shapes that core brings along, and what their options have in common.
+namespace tendril {
+
+Component<Obstacle> circle_component();
+Component<Obstacle> wall_component();
+Component<Obstacle> capsule_component();
+Component<Obstacle> polygon_component();
+
+OptionSpec point_option(std::string name, std::string description);
+OptionSpec positive_length_option(std::string name, std::string description);
+Vec2 point_of(const Options& options, std::string_view name);
+
+}  // namespace tendril

@@ -1,0 +1,263 @@
+#include "tendril/execute.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/clock.hpp"
+#include "certificate/clearance.hpp"
+#include "rod/self_overlap.hpp"
+#include "scene/make_rod.hpp"
+#include "scene/plan_report.hpp"
+#include "statics/loading.hpp"
+#include "tendril/coordinate_model.hpp"
+#include "tendril/scale.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril {
+namespace {
+
+class Executor {
+ public:
+  Executor(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
+           const std::vector<double>& moments, const ExecuteControl& control)
+      : scene_(scene), moments_(moments), control_(control), deadline_(now() + control.time_limit) {
+    validate(scene);
+    scale_ = scale_of(scene);
+    names_ = obstacle_names(scene);
+    rod_ = make_rod(scene, scale_);
+    if (moments.size() != scene.rod.actuators.size()) {
+      throw Error("expected " + std::to_string(scene.rod.actuators.size()) + " moments, one per actuator, found " +
+                  std::to_string(moments.size()));
+    }
+    for (const double m : moments) {
+      if (!std::isfinite(m)) throw Error("expected finite moments, found " + std::to_string(m));
+      last_.push_back(scale_.to_dimensionless(m, dimension::moment));
+    }
+    if (!control.with_obstacles) return;
+    if (obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
+    for (std::size_t i = 0; i < obstacles.size(); ++i) {
+      obstacles_.push_back(obstacles[i].get());
+      const double distance = obstacles_.back()->at(rod_.base).distance;
+      if (distance >= 0.0) continue;
+      char text[64];
+      std::snprintf(text, sizeof text, "%.6g m", -scale_.to_si(distance, dimension::length));
+      throw SceneError("obstacle[" + std::to_string(i) + "]",
+                       names_[i] + " lies around the rod's base (" + text + " deep): no shape is free of it");
+    }
+  }
+
+  Execution run();
+
+ private:
+  bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
+  RodState earlier_state() const;
+  void report(Tracker& tracker, bool arrived, Execution& out);
+  void report(const Loading::Lying& lying, LoadPath& path, Execution& out);
+  Snap to_si(TrackedSnap& snap, const LoadPath& path) const;
+
+  const Scene& scene_;
+  const std::vector<double>& moments_;
+  const ExecuteControl& control_;
+  double deadline_;
+  Scale scale_;
+  Rod rod_;
+  std::vector<std::string> names_;
+  std::vector<const Obstacle*> obstacles_;
+  std::vector<double> last_;
+};
+
+RodState Executor::earlier_state() const {
+  RodState state;
+  state.curvature = curvature_of(*control_.start, scale_.length);
+  if (!control_.with_obstacles) return state;
+  for (const PlannedContact& c : control_.start->contacts) {
+    if (!(c.force > tolerance::force * scale_.force())) continue;
+    const auto named = std::find(names_.begin(), names_.end(), c.obstacle_name);
+    if (named == names_.end()) continue;
+    PointContact p;
+    p.setup.obstacle = static_cast<int>(named - names_.begin());
+    p.setup.at_tip = c.at_tip;
+    p.s = c.at_tip ? 1.0 : std::min(1.0, c.arc_length / scale_.length);
+    p.force = c.force / scale_.force();
+    state.contacts.push_back(p);
+  }
+  return state;
+}
+
+Execution Executor::run() {
+  Execution out;
+  const double begin = now();
+  const auto stop = [this] { return must_stop(); };
+  std::optional<Loading> loading;
+  if (control_.start == nullptr) {
+    loading.emplace(rod_, obstacles_, scene_.start_tip_angle, last_, stop);
+  } else {
+    if (control_.start->backbone.empty()) throw Error("the result to start from has no shape");
+    if (control_.start->moments.size() != last_.size()) throw Error("the result to start from has other actuators");
+    std::vector<double> first;
+    for (const double m : control_.start->moments) first.push_back(scale_.to_dimensionless(m, dimension::moment));
+    loading.emplace(rod_, obstacles_, earlier_state(), std::move(first), last_, stop);
+  }
+  if (const auto o = loading->without_side()) {
+    throw SceneError(control_.start != nullptr ? "obstacle[" + std::to_string(*o) + "]" : "start.tip_angle",
+                     "the start shape runs through the core of " + names_[*o] +
+                         ", so it is on neither side of it: expected a start that passes on one side");
+  }
+  const bool arrived = loading->run();
+  for (TrackedSnap& snap : loading->tracker().snaps()) out.snaps.push_back(to_si(snap, loading->path()));
+  report(loading->tracker(), arrived, out);
+  if (!arrived) {
+    if (const auto lying = loading->lie()) report(*lying, loading->path(), out);
+  }
+  out.result.start_backbone = control_.start != nullptr
+                                  ? control_.start->backbone
+                                  : outline(constant_curvature(scene_.start_tip_angle), rod_, scale_.length);
+  out.result.seconds_solve = now() - begin - out.result.seconds_certify;
+  return out;
+}
+
+void Executor::report(const Loading::Lying& lying, LoadPath& path, Execution& out) {
+  const Descent& down = lying.down;
+  Statics statics(path, down.basis, {}, suggested_nodes(down.basis->function_count(), 4.0));
+  const Eigen::VectorXd z = statics.point({[&shape = down.shape](double s) { return shape.curvature(s); }, {}, 1.0});
+  const PoseProgram& program = statics.at(z);
+  Curve curve(program.chain().curve_tables());
+  curve.follow(program.backbone());
+  const std::vector<PressedPoint>& points = down.points;
+  std::vector<PlannedContact> contacts;
+  const std::span<const double> no_knots;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const PressedPoint& p = points[i];
+    const auto o = static_cast<std::size_t>(p.obstacle);
+    const int j = p.at_tip ? program.chain().piece_count() - 1 : program.chain().piece_at(p.s, no_knots);
+    const double from_start = p.s - program.chain().start(j, no_knots);
+    const Vec2 point = curve.position(j, std::clamp(from_start / program.chain().length(j, no_knots), 0.0, 1.0));
+    const SurfacePoint surface = path.obstacles()[o]->at(point);
+    PlannedContact c;
+    c.obstacle = p.obstacle;
+    c.obstacle_name = names_[o];
+    c.at_tip = p.at_tip;
+    c.arc_length = p.s * scale_.length;
+    c.point = scale_.length * point;
+    c.normal = surface.normal;
+    c.force = p.force * scale_.force();
+    c.gap = surface.distance * scale_.length;
+    c.extended = lies(points, i);
+    contacts.push_back(c);
+  }
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "; carried on to the final loads: between %.4f L and %.4f L the rod lies on check points, a run of "
+                "contacts that stands for a distributed force",
+                lying.first, lying.last);
+  Plan& plan = out.result;
+  plan.contacts = std::move(contacts);
+  plan.message += text;
+  plan.certificate = {};
+  plan.certificate.equilibrium = down.gradient;
+  plan.certificate.penetration = 0.0;
+  for (const Obstacle* o : path.obstacles()) {
+    plan.certificate.penetration = std::max(plan.certificate.penetration, certified_depth(curve, *o));
+  }
+  plan.certificate.failures = {plan.message};
+  plan.order = program.chain().functions();
+  out.pieces = program.chain().piece_count();
+  out.load = 1.0;
+  plan.coordinates.assign(z.data(), z.data() + statics.coordinates());
+  const Vec2 tip = program.backbone().tip();
+  plan.tip_x = tip.x * scale_.length;
+  plan.tip_y = tip.y * scale_.length;
+  plan.tip_angle = program.backbone().tip_angle();
+  if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
+  plan.backbone = sampled_backbone(program, scale_.length);
+  plan.self_overlap = self_overlap(plan.backbone);
+}
+
+Snap Executor::to_si(TrackedSnap& snap, const LoadPath& path) const {
+  Snap s;
+  s.kind = snap.kind;
+  s.load = snap.load;
+  s.stability_after = snap.margin;
+  for (std::size_t a = 0; a < last_.size(); ++a) s.moments.push_back(path.moment(a, snap.load) * scale_.moment());
+  const auto record = [&](Settled& at, std::vector<BackbonePoint>& shape, std::vector<PlannedContact>& contacts) {
+    const PoseProgram& program = at.statics->at(at.z);
+    shape = sampled_backbone(program, scale_.length);
+    contacts = planned_contacts(program, names_, scale_);
+  };
+  record(snap.before, s.before, s.contacts_before);
+  record(snap.after, s.after, s.contacts_after);
+  return s;
+}
+
+void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
+  Plan& plan = out.result;
+  out.steps = tracker.steps();
+  out.contact_changes = tracker.contact_changes();
+  plan.coordinates_name = LegendreBasis::name;
+  plan.split_at_contact = true;
+  plan.solver_name = "continuation";
+  plan.solver.status = arrived ? SolveStatus::converged : SolveStatus::stalled;
+  plan.solver.iterations = tracker.steps();
+  plan.moments = moments_;
+  plan.message = tracker.trouble();
+  const bool stopped = control_.stop != nullptr && control_.stop->load();
+  Settled& end = tracker.current();
+  if (end.statics == nullptr) {
+    plan.status = stopped             ? PlanStatus::interrupted
+                  : now() > deadline_ ? PlanStatus::time_limit
+                                      : PlanStatus::not_converged;
+    return;
+  }
+  if (arrived) tracker.refine_fully();
+  const double begin = now();
+  Statics& statics = *end.statics;
+  plan.certificate = statics.certify(end.z);
+  if (!(plan.certificate.moment_balance <= tolerance::moment_balance)) {
+    char text[96];
+    std::snprintf(text, sizeof text, "local moment balance %.2e is above %.0e", plan.certificate.moment_balance,
+                  tolerance::moment_balance);
+    plan.certificate.failures.emplace_back(text);
+  }
+  plan.seconds_certify = now() - begin;
+  out.load = end.z[statics.size()];
+  if (arrived) {
+    const bool valid = plan.certificate.valid();
+    const bool unstable =
+        !valid && plan.certificate.failures.size() == 1 && !(plan.certificate.stability > tolerance::stability);
+    plan.status = valid ? PlanStatus::solved : unstable ? PlanStatus::unstable : PlanStatus::not_converged;
+    if (!valid) plan.message = plan.certificate.failures.front();
+  } else if (stopped) {
+    plan.status = PlanStatus::interrupted;
+    plan.message = "interrupted before the final loads were reached";
+  } else if (now() > deadline_) {
+    plan.status = PlanStatus::time_limit;
+    plan.message =
+        "the time limit of " + std::to_string(control_.time_limit) + " s was reached before the final loads were";
+  } else {
+    plan.status = PlanStatus::not_converged;
+  }
+  const PoseProgram& program = statics.at(end.z);
+  const Chain& chain = program.chain();
+  plan.order = chain.functions();
+  out.pieces = chain.piece_count();
+  plan.coordinates.assign(end.z.data(), end.z.data() + statics.coordinates());
+  const Vec2 tip = program.backbone().tip();
+  plan.tip_x = tip.x * scale_.length;
+  plan.tip_y = tip.y * scale_.length;
+  plan.tip_angle = program.backbone().tip_angle();
+  if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
+  plan.contacts = planned_contacts(program, names_, scale_);
+  std::erase_if(plan.contacts, [&](const PlannedContact& c) { return !(c.force > tolerance::force * scale_.force()); });
+  plan.backbone = sampled_backbone(program, scale_.length);
+  plan.self_overlap = self_overlap(plan.backbone);
+}
+
+}  // namespace
+
+Execution execute(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
+                  const std::vector<double>& moments, const ExecuteControl& control) {
+  return Executor(scene, obstacles, moments, control).run();
+}
+
+}  // namespace tendril

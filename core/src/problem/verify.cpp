@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <set>
+
+#include "tendril/execute.hpp"
+#include "tendril/problem.hpp"
+#include "tendril/scale.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril {
+namespace {
+
+/// Obstacles that hold the rod with more than a trace of force (EI/L^2).
+constexpr double trace_of_force = 1e-3;
+
+std::set<std::string> holding(const Plan& plan, double force_unit) {
+  std::set<std::string> names;
+  for (const PlannedContact& c : plan.contacts) {
+    if (c.force > trace_of_force * force_unit) names.insert(c.obstacle_name);
+  }
+  return names;
+}
+
+/// An obstacle that holds the rod in both, from opposite sides; empty if there is none.
+std::string other_side(const Plan& plan, const Plan& met, double force_unit) {
+  const auto holds = [&](const PlannedContact& c) { return c.force > trace_of_force * force_unit; };
+  for (const PlannedContact& a : plan.contacts) {
+    const bool opposite = std::any_of(met.contacts.begin(), met.contacts.end(), [&](const PlannedContact& b) {
+      return holds(a) && holds(b) && a.obstacle_name == b.obstacle_name && dot(a.normal, b.normal) < 0.0;
+    });
+    if (opposite) return a.obstacle_name;
+  }
+  return "";
+}
+
+std::string list(const std::set<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "'" : ", '") + name + "'";
+  return text.empty() ? "no obstacle" : text;
+}
+
+}  // namespace
+
+Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, Plan& plan,
+                 const ExecuteControl& control) {
+  // From the plan's own shape: what its basis leaves out, apart from how the loads get there.
+  ExecuteControl local = control;
+  local.start = &plan;
+  local.with_obstacles = control.with_obstacles && needs_obstacles(scene);
+  const bool own = control.start == &plan && local.with_obstacles == control.with_obstacles;
+  Execution reached = execute(scene, obstacles, plan.moments, control);
+  const Scale scale = scale_of(scene);
+  const auto distance = [&](const Plan& other) {
+    return std::hypot(plan.tip_x - other.tip_x, plan.tip_y - other.tip_y);
+  };
+  const auto percent = [&](double metres) {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.3g m (%.2g %% of the length)", metres, 100.0 * metres / scale.length);
+    return std::string(text);
+  };
+  std::string trouble;
+  if (reached.result.status == PlanStatus::solved) {
+    plan.model_error = distance(reached.result);
+    const std::set<std::string> planned = holding(plan, scale.force());
+    const std::set<std::string> met = holding(reached.result, scale.force());
+    if (planned != met) {
+      trouble = "the plan rests on " + list(planned) + ", execution on " + list(met);
+    } else if (const std::string turned = other_side(plan, reached.result, scale.force()); !turned.empty()) {
+      trouble = "the plan rests on the other side of '" + turned + "' than execution does";
+    } else if (!(*plan.model_error <= tolerance::model_error * scale.length)) {
+      trouble = "the tip ends elsewhere";
+    }
+    plan.verification = std::string(own ? "settled from the plan's own shape" : "loaded from the start") +
+                        " the tip comes to rest " + percent(*plan.model_error) + " from the plan's";
+    if (!reached.snaps.empty()) plan.verification += ", after " + std::to_string(reached.snaps.size()) + " snap(s)";
+  } else {
+    trouble = (own ? "the plan's own shape did not settle: " : "loading from the start did not arrive: ") +
+              reached.result.message;
+    plan.verification = trouble;
+  }
+  if (own) {
+    plan.local_model_error = plan.model_error;
+  } else {
+    const Execution near = execute(scene, obstacles, plan.moments, local);
+    if (near.result.status == PlanStatus::solved) {
+      plan.local_model_error = distance(near.result);
+      plan.verification += "; settled from the plan's own shape " + percent(*plan.local_model_error);
+    } else {
+      plan.verification += "; the plan's own shape did not settle: " + near.result.message;
+    }
+  }
+  if (!trouble.empty() && plan.status == PlanStatus::solved) {
+    plan.status = PlanStatus::not_converged;
+    plan.message = "execution does not confirm the plan: " + trouble;
+    if (!plan.verification.empty()) plan.message += " (" + plan.verification + ")";
+  }
+  return reached;
+}
+
+}  // namespace tendril

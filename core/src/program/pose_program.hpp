@@ -1,0 +1,200 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "objective/term_units.hpp"
+#include "rod/backbone.hpp"
+#include "rod/chain.hpp"
+#include "rod/rod.hpp"
+#include "tendril/nonlinear_program.hpp"
+#include "tendril/objective_term.hpp"
+#include "tendril/obstacle.hpp"
+
+namespace tendril {
+
+/// One contact that a program plans with.
+struct ContactSetup {
+  int obstacle = 0;     ///< index in PoseProgramSpec::obstacles
+  bool at_tip = false;  ///< at the rod's end; else inside
+  /// Interior contacts: the stretch between fixed knots (split) or the piece (not split) in which the contact may
+  /// slide.
+  int region = 0;
+};
+
+/// A point of the backbone that must stay outside an obstacle.
+struct CheckPoint {
+  int piece = 0;       ///< of the chain
+  double sigma = 0.5;  ///< place on the piece, in [0,1]
+  int obstacle = 0;    ///< index in PoseProgramSpec::obstacles
+};
+
+/// What is known about a contact's complementarity g f = 0.
+enum class Branch {
+  open,      ///< g >= 0, f >= 0: someone else drives g f to zero
+  touching,  ///< g = 0, f >= 0
+  separated  ///< g >= 0, f = 0
+};
+
+/// A term of the objective and its weight.
+struct PoseProgramTerm {
+  const ObjectiveTerm* term = nullptr;  ///< borrowed
+  double weight = 1.0;                  ///< dimensionless, > 0
+  std::string name;                     ///< for reports
+};
+
+/// The palm that a finger stands on (model.md section 6, "grasp"). The program's frame is fixed to the object, whose
+/// centre is the origin: the rod's base stands at `Rod::base` minus the palm distance times `axis`, so that every point
+/// of the rod has the same constant derivative with respect to the distance.
+struct PalmSetup {
+  Vec2 axis{1.0, 0.0};   ///< unit vector away from the palm
+  double minimum = 0.0;  ///< of the palm distance, units of L
+  double maximum = 0.0;  ///< equal to the minimum: the distance is fixed, and no variable
+  bool balance = true;   ///< whether sum_k f_k n_k . axis = 0 is a row
+};
+
+/// Everything that a pose program is assembled from. Pointers are borrowed and must outlive the program.
+struct PoseProgramSpec {
+  const Rod* rod = nullptr;                ///< dimensionless
+  const CoordinateModel* model = nullptr;  ///< the local basis
+  std::vector<const Obstacle*> obstacles;  ///< dimensionless; may be empty
+  std::vector<PoseProgramTerm> terms;      ///< of the objective
+  Target target;                           ///< for terms that read it
+  bool split = true;                       ///< whether each interior contact has a knot of its own
+  std::vector<ContactSetup> contacts;      ///< interior ones in order along the rod, then those at the tip
+  std::vector<CheckPoint> checks;          ///< points kept outside of obstacles by a row each
+  int nodes = 0;                           ///< Gauss nodes per smooth interval of a piece
+  double min_force = 0.0;                  ///< of every contact, units of EI0/L^2
+  double max_force = infinity;             ///< of every contact, units of EI0/L^2
+  std::optional<PalmSetup> palm{};         ///< of a grasp
+  int carried = 0;  ///< the last so many obstacles stand on the palm: they move with the rod's base
+  /// The last so many obstacles bound no body: they measure how far check points lie along a direction, for rows of a
+  /// program that this one is a part of. No clearance is kept from them.
+  int measures = 0;
+  TermUnits term_units{};                ///< in which terms see this rod
+  std::shared_ptr<TableStore> tables{};  ///< shared by programs of one rod and model; null: each makes its own
+  /// A row keeps the margin of stability (model.md section 7) at this or above; absent: there is no such row. Its
+  /// second derivatives are learned from its gradients as the program is evaluated; everything else stays exact.
+  std::optional<double> least_margin{};
+  /// Rows keep d_ss (model.md section 7) of contacts that touch inside the rod at this or above, on both sides of the
+  /// contact: beside it no check point can. Absent: there are no such rows. Second derivatives as above.
+  std::optional<double> least_convexity{};
+};
+
+/// A shape to start from, whatever it was described with.
+struct StartShape {
+  std::function<double(double)> curvature;  ///< of the arc length s/L
+  std::vector<double> moments{};            ///< one per actuator; empty: those that hold the shape without other loads
+  std::vector<double> arc_lengths{};        ///< one per contact; empty or NaN: the nearest point
+  std::vector<double> forces{};             ///< one per contact; empty: 0
+  double palm_distance = std::numeric_limits<double>::quiet_NaN();  ///< NaN: where the shape nearly touches
+};
+
+/// Constant curvature with this angle of the tip against the base.
+TENDRIL_API StartShape constant_curvature(double tip_angle);
+
+/// Contact points keep this distance (in L) from fixed knots and from each other: the equilibrium residual's floor
+/// grows like 1e-17 / h (model.md section 2).
+inline constexpr double knot_clearance = 1e-5;
+
+/// The nonlinear program of one way of being in contact (model.md section 5). x = (q, moments, contact arc lengths,
+/// contact forces, palm distance), each block only if needed. Exact first and second derivatives; no allocation after
+/// construction.
+class TENDRIL_API PoseProgram : public NonlinearProgram {
+ public:
+  /// Assembles the program. Throws Error for a check point outside its piece.
+  explicit PoseProgram(PoseProgramSpec spec);
+  ~PoseProgram() override;
+
+  /// Where each block of variables and rows begins, and how long it is.
+  struct Layout {
+    int coordinates = 0;       ///< length of q, which comes first
+    int first_moment = 0;      ///< variable
+    int moments = 0;           ///< actuators that are not fixed at zero
+    int first_arc_length = 0;  ///< variable
+    int arc_lengths = 0;       ///< interior contacts
+    int first_force = 0;       ///< variable
+    int forces = 0;            ///< all contacts
+    int palm = -1;             ///< variable of the palm distance; -1: none, or fixed
+    int first_gap = 0;         ///< row; one per contact, behind the equilibrium rows [0, coordinates)
+    int first_closest = 0;     ///< row; one per contact
+    int first_check = 0;       ///< row
+    int checks = 0;            ///< check points
+    int first_order = 0;       ///< row
+    int orders = 0;            ///< pairs of contacts that must keep their order along the rod
+    int first_balance = 0;     ///< row
+    int balances = 0;          ///< 1 if the force along a grasp's axis has to vanish
+    int first_margin = 0;      ///< row
+    int margins = 0;           ///< 1 if the margin of stability is kept up
+    int first_convexity = 0;   ///< row; two per contact inside the rod, before and behind it
+    int convexities = 0;       ///< rows that keep contacts from spreading
+  };
+  const Layout& layout() const;         ///< Where the blocks are.
+  const PoseProgramSpec& spec() const;  ///< What it was assembled from.
+  const Chain& chain() const;           ///< The rod's pieces.
+  /// The moment variable of actuator a, or -1.
+  int moment_variable(int actuator) const;
+  /// Interior contact k's arc length variable, or -1 for a contact at the tip.
+  int arc_length_variable(int contact) const;
+  /// Distance of the palm at x; 0 without a palm.
+  double palm_distance(ConstVectorRef x) const;
+  /// The force variable of contact k.
+  int force_variable(int contact) const { return layout().first_force + contact; }
+
+  /// Chooses the branch of contact k: changes bounds only. Calls invalidate().
+  void set_branch(int contact, Branch branch);
+  Branch branch(int contact) const;  ///< The branch that set_branch() chose; open at first.
+  /// Another target for terms that read one. Calls invalidate().
+  void set_target(const Target& target);
+
+  /// A start of the given shape; contacts sit where the shape comes nearest to their obstacles unless the shape says
+  /// where.
+  Eigen::VectorXd start_from(const StartShape& shape) const;
+  /// What x looks like, as a start of another program on the same rod: sampled curvature, moments, places and forces.
+  StartShape shape_of(ConstVectorRef x) const;
+
+  /// State at the point computed last.
+  struct ContactState {
+    double arc_length = 0.0;  ///< units of L
+    Vec2 point{};             ///< units of L
+    Vec2 tangent{};           ///< unit vector along the rod
+    double angle = 0.0;       ///< of the rod, rad
+    double force = 0.0;       ///< units of EI0/L^2
+    SurfacePoint surface{};   ///< the obstacle there
+  };
+  /// All contacts, in the order of PoseProgramSpec::contacts.
+  const std::vector<ContactState>& contacts() const;
+  const Backbone& backbone() const;  ///< The rod's shape.
+  /// How far the base stands from Rod::base.
+  Vec2 base_shift() const;
+  /// Weighted value of term i, and its name.
+  double term_value(int i) const;
+
+  std::string row_name(int row) const override;
+  /// Name of the block and number inside it.
+  std::string variable_name(int variable) const override;
+
+  /// dP_k/dq of contact k at the point whose derivatives were computed last, and dphi_k/dq: each coordinates() entries.
+  void contact_rows(int contact, VectorRef x, VectorRef y, VectorRef angle) const;
+  /// d_ss of contact k (model.md section 7) at the point computed last: the second derivative of its gap along the rod,
+  /// on the side with more where the curvature jumps. Infinity at the tip.
+  double contact_convexity(int contact) const;
+  /// The same for a contact inside the rod, with its derivatives by all variables (variable_count() entries) at the
+  /// point whose derivatives were computed last.
+  double contact_convexity(int contact, VectorRef gradient) const;
+
+ protected:
+  void do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out) override;
+  void do_hessian(ConstVectorRef x, double sigma, ConstVectorRef multipliers, Workspace& out) override;
+
+ private:
+  struct Data;
+  explicit PoseProgram(std::unique_ptr<Data> data);
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace tendril

@@ -1,0 +1,303 @@
+#include "program/reduced_program.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "program/equations_alone.hpp"
+
+namespace tendril {
+namespace {
+
+/// Newton's method on the equations: every bound on its steps keeps it on its branch.
+constexpr int most_corrections = 25;
+constexpr double settled = 1e-12;    ///< correction, relative to 1 + the largest variable, that ends it
+constexpr double contraction = 0.5;  ///< a correction larger than this of the one before does not converge
+constexpr double farthest = 0.5;     ///< first correction, relative to 1 + the largest variable
+/// Of a step along the branch, each variable relative to 1 + itself.
+constexpr double longest_step = 0.5;
+constexpr double straightness = 0.5;  ///< what the correction may be of the step
+constexpr double settling = 1e-7;     ///< ... and besides: the start is given to this
+/// A way to other moments is cut into halves as often as this before the branch counts as ended.
+constexpr double shortest_way = 1e-4;
+
+bool is_equation(const PoseProgram& program, int row) { return program.row_lower()[row] == program.row_upper()[row]; }
+
+}  // namespace
+
+ReducedProgram::Parts ReducedProgram::parts_of(const PoseProgram& program) {
+  Parts parts;
+  const PoseProgram::Layout& at = program.layout();
+  for (int i = 0; i < program.variable_count(); ++i) {
+    if (program.lower()[i] == program.upper()[i]) continue;
+    const bool moment = i >= at.first_moment && i < at.first_moment + at.moments;
+    (moment ? parts.chosen : parts.following).push_back(i);
+    const bool bounded = std::isfinite(program.lower()[i]) || std::isfinite(program.upper()[i]);
+    if (!moment && bounded) parts.limited.push_back(static_cast<int>(parts.following.size()) - 1);
+  }
+  for (int i = 0; i < program.row_count(); ++i) {
+    (is_equation(program, i) ? parts.equations : parts.others).push_back(i);
+  }
+  return parts;
+}
+
+bool ReducedProgram::applies(const PoseProgram& program) {
+  for (int k = 0; k < program.layout().forces; ++k) {
+    if (program.branch(k) == Branch::open) return false;
+  }
+  const Parts parts = parts_of(program);
+  const bool plain = parts.equations.empty() || parts.equations.back() < program.layout().first_check;
+  return plain && !parts.chosen.empty() && parts.equations.size() == parts.following.size();
+}
+
+ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x)
+    : ReducedProgram(program, x, parts_of(program)) {}
+
+ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts parts)
+    : NonlinearProgram(static_cast<int>(parts.chosen.size()),
+                       static_cast<int>(parts.others.size() + parts.limited.size()), program.residual_count()),
+      program_(program),
+      equations_(equations_alone(program.spec())),
+      parts_(std::move(parts)),
+      x_(x),
+      anchor_(x) {
+  const auto chosen = static_cast<Eigen::Index>(parts_.chosen.size());
+  const auto following = static_cast<Eigen::Index>(parts_.following.size());
+  for (int k = 0; k < program.layout().forces; ++k) equations_.set_branch(k, program.branch(k));
+  reached_at_ = Eigen::VectorXd::Constant(chosen, std::numeric_limits<double>::quiet_NaN());
+  has_rest_ = program.has_rest();
+  rest_is_linear_ = !program.has_rest();
+  start_.resize(chosen);
+  for (int j = 0; j < chosen; ++j) {
+    const int i = parts_.chosen[static_cast<std::size_t>(j)];
+    lower_[j] = program.lower()[i];
+    upper_[j] = program.upper()[i];
+    start_[j] = std::clamp(x[i], lower_[j], upper_[j]);
+    x_[i] = anchor_[i] = start_[j];
+  }
+  const auto others = static_cast<int>(parts_.others.size());
+  for (int r = 0; r < others; ++r) {
+    row_lower_[r] = program.row_lower()[parts_.others[static_cast<std::size_t>(r)]];
+    row_upper_[r] = program.row_upper()[parts_.others[static_cast<std::size_t>(r)]];
+  }
+  for (std::size_t r = 0; r < parts_.limited.size(); ++r) {
+    const int i = parts_.following[static_cast<std::size_t>(parts_.limited[r])];
+    row_lower_[others + static_cast<int>(r)] = program.lower()[i];
+    row_upper_[others + static_cast<int>(r)] = program.upper()[i];
+  }
+  system_.setZero(following, following);
+  factors_ = Eigen::PartialPivLU<Eigen::MatrixXd>(following);
+  right_.setZero(following, chosen);
+  slope_.setZero(following, chosen);
+  anchor_slope_.setZero(following, chosen);
+  residual_.setZero(following);
+  correction_.setZero(following);
+  adjoint_.setZero(following);
+  full_multipliers_.setZero(program.row_count());
+  tangent_.setZero(program.variable_count(), chosen);
+  for (int j = 0; j < chosen; ++j) tangent_(parts_.chosen[static_cast<std::size_t>(j)], j) = 1.0;
+  bent_.setZero(program.variable_count(), chosen);
+  predicted_ = x_;
+  if (!correct()) return;
+  find_slopes();
+  anchor_ = x_;
+  anchor_slope_ = slope_;
+  anchor_sign_ = sign_;
+}
+
+ReducedProgram::~ReducedProgram() = default;
+
+bool ReducedProgram::correct() {
+  double before = infinity;
+  for (int iteration = 0; iteration < most_corrections; ++iteration) {
+    fill_system();
+    const VectorView rows = equations_.constraints(x_);
+    const Eigen::Index n = residual_.size();
+    for (Eigen::Index r = 0; r < n; ++r) {
+      const int row = parts_.equations[static_cast<std::size_t>(r)];
+      residual_[r] = rows[row] - equations_.row_lower()[row];
+    }
+    if (!residual_.allFinite() || !system_.allFinite()) return false;
+    if (n == 0) return true;
+    factors_.compute(system_);
+    correction_ = factors_.solve(residual_);
+    const double largest = correction_.cwiseAbs().maxCoeff();
+    double size = 1.0;
+    for (const int i : parts_.following) size = std::max(size, std::abs(x_[i]));
+    if (!std::isfinite(largest) || (before == infinity && largest > farthest * size)) return false;
+    // What does not converge at first has left its branch. Newton's method squares its corrections: after one of the
+    // root of `settled` the next is rounding, however large that is.
+    if (largest > contraction * before) return before <= std::sqrt(settled) * size;
+    for (Eigen::Index c = 0; c < n; ++c) x_[parts_.following[static_cast<std::size_t>(c)]] -= correction_[c];
+    if (largest <= settled * size) return true;
+    before = largest;
+  }
+  return false;
+}
+
+void ReducedProgram::fill_system() {
+  const MatrixView jacobian = equations_.jacobian(x_);
+  for (Eigen::Index r = 0; r < system_.rows(); ++r) {
+    const int row = parts_.equations[static_cast<std::size_t>(r)];
+    for (Eigen::Index c = 0; c < system_.cols(); ++c) {
+      system_(r, c) = jacobian(row, parts_.following[static_cast<std::size_t>(c)]);
+    }
+  }
+}
+
+void ReducedProgram::find_slopes() {
+  fill_system();
+  const MatrixView jacobian = equations_.jacobian(x_);
+  const auto n = static_cast<Eigen::Index>(parts_.following.size());
+  const auto m = static_cast<Eigen::Index>(parts_.chosen.size());
+  for (Eigen::Index r = 0; r < n; ++r) {
+    const int row = parts_.equations[static_cast<std::size_t>(r)];
+    for (Eigen::Index c = 0; c < m; ++c) right_(r, c) = -jacobian(row, parts_.chosen[static_cast<std::size_t>(c)]);
+  }
+  if (n > 0) {
+    factors_.compute(system_);
+    slope_ = factors_.solve(right_);
+  }
+  sign_ = n > 0 ? static_cast<int>(factors_.permutationP().determinant()) : 1;
+  for (Eigen::Index r = 0; r < n; ++r) {
+    const double pivot = factors_.matrixLU()(r, r);
+    sign_ = pivot > 0.0 ? sign_ : pivot < 0.0 ? -sign_ : 0;
+  }
+  for (Eigen::Index r = 0; r < n; ++r) tangent_.row(parts_.following[static_cast<std::size_t>(r)]) = slope_.row(r);
+}
+
+double ReducedProgram::distance(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
+  double largest = 0.0;
+  for (const int i : parts_.following)
+    largest = std::max(largest, std::abs(to[i] - from[i]) / (1.0 + std::abs(from[i])));
+  return largest;
+}
+
+bool ReducedProgram::follow(ConstVectorRef u) {
+  if (!u.allFinite() || anchor_sign_ == 0) return false;
+  const auto at = [&](Eigen::Index j) { return parts_.chosen[static_cast<std::size_t>(j)]; };
+  kept_ = anchor_;
+  kept_slope_ = anchor_slope_;
+  double left = 1.0;  // of the way from where the anchor stood at first
+  double share = 1.0;
+  while (true) {
+    const bool whole = share >= left;
+    predicted_ = anchor_;
+    for (Eigen::Index j = 0; j < u.size(); ++j) {
+      const double moved = whole ? u[j] - anchor_[at(j)] : share / left * (u[j] - anchor_[at(j)]);
+      predicted_[at(j)] = whole ? u[j] : anchor_[at(j)] + moved;
+      for (Eigen::Index c = 0; c < anchor_slope_.rows(); ++c) {
+        predicted_[parts_.following[static_cast<std::size_t>(c)]] += anchor_slope_(c, j) * moved;
+      }
+    }
+    // On its own branch the rod is found near where its slopes point to, if these point no farther than they hold, and
+    // the determinant of the equations keeps its sign.
+    const double pointed = distance(anchor_, predicted_);
+    x_ = predicted_;
+    bool found = pointed <= longest_step && correct() && distance(predicted_, x_) <= straightness * pointed + settling;
+    if (found) {
+      find_slopes();
+      found = sign_ == anchor_sign_;
+    }
+    if (found) {
+      anchor_ = x_;
+      anchor_slope_ = slope_;
+      if (whole) return true;
+      left -= share;
+      share *= 2.0;
+      continue;
+    }
+    share *= 0.5;
+    if (share >= shortest_way) continue;
+    // What was tried in vain leaves no trace: beside the end of the branch there is no way to go on from.
+    anchor_ = kept_;
+    anchor_slope_ = kept_slope_;
+    return false;
+  }
+}
+
+const Eigen::VectorXd& ReducedProgram::full(ConstVectorRef u) {
+  cost(u);
+  return x_;
+}
+
+void ReducedProgram::do_evaluate(ConstVectorRef u, bool derivatives, Workspace& out) {
+  if (!reached_ || reached_at_ != u) {
+    reached_ = follow(u);
+    reached_at_ = u;
+  }
+  const auto others = static_cast<int>(parts_.others.size());
+  if (!reached_) {
+    const double none = std::numeric_limits<double>::quiet_NaN();
+    x_.setConstant(none);
+    out.cost = out.rest = none;
+    out.constraints.setConstant(none);
+    out.residuals.setConstant(none);
+    if (!derivatives) return;
+    out.gradient.setConstant(none);
+    out.rest_gradient.setConstant(none);
+    out.jacobian.setConstant(none);
+    out.residual_jacobian.setConstant(none);
+    return;
+  }
+  out.cost = program_.cost(x_);
+  out.rest = program_.rest(x_);
+  out.residuals = program_.residuals(x_);
+  const VectorView rows = program_.constraints(x_);
+  for (int r = 0; r < others; ++r) out.constraints[r] = rows[parts_.others[static_cast<std::size_t>(r)]];
+  for (std::size_t r = 0; r < parts_.limited.size(); ++r) {
+    out.constraints[others + static_cast<int>(r)] = x_[parts_.following[static_cast<std::size_t>(parts_.limited[r])]];
+  }
+  if (!derivatives) return;
+  out.gradient.noalias() = tangent_.transpose() * program_.gradient(x_);
+  out.rest_gradient.noalias() = tangent_.transpose() * program_.rest_gradient(x_);
+  out.residual_jacobian.noalias() = program_.residual_jacobian(x_) * tangent_;
+  const MatrixView jacobian = program_.jacobian(x_);
+  for (int r = 0; r < others; ++r) {
+    out.jacobian.row(r).noalias() = jacobian.row(parts_.others[static_cast<std::size_t>(r)]) * tangent_;
+  }
+  for (std::size_t r = 0; r < parts_.limited.size(); ++r) {
+    out.jacobian.row(others + static_cast<int>(r)) = slope_.row(parts_.limited[r]);
+  }
+}
+
+void ReducedProgram::do_hessian(ConstVectorRef /*u*/, double sigma, ConstVectorRef multipliers, Workspace& out) {
+  if (!reached_) {
+    out.hessian.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  // Multipliers of the equations, for which the Lagrangian does not change with what follows.
+  const auto others = static_cast<int>(parts_.others.size());
+  const auto n = static_cast<Eigen::Index>(parts_.following.size());
+  const VectorView gradient = program_.gradient(x_);
+  const MatrixView jacobian = program_.jacobian(x_);
+  for (Eigen::Index c = 0; c < n; ++c) {
+    const int i = parts_.following[static_cast<std::size_t>(c)];
+    double sum = sigma * gradient[i];
+    for (int r = 0; r < others; ++r) {
+      sum += multipliers[r] * jacobian(parts_.others[static_cast<std::size_t>(r)], i);
+    }
+    residual_[c] = sum;
+  }
+  for (std::size_t r = 0; r < parts_.limited.size(); ++r) {
+    residual_[parts_.limited[r]] += multipliers[others + static_cast<int>(r)];
+  }
+  if (n > 0) adjoint_ = factors_.transpose().solve(residual_);
+  for (Eigen::Index r = 0; r < n; ++r) full_multipliers_[parts_.equations[static_cast<std::size_t>(r)]] = -adjoint_[r];
+  for (int r = 0; r < others; ++r) full_multipliers_[parts_.others[static_cast<std::size_t>(r)]] = multipliers[r];
+  bent_.noalias() = program_.hessian(x_, sigma, full_multipliers_) * tangent_;
+  out.hessian.noalias() = tangent_.transpose() * bent_;
+}
+
+std::string ReducedProgram::row_name(int row) const {
+  const auto others = static_cast<int>(parts_.others.size());
+  if (row < others) return program_.row_name(parts_.others[static_cast<std::size_t>(row)]);
+  return program_.variable_name(
+      parts_.following[static_cast<std::size_t>(parts_.limited[static_cast<std::size_t>(row - others)])]);
+}
+
+std::string ReducedProgram::variable_name(int variable) const {
+  return program_.variable_name(parts_.chosen[static_cast<std::size_t>(variable)]);
+}
+
+}  // namespace tendril

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/LU>
+#include <string>
+#include <vector>
+
+#include "program/pose_program.hpp"
+
+namespace tendril {
+
+/// A pose program in its moments alone: they decide the shape, the places and the forces of contacts as long as the
+/// equilibrium is followed from a point where all of these are known. For every contact has to be decided whether it
+/// touches. What are variables there, and bounded, are rows here, behind the inequalities of the program; equations
+/// are solved by Newton's method. Exact first and second derivatives.
+///
+/// However many coordinates a model has, this program is as small as the rod has actuators. It is never anywhere but in
+/// equilibrium, and never leaves the branch of equilibria that it began on: where that ends, its values are not finite.
+class TENDRIL_API ReducedProgram : public NonlinearProgram {
+ public:
+  /// Whether the equations of `program` decide all but the moments, and there is a moment to choose.
+  static bool applies(const PoseProgram& program);
+
+  /// `program` is borrowed, must outlive this, and applies(). From x, which its equations hold at, or nearly so.
+  ReducedProgram(PoseProgram& program, ConstVectorRef x);
+  ~ReducedProgram() override;
+
+  /// The moments at the point that this began with.
+  const Eigen::VectorXd& start() const { return start_; }
+  /// The point of the pose program at moments u; not finite where the branch does not reach.
+  const Eigen::VectorXd& full(ConstVectorRef u);
+
+  /// Names of the pose program; what is a variable there and a row here keeps its name.
+  std::string row_name(int row) const override;
+  std::string variable_name(int variable) const override;  ///< "moment 1" and so on.
+
+ protected:
+  void do_evaluate(ConstVectorRef u, bool derivatives, Workspace& out) override;
+  void do_hessian(ConstVectorRef u, double sigma, ConstVectorRef multipliers, Workspace& out) override;
+
+ private:
+  struct Parts {
+    std::vector<int> chosen;     ///< variables: the moments that are not fixed
+    std::vector<int> following;  ///< variables: what the equations decide
+    std::vector<int> equations;  ///< rows
+    std::vector<int> others;     ///< rows
+    std::vector<int> limited;    ///< of `following`, those with a bound: places in it
+  };
+  static Parts parts_of(const PoseProgram& program);
+  ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts parts);
+
+  /// Follows the branch to moments u: x_ is then the point. False: it does not reach.
+  bool follow(ConstVectorRef u);
+  /// Newton's method on the equations from x_, whose moments stay.
+  bool correct();
+  /// d equations / d following at x_.
+  void fill_system();
+  /// d x_following / d u at x_, the factors of the equations there, and the sign of their determinant.
+  void find_slopes();
+  /// Largest change of what follows, each relative to 1 + itself.
+  double distance(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
+
+  PoseProgram& program_;
+  PoseProgram equations_;  ///< with the variables of `program_`, to follow the branch with
+  Parts parts_;
+  Eigen::VectorXd start_;
+  Eigen::VectorXd x_, anchor_;  ///< of the pose program: of the last call, and the last one in equilibrium
+  Eigen::MatrixXd anchor_slope_, kept_slope_;  ///< following x chosen, at the anchor
+  Eigen::VectorXd predicted_, kept_;
+  int sign_ = 0, anchor_sign_ = 0;
+  bool reached_ = false;
+  Eigen::VectorXd reached_at_;  ///< moments
+  Eigen::MatrixXd system_, slope_, right_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> factors_;
+  Eigen::VectorXd residual_, correction_, adjoint_, full_multipliers_;
+  Eigen::MatrixXd tangent_, bent_;  ///< d x / d u: all variables x chosen; Hessian times it
+};
+
+}  // namespace tendril

@@ -1,0 +1,197 @@
+#include "program/stability.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tendril/tolerances.hpp"
+
+namespace tendril {
+
+Stability::Stability(const PoseProgram& program) {
+  const Chain& chain = program.chain();
+  const int n = chain.functions();
+  const Eigen::LLT<Eigen::MatrixXd> llt(chain.table().stiffness);
+  inverse_ = llt.matrixU().solve(Eigen::MatrixXd::Identity(n, n));
+  const int coordinates = program.layout().coordinates;
+  point_x_.resize(coordinates);
+  point_y_.resize(coordinates);
+  angle_.resize(coordinates);
+  turning_.resize(coordinates);
+  direction_.resize(coordinates);
+  reflection_.resize(coordinates);
+  hessian_.resize(coordinates, coordinates);
+  convexity_.resize(program.variable_count());
+  touching_.reserve(program.spec().contacts.size());
+}
+
+bool Stability::leans_on_end(const PoseProgram& program, int contact) {
+  return !program.spec().contacts[static_cast<std::size_t>(contact)].at_tip &&
+         program.contacts()[static_cast<std::size_t>(contact)].arc_length >= 1.0 - 2.0 * knot_clearance;
+}
+
+void Stability::second_variation(PoseProgram& program, ConstVectorRef x, Eigen::MatrixXd& h) {
+  const int n = program.layout().coordinates;
+  // dh_e/dq is minus the second derivative of Pi plus the turning of the contact forces, all at frozen knots.
+  h = -program.jacobian(x).topLeftCorner(n, n);
+  for (int k = 0; k < program.layout().forces; ++k) {
+    const PoseProgram::ContactState& c = program.contacts()[static_cast<std::size_t>(k)];
+    if (program.spec().contacts[static_cast<std::size_t>(k)].at_tip || !(std::abs(c.force) > tolerance::force))
+      continue;
+    if (ends_hold_ && leans_on_end(program, k)) continue;
+    program.contact_rows(k, point_x_, point_y_, angle_);
+    const Vec2 tau = turned(c.surface.normal);
+    const double along = c.surface.curvature * dot(tau, c.tangent);
+    turning_ = dot(turned(c.tangent), c.surface.normal) * angle_ + along * (tau.x * point_x_ + tau.y * point_y_);
+    h.noalias() += c.force / program.contact_convexity(k) * turning_ * turning_.transpose();
+  }
+}
+
+double Stability::root(const PoseProgram& program, int j) const {
+  return std::sqrt(program.backbone().length(j) / program.chain().piece(j).stiffness);
+}
+
+double Stability::margin(PoseProgram& program, ConstVectorRef x) {
+  const Chain& chain = program.chain();
+  const int n = program.layout().coordinates;
+  Eigen::MatrixXd& h = hessian_;
+  second_variation(program, x, h);
+  touching_.clear();
+  for (int k = 0; k < program.layout().forces; ++k) {
+    if (program.contacts()[static_cast<std::size_t>(k)].force > tolerance::force) touching_.push_back(k);
+  }
+  // In coordinates y = U q with K = U^T U the bending energy is the unit matrix.
+  const int functions = chain.functions();
+  for (int j = 0; j < chain.piece_count(); ++j) {
+    block_.noalias() = h.middleCols(j * functions, functions) * inverse_;
+    h.middleCols(j * functions, functions) = root(program, j) * block_;
+  }
+  for (int j = 0; j < chain.piece_count(); ++j) {
+    block_.noalias() = inverse_.transpose() * h.middleRows(j * functions, functions);
+    h.middleRows(j * functions, functions) = root(program, j) * block_;
+  }
+  if (!h.allFinite()) return -infinity;
+  const auto count = static_cast<Eigen::Index>(touching_.size());
+  if (count == 0) return eigen_.compute(h, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  const Eigen::Index left = n - count;
+  if (left <= 0) return infinity;
+  normals_.resize(n, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const int k = touching_[static_cast<std::size_t>(i)];
+    const PoseProgram::ContactState& c = program.contacts()[static_cast<std::size_t>(k)];
+    program.contact_rows(k, point_x_, point_y_, angle_);
+    turning_ = c.surface.normal.x * point_x_ + c.surface.normal.y * point_y_;
+    for (int j = 0; j < chain.piece_count(); ++j) {
+      normals_.col(i).segment(j * functions, functions).noalias() =
+          root(program, j) * (inverse_.transpose() * turning_.segment(j * functions, functions));
+    }
+  }
+  // The orthogonal complement of the rows spans what the contacts leave free: Q^T H Q, one reflection after the other.
+  qr_.compute(normals_);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto essential = qr_.matrixQR().col(k).tail(n - k - 1);
+    h.bottomRows(n - k).applyHouseholderOnTheLeft(essential, qr_.hCoeffs()[k], reflection_.data());
+    h.rightCols(n - k).applyHouseholderOnTheRight(essential, qr_.hCoeffs()[k], reflection_.data());
+  }
+  free_ = h.bottomRightCorner(left, left);
+  return eigen_.compute(free_, Eigen::EigenvaluesOnly).eigenvalues()[0];
+}
+
+/// Inverse iteration. The shift lies off the eigenvalue by what rounding leaves of it, so that the system can be
+/// solved.
+void Stability::find_eigenvector(double eigenvalue) {
+  const auto count = static_cast<Eigen::Index>(touching_.size());
+  const Eigen::Index left = hessian_.rows() - count;
+  shifted_ = hessian_.bottomRightCorner(left, left);
+  const double size = std::max(1.0, shifted_.cwiseAbs().maxCoeff());
+  shifted_.diagonal().array() -= eigenvalue - 16.0 * std::numeric_limits<double>::epsilon() * size;
+  lu_.compute(shifted_);
+  vector_.resize(left);
+  // Any start with a part along every eigenvector.
+  for (Eigen::Index i = 0; i < left; ++i) vector_[i] = 1.0 + 0.3 * std::cos(1.7 * static_cast<double>(i));
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    next_ = lu_.solve(vector_);
+    vector_ = next_ / next_.norm();
+  }
+}
+
+/// The eigenvector in coordinates q, with v^T K v = 1: out of what contacts leave free, then out of y = U q.
+void Stability::find_direction(const PoseProgram& program) {
+  const Chain& chain = program.chain();
+  const Eigen::Index n = hessian_.rows();
+  const auto count = static_cast<Eigen::Index>(touching_.size());
+  next_.resize(n);
+  next_.head(count).setZero();
+  next_.tail(n - count) = vector_;
+  for (Eigen::Index k = count - 1; k >= 0; --k) {
+    const auto essential = qr_.matrixQR().col(k).tail(n - k - 1);
+    next_.tail(n - k).applyHouseholderOnTheLeft(essential, qr_.hCoeffs()[k], reflection_.data());
+  }
+  const int functions = chain.functions();
+  for (int j = 0; j < chain.piece_count(); ++j) {
+    direction_.segment(j * functions, functions).noalias() =
+        root(program, j) * (inverse_ * next_.segment(j * functions, functions));
+  }
+}
+
+/// (H - mu K) v = D lambda, D the rows that contacts hold: the part of Q^T H Q that the reflections left above.
+void Stability::find_multipliers() {
+  const auto count = static_cast<Eigen::Index>(touching_.size());
+  const Eigen::Index left = hessian_.rows() - count;
+  holding_.noalias() = hessian_.topRightCorner(count, left) * vector_;
+  if (count == 0) return;
+  qr_.matrixQR().topLeftCorner(count, count).triangularView<Eigen::Upper>().solveInPlace(holding_);
+}
+
+/// d mu = v^T dH v - mu v^T dK v - 2 lambda^T dD^T v. All but a few terms are one product with second derivatives that
+/// the program has: of the equilibrium rows along v, of the closest-point rows (sliding) and of the gaps (D).
+void Stability::sum_gradient(PoseProgram& program, ConstVectorRef x, double eigenvalue, VectorRef gradient) {
+  const PoseProgram::Layout& at = program.layout();
+  const Chain& chain = program.chain();
+  const int n = at.coordinates;
+  multipliers_.setZero(program.row_count());
+  multipliers_.head(n) = -direction_;
+  gradient.setZero();
+  for (std::size_t i = 0; i < touching_.size(); ++i) {
+    const int k = touching_[i];
+    multipliers_[at.first_gap + k] = -2.0 * holding_[static_cast<Eigen::Index>(i)];
+    if (program.spec().contacts[static_cast<std::size_t>(k)].at_tip) continue;
+    const double force = program.contacts()[static_cast<std::size_t>(k)].force;
+    const double convexity = program.contact_convexity(k, convexity_);
+    const double slide = program.jacobian(x).row(at.first_closest + k).head(n).dot(direction_);
+    multipliers_[at.first_closest + k] = 2.0 * force / convexity * slide;
+    const double square = slide * slide / convexity;
+    gradient[program.force_variable(k)] += square;
+    gradient -= force * square / convexity * convexity_;
+  }
+  const MatrixView second = program.hessian(x, 0.0, multipliers_);
+  gradient.noalias() += second.leftCols(n) * direction_;
+  if (chain.knot_count() == 0) return;
+  const int functions = chain.functions();
+  for (int j = 0; j < chain.piece_count(); ++j) {
+    // The bending energy of v in a piece falls as the piece grows.
+    const double h = program.backbone().length(j);
+    const auto own = direction_.segment(j * functions, functions);
+    turning_.head(functions).noalias() = chain.table().stiffness * own;
+    const double energy = chain.piece(j).stiffness / h * own.dot(turning_.head(functions));
+    for (int l = 0; l < chain.knot_count(); ++l) {
+      gradient[at.first_arc_length + l] += eigenvalue * energy / h * chain.length_rate()(j, l);
+    }
+  }
+}
+
+double Stability::margin(PoseProgram& program, ConstVectorRef x, VectorRef gradient) {
+  const double eigenvalue = margin(program, x);
+  if (!std::isfinite(eigenvalue)) {
+    gradient.setZero();
+    return eigenvalue;
+  }
+  find_eigenvector(eigenvalue);
+  find_multipliers();
+  find_direction(program);
+  sum_gradient(program, x, eigenvalue, gradient);
+  return eigenvalue;
+}
+
+}  // namespace tendril

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <vector>
+
+#include "program/pose_program.hpp"
+
+namespace tendril {
+
+/// Stability of the equilibria of one pose program (model.md section 7): the second variation at frozen knots, its
+/// smallest eigenvalue against the bending energy, and how that changes with the plan. Nothing allocates after the
+/// first evaluation with one number of pressing contacts.
+class Stability {
+ public:
+  /// For programs on the chain of `program`, with its variables.
+  explicit Stability(const PoseProgram& program);
+
+  /// Contacts inside the rod that lean on its end slide no farther: disturbed to that side they are contacts at the
+  /// tip.
+  void hold_ends(bool hold) { ends_hold_ = hold; }
+  /// Whether contact k inside the rod leans on its end at the point computed last: its arc length is at the bound that
+  /// keeps it knot_clearance away, or no farther from that than the bound is from the end.
+  static bool leans_on_end(const PoseProgram& program, int contact);
+
+  /// H before projection at x: coordinates() squared.
+  void second_variation(PoseProgram& program, ConstVectorRef x, Eigen::MatrixXd& h);
+  /// The margin mu at x. Infinity where contacts leave nothing free, minus infinity where H is not finite.
+  double margin(PoseProgram& program, ConstVectorRef x);
+  /// The margin, and d mu / dx: variable_count() entries, exact where the smallest eigenvalue is simple.
+  double margin(PoseProgram& program, ConstVectorRef x, VectorRef gradient);
+
+ private:
+  double root(const PoseProgram& program, int j) const;
+  void find_eigenvector(double eigenvalue);
+  void find_direction(const PoseProgram& program);
+  void find_multipliers();
+  void sum_gradient(PoseProgram& program, ConstVectorRef x, double eigenvalue, VectorRef gradient);
+
+  bool ends_hold_ = false;
+  Eigen::MatrixXd inverse_;  ///< U^-1 of the basis' stiffness U^T U
+  std::vector<int> touching_;
+  Eigen::MatrixXd hessian_, block_, normals_, free_, shifted_;
+  Eigen::VectorXd point_x_, point_y_, angle_, turning_;  ///< derivatives of a contact's place
+  Eigen::VectorXd reflection_;                           ///< of Householder
+  Eigen::VectorXd vector_, next_, direction_;            ///< eigenvector: reduced, and in coordinates
+  Eigen::VectorXd holding_;                              ///< multipliers of the rows that contacts hold
+  Eigen::VectorXd multipliers_, convexity_;
+  Eigen::HouseholderQR<Eigen::MatrixXd> qr_;
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+};
+
+}  // namespace tendril

@@ -1,0 +1,197 @@
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "program/pose_program_data.hpp"
+
+namespace tendril {
+namespace {
+
+/// The moments that hold a shape against nothing but its own stiffness: least squares over the stretches of the rod.
+std::vector<double> holding_moments(const Rod& rod, const std::function<double(double)>& curvature) {
+  if (rod.actuators.empty()) return {};
+  const std::vector<double> knots = rod.fixed_knots();
+  const auto stretches = static_cast<Eigen::Index>(knots.size()) - 1;
+  const auto count = static_cast<Eigen::Index>(rod.actuators.size());
+  Eigen::MatrixXd spans = Eigen::MatrixXd::Zero(stretches, count);
+  Eigen::VectorXd wanted(stretches);
+  for (Eigen::Index r = 0; r < stretches; ++r) {
+    const auto i = static_cast<std::size_t>(r);
+    const double middle = 0.5 * (knots[i] + knots[i + 1]);
+    const Rod::Segment& segment = rod.segment_at(middle);
+    wanted[r] = segment.stiffness * (curvature(middle) - segment.rest_curvature);
+    for (Eigen::Index a = 0; a < count; ++a) {
+      const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
+      if (middle > actuator.from && middle < actuator.to) spans(r, a) = 1.0;
+    }
+  }
+  const Eigen::VectorXd u = spans.completeOrthogonalDecomposition().solve(wanted);
+  std::vector<double> moments;
+  for (Eigen::Index a = 0; a < count; ++a) {
+    const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
+    moments.push_back(std::clamp(u[a], actuator.minimum, actuator.maximum));
+  }
+  return moments;
+}
+
+}  // namespace
+
+StartShape constant_curvature(double tip_angle) {
+  StartShape shape;
+  shape.curvature = [tip_angle](double) { return tip_angle; };
+  return shape;
+}
+
+/// The palm distance at which the first contact's part of a shape comes nearest to touching its obstacle, and the rest
+/// overlaps it least. `points`: of the shape at equal steps of arc length, with the base at Rod::base.
+double PoseProgram::Data::start_distance(const StartShape& shape, const std::vector<Vec2>& points, ConstVectorRef lower,
+                                         ConstVectorRef upper) const {
+  const double low = lower[layout.palm];
+  const double high = upper[layout.palm];
+  if (std::isfinite(shape.palm_distance)) return std::clamp(shape.palm_distance, low, high);
+  if (spec.contacts.empty()) return 0.5 * (low + high);
+  const Obstacle& obstacle = *spec.obstacles[static_cast<std::size_t>(spec.contacts[0].obstacle)];
+  const bool at_tip = spec.contacts[0].at_tip;
+  const double from = at_tip ? 1.0 : lower[layout.first_arc_length];
+  const double to = at_tip ? 1.0 : upper[layout.first_arc_length];
+  constexpr int candidates = 60;
+  double best = infinity;
+  double distance = low;
+  for (int c = 0; c <= candidates; ++c) {
+    const double trial = low + (high - low) * c / candidates;
+    double own = infinity;
+    double any = infinity;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double s = static_cast<double>(i) / static_cast<double>(points.size() - 1);
+      const double gap = obstacle.at(points[i] - trial * spec.palm->axis).distance;
+      any = std::min(any, gap);
+      if (s >= from && s <= to) own = std::min(own, gap);
+    }
+    const double defect = std::abs(own) + std::max(0.0, -any);
+    if (!(defect < best)) continue;
+    best = defect;
+    distance = trial;
+  }
+  return distance;
+}
+
+Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
+  const Data& d = *data_;
+  const Layout& at = d.layout;
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(variable_count());
+
+  const std::vector<double> moments =
+      shape.moments.empty() ? holding_moments(*d.spec.rod, shape.curvature) : shape.moments;
+  for (std::size_t a = 0; a < d.moment_variable.size(); ++a) {
+    if (d.moment_variable[a] >= 0) x[d.moment_variable[a]] = moments[a];
+  }
+
+  // Contacts start where the shape, integrated by midpoints, comes nearest to their obstacles.
+  constexpr int steps = 400;
+  std::vector<Vec2> points{d.spec.rod->base};
+  double angle = d.spec.rod->base_angle;
+  for (int i = 0; i < steps; ++i) {
+    const double h = 1.0 / steps;
+    const double middle = angle + 0.5 * h * shape.curvature((i + 0.25) * h);
+    points.push_back(points.back() + h * Vec2{std::cos(middle), std::sin(middle)});
+    angle += h * shape.curvature((i + 0.5) * h);
+  }
+  if (d.spec.palm) {
+    const double distance = at.palm < 0 ? d.spec.palm->minimum : d.start_distance(shape, points, lower(), upper());
+    if (at.palm >= 0) x[at.palm] = distance;
+    for (Vec2& p : points) p += -distance * d.spec.palm->axis;
+  }
+  for (int k = 0; k < at.arc_lengths; ++k) {
+    const int variable = at.first_arc_length + k;
+    const double low = lower()[variable];
+    const double high = upper()[variable];
+    const auto index = static_cast<std::size_t>(k);
+    if (index < shape.arc_lengths.size() && std::isfinite(shape.arc_lengths[index])) {
+      x[variable] = std::clamp(shape.arc_lengths[index], low, high);
+      continue;
+    }
+    const Obstacle& obstacle = *d.spec.obstacles[static_cast<std::size_t>(d.spec.contacts[index].obstacle)];
+    double nearest = infinity;
+    for (int i = 0; i <= steps; ++i) {
+      const double s = static_cast<double>(i) / steps;
+      if (s < low || s > high) continue;
+      const double distance = obstacle.at(points[static_cast<std::size_t>(i)]).distance;
+      if (distance >= nearest) continue;
+      nearest = distance;
+      x[variable] = s;
+    }
+    // A start in the middle of what is allowed leaves room to slide; the ends leave pieces without length.
+    const double margin = 0.05 * (high - low);
+    x[variable] = std::isfinite(nearest) ? std::clamp(x[variable], low + margin, high - margin) : 0.5 * (low + high);
+  }
+  for (int k = 0; k + 1 < at.arc_lengths; ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    if (d.spec.contacts[index].region != d.spec.contacts[index + 1].region) continue;
+    const double least = x[at.first_arc_length + k] + 0.02;
+    x[at.first_arc_length + k + 1] =
+        std::min(upper()[at.first_arc_length + k + 1], std::max(least, x[at.first_arc_length + k + 1]));
+  }
+  for (int k = 0; k < at.forces; ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    const double force = index < shape.forces.size() && std::isfinite(shape.forces[index]) ? shape.forces[index] : 0.0;
+    x[at.first_force + k] = std::clamp(force, lower()[at.first_force + k], upper()[at.first_force + k]);
+  }
+
+  const std::span<const double> knots(x.data() + at.first_arc_length,
+                                      d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
+  std::vector<double> scaled(static_cast<std::size_t>(d.nodes));
+  for (int j = 0; j < d.pieces; ++j) {
+    const double from = d.chain.start(j, knots);
+    const double length = d.chain.length(j, knots);
+    for (int g = 0; g < d.nodes; ++g) {
+      scaled[static_cast<std::size_t>(g)] = length * shape.curvature(from + length * d.chain.table().sigma[g]);
+    }
+    x.segment(j * d.n, d.n) = d.chain.project(scaled);
+  }
+  return x;
+}
+
+StartShape PoseProgram::shape_of(ConstVectorRef x) const {
+  const Data& d = *data_;
+  const Layout& at = d.layout;
+  const std::span<const double> knots(x.data() + at.first_arc_length,
+                                      d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
+  static constexpr int samples = 500;
+  std::vector<double> curvature(samples + 1);
+  std::vector<double> sigma;
+  Eigen::MatrixXd value(samples + 1, d.n);
+  Eigen::MatrixXd first(samples + 1, d.n);
+  Eigen::MatrixXd second(samples + 1, d.n);
+  std::size_t done = 0;
+  for (int j = 0; j < d.pieces; ++j) {
+    const double from = d.chain.start(j, knots);
+    const double length = d.chain.length(j, knots);
+    sigma.clear();
+    for (std::size_t i = done; i < curvature.size(); ++i) {
+      const double inside = ((static_cast<double>(i) + 0.5) / (samples + 1.0) - from) / length;
+      if (inside > 1.0 && j + 1 < d.pieces) break;
+      sigma.push_back(std::clamp(inside, 0.0, 1.0));
+    }
+    const auto count = static_cast<Eigen::Index>(sigma.size());
+    if (count == 0) continue;
+    d.chain.model().evaluate(sigma, value.topRows(count), first.topRows(count), second.topRows(count));
+    Eigen::Map<Eigen::VectorXd>(curvature.data() + done, count) =
+        first.topRows(count) * x.segment(j * d.n, d.n) / length;
+    done += sigma.size();
+  }
+  StartShape shape;
+  shape.curvature = [curvature](double s) {
+    return curvature[static_cast<std::size_t>(std::clamp(static_cast<int>(s * (samples + 1)), 0, samples))];
+  };
+  for (const int variable : d.moment_variable) shape.moments.push_back(variable < 0 ? 0.0 : x[variable]);
+  for (int k = 0; k < at.forces; ++k) {
+    const int variable = arc_length_variable(k);
+    shape.arc_lengths.push_back(variable < 0 ? std::numeric_limits<double>::quiet_NaN() : x[variable]);
+    shape.forces.push_back(x[at.first_force + k]);
+  }
+  if (d.spec.palm) shape.palm_distance = palm_distance(x);
+  return shape;
+}
+
+}  // namespace tendril

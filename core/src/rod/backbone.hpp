@@ -1,0 +1,119 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "rod/chain.hpp"
+#include "tendril/geometry.hpp"
+#include "tendril/numbers.hpp"
+
+namespace tendril {
+
+/// Sums over the nodes of each piece from which every vector B^T z and every Gram product B^T diag(W) B is spread, B
+/// being the constant rows of the backbone angle (model.md section 2).
+struct PieceSums {
+  Eigen::MatrixXd vector;  ///< functions x pieces: sum_g z_g beta(sigma_g)
+  Eigen::VectorXd scalar;  ///< pieces: sum_g z_g
+  Eigen::MatrixXd gram;    ///< functions (functions+1)/2 x pieces, packed i <= k: sum_g W_g beta_i beta_k
+
+  /// All sums zero, sized for `chain`; `gram` stays empty unless asked for.
+  PieceSums(const Chain& chain, bool with_gram);
+  void set_zero();  ///< Starts new sums.
+  /// Adds weight * beta at a single point of piece j.
+  void add_point(int j, double weight, const double* beta);
+  /// Adds weight * beta beta^T, weight * beta and weight.
+  void add_gram_point(int j, double weight, const double* beta);
+};
+
+/// The shape of a chain at given coordinates: angles, positions and their derivatives. Every sine and cosine is
+/// computed once per move(). Nothing allocates after construction.
+class TENDRIL_API Backbone {
+ public:
+  /// A rod clamped at `base` (units of L) with angle `base_angle` (rad) there. `chain` is borrowed and must outlive
+  /// this.
+  Backbone(const Chain& chain, Vec2 base, double base_angle);
+
+  /// The chain that it was made of.
+  const Chain& chain() const { return *chain_; }
+
+  /// Where the next move() begins.
+  void place(Vec2 base) { base_ = base; }
+  /// Where the rod begins.
+  Vec2 base() const { return base_; }
+
+  /// Moves to coordinates q (chain.coordinate_count()) and moving knots (chain.knot_count()).
+  void move(ConstVectorRef q, std::span<const double> knots);
+
+  /// Length of piece j, units of L.
+  double length(int j) const { return length_[j]; }
+  /// Arc length at which piece j begins, units of L.
+  double start(int j) const { return start_[j]; }
+  /// Angle and position at the start of piece j; j = piece_count(): the tip.
+  double knot_angle(int j) const { return knot_angle_[j]; }
+  /// Position at the start of piece j; j = piece_count(): the tip.
+  Vec2 knot_point(int j) const { return {knot_x_[j], knot_y_[j]}; }
+  /// Position of the tip, units of L.
+  Vec2 tip() const { return knot_point(chain_->piece_count()); }
+  /// Angle of the tip, rad.
+  double tip_angle() const { return knot_angle_[chain_->piece_count()]; }
+  /// int_0^1 t dsigma over piece j.
+  Vec2 chord(int j) const { return {chord_x_[j], chord_y_[j]}; }
+  /// Cosine of the angle at the nodes of piece j: chain().nodes() entries.
+  const double* cosines(int j) const { return cosine_.col(j).data(); }
+  /// Sine of the angle at the nodes of piece j: chain().nodes() entries.
+  const double* sines(int j) const { return sine_.col(j).data(); }
+  /// Coordinates of piece j: chain().functions() entries.
+  const double* coordinates(int j) const { return q_.data() + j * chain_->functions(); }
+
+  /// Shape at any arc length, for reports and certificates (slow: evaluates the basis, allocates).
+  struct Point {
+    Vec2 position{};         ///< units of L
+    double angle = 0.0;      ///< rad
+    double curvature = 0.0;  ///< times L
+  };
+  Point at(double s) const;  ///< The point at arc length s in [0,1].
+  /// The same at sigma of piece j.
+  Point at(int j, double sigma) const;
+
+  /// Computes S_j = h_j int N beta dsigma for every piece (needed by the rows below).
+  void sum_normals();
+  /// dP/dq of the point at the end of piece j, where dP/dq_i = S_i + turned(P - P_(i+1)) beta(1)^T for pieces i <= j.
+  void point_rows(int j, double* row_x, double* row_y) const;
+  /// The same for n . dP/dq of a point P in or at the end of piece j, pieces i < j only (the own block is the
+  /// caller's).
+  void row_before(int j, Vec2 point, Vec2 n, double* row) const;
+  /// x of S_j: chain().functions() entries; needs sum_normals().
+  const double* normal_sum_x(int j) const { return normal_.col(j).data(); }
+  /// y of S_j: chain().functions() entries; needs sum_normals().
+  const double* normal_sum_y(int j) const { return normal_.col(j).data() + chain_->functions(); }
+  /// out[0..2n) += sum_g z[g * stride] (N_x beta, N_y beta)_g over the nodes of piece j; needs sum_normals().
+  void add_turned(int j, const double* z, int stride, double* out) const;
+
+  /// sums.vector.col(j) += sum_g z_g beta_g and sums.scalar[j] += sum_g z_g over the nodes of piece j.
+  void add_nodes(PieceSums& sums, int j, const double* z) const;
+  /// The same with the Gram product of z as weights.
+  void add_gram_nodes(PieceSums& sums, int j, const double* weights) const;
+
+  /// out += B^T z from the sums: out_j += vector_j + beta(1) sum_{i > j} scalar_i.
+  void spread(const PieceSums& sums, double* out) const;
+  /// out(0..n, 0..n) += B^T diag(W) B, both triangles.
+  void spread_gram(const PieceSums& sums, MatrixRef out) const;
+
+  /// Node values psi = B direction (nodes x pieces) and psi at the start of every piece (pieces + 1).
+  void along(const double* direction, MatrixRef node_values, VectorRef knot_values) const;
+
+ private:
+  const Chain* chain_;
+  Vec2 base_;
+  double base_angle_;
+  Eigen::VectorXd q_;
+  Eigen::VectorXd length_, start_;
+  Eigen::VectorXd knot_angle_, knot_x_, knot_y_;
+  Eigen::VectorXd chord_x_, chord_y_;
+  Eigen::MatrixXd angle_, cosine_, sine_;  // nodes x pieces
+  Eigen::MatrixXd turned_;                 // (2 functions x nodes) x pieces: N beta at every node
+  mutable Eigen::VectorXd gram_buffer_;    // nodes
+  Eigen::MatrixXd normal_;                 // 2 functions x pieces: S_j
+};
+
+}  // namespace tendril

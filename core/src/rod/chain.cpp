@@ -1,0 +1,197 @@
+#include "rod/chain.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "rod/curve.hpp"
+#include "tendril/error.hpp"
+
+namespace tendril {
+namespace {
+
+/// Up to this size the products beta_i beta_k are tabulated: the Gram product is then one sweep over contiguous memory.
+constexpr int largest_tabulated_basis = 12;
+
+std::span<const double> span_of(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
+
+BasisTable make_table(const CoordinateModel& model, const Quadrature& rule) {
+  BasisTable t;
+  t.functions = model.function_count();
+  if (t.functions < 1) throw Error("a coordinate model needs at least one function");
+  t.nodes = rule.size();
+  t.sigma = rule.nodes();
+  t.weight = rule.weights();
+  Eigen::MatrixXd first(t.nodes, t.functions);
+  Eigen::MatrixXd second(t.nodes, t.functions);
+  t.by_function.resize(t.nodes, t.functions);
+  model.evaluate(span_of(t.sigma), t.by_function, first, second);
+  t.by_node = t.by_function.transpose();
+  t.stiffness = first.transpose() * t.weight.asDiagonal() * first;
+
+  const double ends[2] = {0.0, 1.0};
+  Eigen::MatrixXd value(2, t.functions);
+  Eigen::MatrixXd slope(2, t.functions);
+  Eigen::MatrixXd bend(2, t.functions);
+  model.evaluate(ends, value, slope, bend);
+  if (!value.allFinite() || !slope.allFinite() || !t.by_function.allFinite() || !first.allFinite()) {
+    throw Error("the coordinate model returns values that are not finite");
+  }
+  if (value.row(0).cwiseAbs().maxCoeff() > 1e-12) {
+    throw Error("the functions of a coordinate model must vanish at sigma = 0");
+  }
+  t.end = value.row(1);
+  t.slope_start = slope.row(0);
+  t.slope_end = slope.row(1);
+
+  if (t.functions <= largest_tabulated_basis) {
+    t.products.resize(t.functions * (t.functions + 1) / 2, t.nodes);
+    for (int g = 0; g < t.nodes; ++g) {
+      int row = 0;
+      for (int i = 0; i < t.functions; ++i) {
+        for (int k = i; k < t.functions; ++k) t.products(row++, g) = t.by_node(i, g) * t.by_node(k, g);
+      }
+    }
+  }
+
+  // The clearance bound needs max |beta_i'|. Between samples a function of this order moves by less than the inflation.
+  const int samples = 64 * (t.functions + 1) + 1;
+  const Eigen::VectorXd at = Eigen::VectorXd::LinSpaced(samples, 0.0, 1.0);
+  Eigen::MatrixXd v(samples, t.functions);
+  Eigen::MatrixXd d(samples, t.functions);
+  Eigen::MatrixXd dd(samples, t.functions);
+  model.evaluate(span_of(at), v, d, dd);
+  const double half_step = 0.5 / (samples - 1);
+  t.slope_bound =
+      d.cwiseAbs().colwise().maxCoeff().transpose() + 2.0 * half_step * dd.cwiseAbs().colwise().maxCoeff().transpose();
+  return t;
+}
+
+}  // namespace
+
+int suggested_nodes(int functions, double angle) {
+  return static_cast<int>(std::ceil(1.5 * functions + 1.2 * std::abs(angle) + 8.0));
+}
+
+ChainTables::ChainTables(const CoordinateModel& model, int nodes)
+    : rule(nodes, model.breaks()), basis(make_table(model, rule)), curve(std::make_shared<CurveTables>(rule)) {}
+
+std::shared_ptr<const ChainTables> TableStore::of(const CoordinateModel& model, int nodes) {
+  for (const Entry& entry : entries_) {
+    if (entry.model == &model && entry.nodes == nodes) return entry.tables;
+  }
+  entries_.push_back({&model, nodes, std::make_shared<ChainTables>(model, nodes)});
+  return entries_.back().tables;
+}
+
+Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> knot_stretches, int nodes,
+             TableStore* store)
+    : model_(&model),
+      tables_(store != nullptr ? store->of(model, nodes) : std::make_shared<ChainTables>(model, nodes)),
+      fixed_knots_(rod.fixed_knots()) {
+  std::vector<double> parts = model.subdivision();
+  const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
+  if (parts.empty() || !(sum > 0.0)) throw Error("a coordinate model's subdivision must have positive parts");
+  const auto knots = static_cast<int>(knot_stretches.size());
+  const auto stretches = static_cast<int>(fixed_knots_.size()) - 1;
+
+  // Every knot, moving or not, as constant + unit row over the moving knots, in order along the rod.
+  struct Knot {
+    double constant;
+    int moving;  // index of the moving knot, or -1
+  };
+  std::vector<double> starts;
+  std::vector<double> lengths;
+  std::vector<Eigen::RowVectorXd> start_rates;
+  std::vector<Eigen::RowVectorXd> length_rates;
+  for (int r = 0; r < stretches; ++r) {
+    std::vector<Knot> ends{{fixed_knots_[static_cast<std::size_t>(r)], -1}};
+    for (int k = 0; k < knots; ++k) {
+      const int stretch = knot_stretches[static_cast<std::size_t>(k)];
+      if (stretch < 0 || stretch >= stretches) throw Error("a contact knot lies in no stretch of the rod");
+      if (k > 0 && stretch < knot_stretches[static_cast<std::size_t>(k) - 1]) throw Error("contact knots must ascend");
+      if (stretch == r) ends.push_back({0.0, k});
+    }
+    ends.push_back({fixed_knots_[static_cast<std::size_t>(r) + 1], -1});
+    const double middle = 0.5 * (ends.front().constant + ends.back().constant);
+    const Rod::Segment& segment = rod.segment_at(middle);
+    for (std::size_t e = 0; e + 1 < ends.size(); ++e) {
+      double before = 0.0;
+      for (const double part : parts) {
+        const double fraction = part / sum;
+        if (!(fraction > 0.0)) throw Error("a coordinate model's subdivision must have positive parts");
+        // Start: end_e + before * (end_(e+1) - end_e); length: fraction * (end_(e+1) - end_e).
+        Eigen::RowVectorXd start_rate = Eigen::RowVectorXd::Zero(knots);
+        Eigen::RowVectorXd length_rate = Eigen::RowVectorXd::Zero(knots);
+        if (ends[e].moving >= 0) {
+          start_rate[ends[e].moving] += 1.0 - before;
+          length_rate[ends[e].moving] -= fraction;
+        }
+        if (ends[e + 1].moving >= 0) {
+          start_rate[ends[e + 1].moving] += before;
+          length_rate[ends[e + 1].moving] += fraction;
+        }
+        const double span = ends[e + 1].constant - ends[e].constant;
+        starts.push_back(ends[e].constant + before * span);
+        lengths.push_back(fraction * span);
+        start_rates.push_back(start_rate);
+        length_rates.push_back(length_rate);
+        pieces_.push_back({r, segment.stiffness, segment.weight, segment.rest_curvature});
+        before += fraction;
+      }
+      if (ends[e + 1].moving >= 0) knot_piece_.push_back(piece_count() - 1);
+    }
+  }
+
+  const int count = piece_count();
+  start0_ = Eigen::Map<Eigen::VectorXd>(starts.data(), count);
+  length0_ = Eigen::Map<Eigen::VectorXd>(lengths.data(), count);
+  start_rate_.resize(count, knots);
+  length_rate_.resize(count, knots);
+  for (int j = 0; j < count; ++j) {
+    start_rate_.row(j) = start_rates[static_cast<std::size_t>(j)];
+    length_rate_.row(j) = length_rates[static_cast<std::size_t>(j)];
+  }
+
+  spans_.setZero(static_cast<Eigen::Index>(rod.actuators.size()), count);
+  for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
+    for (int j = 0; j < count; ++j) {
+      const auto r = static_cast<std::size_t>(pieces_[static_cast<std::size_t>(j)].stretch);
+      const double middle = 0.5 * (fixed_knots_[r] + fixed_knots_[r + 1]);
+      spans_(static_cast<Eigen::Index>(a), j) = middle > rod.actuators[a].from && middle < rod.actuators[a].to ? 1 : 0;
+    }
+  }
+}
+
+double Chain::start(int j, std::span<const double> knots) const {
+  double value = start0_[j];
+  for (int k = 0; k < knot_count(); ++k) value += start_rate_(j, k) * knots[static_cast<std::size_t>(k)];
+  return value;
+}
+
+double Chain::length(int j, std::span<const double> knots) const {
+  double value = length0_[j];
+  for (int k = 0; k < knot_count(); ++k) value += length_rate_(j, k) * knots[static_cast<std::size_t>(k)];
+  return value;
+}
+
+Eigen::VectorXd Chain::project(std::span<const double> scaled_curvature) const {
+  const int n = functions();
+  Eigen::MatrixXd value(nodes(), n);
+  Eigen::MatrixXd first(nodes(), n);
+  Eigen::MatrixXd second(nodes(), n);
+  model_->evaluate(span_of(table().sigma), value, first, second);
+  const Eigen::Map<const Eigen::VectorXd> target(scaled_curvature.data(), nodes());
+  const Eigen::VectorXd rhs = first.transpose() * table().weight.cwiseProduct(target);
+  return table().stiffness.ldlt().solve(rhs);
+}
+
+int Chain::piece_at(double s, std::span<const double> knots) const {
+  for (int j = 0; j + 1 < piece_count(); ++j) {
+    if (s <= start(j + 1, knots)) return j;
+  }
+  return piece_count() - 1;
+}
+
+}  // namespace tendril

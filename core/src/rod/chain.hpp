@@ -1,0 +1,141 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "rod/quadrature.hpp"
+#include "rod/rod.hpp"
+#include "tendril/coordinate_model.hpp"
+
+namespace tendril {
+
+/// Values of a local basis at the nodes of a rule on [0,1], in the two layouts that the evaluation needs.
+struct BasisTable {
+  int functions = 0;            ///< columns of the basis
+  int nodes = 0;                ///< points of the rule
+  Eigen::VectorXd sigma;        ///< nodes: the points of the rule
+  Eigen::VectorXd weight;       ///< nodes: its weights
+  Eigen::MatrixXd by_function;  ///< nodes x functions, a column per function
+  Eigen::MatrixXd by_node;      ///< functions x nodes, a column per node
+  Eigen::MatrixXd products;     ///< functions (functions + 1) / 2 x nodes: beta_i beta_k, i <= k; empty for large bases
+  Eigen::VectorXd end;          ///< beta(1)
+  Eigen::VectorXd slope_start;  ///< beta'(0)
+  Eigen::VectorXd slope_end;    ///< beta'(1)
+  Eigen::MatrixXd stiffness;    ///< int beta_i' beta_k' dsigma
+  Eigen::VectorXd slope_bound;  ///< max over [0,1] of |beta_i'|, sampled densely and inflated
+};
+
+class CurveTables;
+
+/// A rule on [0,1] and a basis at its nodes: what a chain needs beside the rod.
+struct ChainTables {
+  /// The rule has `nodes` points on each smooth interval of `model`.
+  ChainTables(const CoordinateModel& model, int nodes);
+  Quadrature rule;                           ///< cut at the model's breaks
+  BasisTable basis;                          ///< at the nodes of `rule`
+  std::shared_ptr<const CurveTables> curve;  ///< for the same rule
+};
+
+/// Makes the tables of each model and number of nodes once: the many small programs of a plan share them. Models must
+/// outlive it. Not for concurrent use.
+class TENDRIL_API TableStore {
+ public:
+  /// The tables for `nodes` points per smooth interval of `model`, made if they are asked for the first time.
+  std::shared_ptr<const ChainTables> of(const CoordinateModel& model, int nodes);
+
+ private:
+  struct Entry {
+    const CoordinateModel* model;
+    int nodes;
+    std::shared_ptr<const ChainTables> tables;
+  };
+  std::vector<Entry> entries_;
+};
+
+/// The rod cut into pieces (model.md section 2): which pieces there are, how long they are as affine functions of the
+/// moving knots, and the tables that never change. Knots are fixed (ends of segments and actuators) or move with a
+/// contact.
+///
+/// Coordinates: q = (q_1, ..., q_J), `functions()` numbers per piece.
+class TENDRIL_API Chain {
+ public:
+  /// A piece with constant properties, dimensionless.
+  struct Piece {
+    int stretch = 0;              ///< between which fixed knots
+    double stiffness = 1.0;       ///< EI / EI0
+    double weight = 0.0;          ///< rho |g| L^3 / EI0
+    double rest_curvature = 0.0;  ///< kappa0 L
+  };
+
+  /// `knot_stretches`: for each moving knot, in ascending order along the rod, the stretch between fixed knots in which
+  /// it moves. `nodes`: Gauss nodes per smooth interval of a piece. Without `store` the chain makes its own tables.
+  Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> knot_stretches, int nodes,
+        TableStore* store = nullptr);
+
+  /// Number of pieces J.
+  int piece_count() const { return static_cast<int>(pieces_.size()); }
+  /// Coordinates per piece.
+  int functions() const { return table().functions; }
+  int nodes() const { return table().nodes; }  ///< per piece
+  /// Length of q.
+  int coordinate_count() const { return piece_count() * functions(); }
+  /// Number of knots that move.
+  int knot_count() const { return static_cast<int>(knot_piece_.size()); }
+  /// Properties of piece j.
+  const Piece& piece(int j) const { return pieces_[static_cast<std::size_t>(j)]; }
+  /// The piece that ends at moving knot k.
+  int piece_before_knot(int k) const { return knot_piece_[static_cast<std::size_t>(k)]; }
+  /// Knots that do not move, ascending, 0 and 1 included; units of L.
+  const std::vector<double>& fixed_knots() const { return fixed_knots_; }
+
+  /// Piece j starts at  start0[j] + start_rate.row(j) . knots  and has length  length0[j] + length_rate.row(j) . knots.
+  const Eigen::VectorXd& start0() const { return start0_; }
+  /// piece_count() entries.
+  const Eigen::VectorXd& length0() const { return length0_; }
+  /// piece_count() x knot_count().
+  const Eigen::MatrixXd& start_rate() const { return start_rate_; }
+  /// piece_count() x knot_count().
+  const Eigen::MatrixXd& length_rate() const { return length_rate_; }
+  /// Arc length at which piece j begins, for moving knots at `knots` (knot_count() entries); units of L.
+  double start(int j, std::span<const double> knots) const;
+  /// Length of piece j for moving knots at `knots`; units of L.
+  double length(int j, std::span<const double> knots) const;
+
+  /// Actuator a bends piece j (its span covers the piece).
+  bool actuated(int a, int j) const { return spans_(a, j) != 0; }
+  /// Number of actuators of the rod.
+  int actuator_count() const { return static_cast<int>(spans_.rows()); }
+
+  /// The basis at the nodes of the rule.
+  const BasisTable& table() const { return tables_->basis; }
+  /// The rule on [0,1] that every piece is integrated with.
+  const Quadrature& rule() const { return tables_->rule; }
+  /// Tables for a Curve of this chain.
+  const std::shared_ptr<const CurveTables>& curve_tables() const { return tables_->curve; }
+  /// The coordinate model, borrowed.
+  const CoordinateModel& model() const { return *model_; }
+
+  /// Coordinates of a piece that come nearest (in curvature, L2) to curvature(sigma) * length given at the nodes.
+  Eigen::VectorXd project(std::span<const double> scaled_curvature) const;
+
+  /// The piece that holds arc length s (the earlier one at a knot).
+  int piece_at(double s, std::span<const double> knots) const;
+
+ private:
+  const CoordinateModel* model_;
+  std::shared_ptr<const ChainTables> tables_;
+  std::vector<double> fixed_knots_;
+  std::vector<Piece> pieces_;
+  std::vector<int> knot_piece_;
+  Eigen::VectorXd start0_, length0_;
+  Eigen::MatrixXd start_rate_, length_rate_;
+  Eigen::MatrixXi spans_;
+};
+
+/// Number of Gauss nodes per smooth interval that resolves `functions` coordinates and a change of angle of `angle` per
+/// piece (model.md section 2).
+TENDRIL_API int suggested_nodes(int functions, double angle);
+
+}  // namespace tendril

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "rod/backbone.hpp"
+#include "tendril/numbers.hpp"
+
+namespace tendril {
+
+/// Legendre tables of a chain's rule with which a piece is evaluated anywhere in tens of flops: the tangent's expansion
+/// is integrated term by term.
+class TENDRIL_API CurveTables {
+ public:
+  explicit CurveTables(const Quadrature& rule);  ///< For curves of chains with this rule.
+  /// Coefficients of a series: the nodes of one interval.
+  int per_interval() const { return static_cast<int>(transform_.rows()); }
+  /// Smooth intervals of a piece.
+  int intervals() const { return static_cast<int>(ends_.size()) - 1; }
+  /// Where interval i begins on [0,1]; i = intervals(): 1.
+  double end(int i) const { return ends_[static_cast<std::size_t>(i)]; }
+  /// Coefficients = transform * values at the nodes of one interval.
+  const Eigen::MatrixXd& transform() const { return transform_; }
+  /// int over the interval from its start to each node, in units of half its width: cumulative * coefficients.
+  const Eigen::MatrixXd& cumulative() const { return cumulative_; }
+
+ private:
+  std::vector<double> ends_;
+  Eigen::MatrixXd transform_, cumulative_;
+};
+
+/// The curve of a moved backbone as a series per smooth interval of each piece.
+class TENDRIL_API Curve {
+ public:
+  /// Holds nothing before follow().
+  explicit Curve(std::shared_ptr<const CurveTables> tables) : tables_(std::move(tables)) {}
+  /// Becomes the curve of a moved backbone whose chain has these tables.
+  void follow(const Backbone& backbone);
+  /// Shifts every point.
+  void translate(Vec2 by);
+
+  /// A point of the curve and the unit tangent there.
+  struct Point {
+    Vec2 position{};  ///< units of L
+    Vec2 tangent{};   ///< unit vector
+  };
+  Point at(int piece, double sigma) const;       ///< Point at sigma in [0,1] of a piece.
+  Vec2 position(int piece, double sigma) const;  ///< Its position alone.
+  /// Pieces of the backbone followed last.
+  int piece_count() const { return pieces_; }
+  /// Length of a piece, units of L.
+  double length(int piece) const { return lengths_[static_cast<std::size_t>(piece)]; }
+  /// Arc length at which a piece begins, units of L.
+  double start(int piece) const { return starts_[static_cast<std::size_t>(piece)]; }
+  /// max |kappa| over a piece, from the sizes of its coordinates.
+  double curvature_bound(int piece) const { return curvature_bounds_[static_cast<std::size_t>(piece)]; }
+
+ private:
+  std::shared_ptr<const CurveTables> tables_;
+  int pieces_ = 0;
+  std::vector<double> lengths_, starts_, curvature_bounds_;
+  std::vector<Vec2> interval_start_;     // pieces x intervals
+  Eigen::MatrixXd series_x_, series_y_;  // coefficients, a column per piece and interval
+};
+
+}  // namespace tendril

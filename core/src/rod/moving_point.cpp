@@ -1,0 +1,129 @@
+#include "rod/moving_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tendril {
+
+MovingPoint::MovingPoint(const Chain& chain) : chain_(&chain), breaks_(chain.model().breaks()) {
+  const Quadrature local(chain.rule().nodes_per_interval());
+  local_nodes_ = local.nodes();
+  local_weights_ = local.weights();
+  const auto most = static_cast<Eigen::Index>(breaks_.size() + 1) * local.size() + 1;
+  const int n = chain.functions();
+  for (Eigen::VectorXd* v : {&weight_, &sigma_nodes_, &cosine_, &sine_}) v->setZero(most);
+  for (Eigen::VectorXd* v : {&beta_, &beta1_, &beta2_}) v->setZero(n);
+  for (Eigen::MatrixXd* m : {&value_, &first_, &second_}) m->setZero(most, n);
+  by_node_.setZero(n, most);
+
+  // Legendre coefficients of beta'' on each smooth interval, by the rule that the chain uses there.
+  const int per_interval = chain.rule().nodes_per_interval();
+  Eigen::MatrixXd value(chain.nodes(), n);
+  Eigen::MatrixXd first(chain.nodes(), n);
+  Eigen::MatrixXd second(chain.nodes(), n);
+  const Eigen::VectorXd& sigma = chain.table().sigma;
+  chain.model().evaluate({sigma.data(), static_cast<std::size_t>(sigma.size())}, value, first, second);
+  Eigen::MatrixXd legendre(per_interval, per_interval);
+  for (int g = 0; g < per_interval; ++g) {
+    legendre_polynomials(2.0 * local_nodes_[g] - 1.0, {legendre.col(g).data(), static_cast<std::size_t>(per_interval)});
+  }
+  for (std::size_t b = 0; b <= breaks_.size(); ++b) {
+    Eigen::MatrixXd c = Eigen::MatrixXd::Zero(n, per_interval);
+    for (int k = 0; k < per_interval; ++k) {
+      for (int g = 0; g < per_interval; ++g) {
+        const Eigen::Index node = static_cast<Eigen::Index>(b) * per_interval + g;
+        c.col(k) += (2.0 * k + 1.0) * local_weights_[g] * legendre(k, g) * second.row(node).transpose();
+      }
+    }
+    bend_coefficients_.push_back(std::move(c));
+  }
+}
+
+void MovingPoint::move(const Backbone& backbone, int j, double s) {
+  piece_ = j;
+  length_ = backbone.length(j);
+  sigma_ = std::clamp((s - backbone.start(j)) / length_, 0.0, 1.0);
+  const int n = chain_->functions();
+  const auto local = static_cast<int>(local_nodes_.size());
+  node_count_ = 0;
+  double from = 0.0;
+  for (std::size_t b = 0; b <= breaks_.size() && from < sigma_; ++b) {
+    const double to = b < breaks_.size() ? std::min(breaks_[b], sigma_) : sigma_;
+    for (int g = 0; g < local; ++g, ++node_count_) {
+      sigma_nodes_[node_count_] = from + (to - from) * local_nodes_[g];
+      weight_[node_count_] = (to - from) * local_weights_[g];
+    }
+    from = to;
+  }
+  // The point itself is evaluated in the same call as its nodes.
+  sigma_nodes_[node_count_] = sigma_;
+  const Eigen::Index rows = node_count_ + 1;
+  chain_->model().evaluate({sigma_nodes_.data(), static_cast<std::size_t>(rows)}, value_.topRows(rows),
+                           first_.topRows(rows), second_.topRows(rows));
+  const double* q = backbone.coordinates(j);
+  chord_ = {};
+  for (int g = 0; g < node_count_; ++g) {
+    double angle = backbone.knot_angle(j);
+    for (int i = 0; i < n; ++i) {
+      by_node_(i, g) = value_(g, i);
+      angle += q[i] * value_(g, i);
+    }
+    cosine_[g] = std::cos(angle);
+    sine_[g] = std::sin(angle);
+    chord_ += weight_[g] * Vec2{cosine_[g], sine_[g]};
+  }
+  angle_ = backbone.knot_angle(j);
+  slope_ = bend_ = 0.0;
+  for (int i = 0; i < n; ++i) {
+    beta_[i] = value_(node_count_, i);
+    beta1_[i] = first_(node_count_, i);
+    beta2_[i] = second_(node_count_, i);
+    angle_ += q[i] * beta_[i];
+    slope_ += q[i] * beta1_[i];
+    bend_ += q[i] * beta2_[i];
+  }
+  tangent_ = {std::cos(angle_), std::sin(angle_)};
+  position_ = backbone.knot_point(j) + length_ * chord_;
+}
+
+void MovingPoint::third_derivative(double* third) const {
+  std::size_t interval = 0;
+  while (interval < breaks_.size() && sigma_ > breaks_[interval]) ++interval;
+  const double from = interval == 0 ? 0.0 : breaks_[interval - 1];
+  const double to = interval < breaks_.size() ? breaks_[interval] : 1.0;
+  const double z = 2.0 * (sigma_ - from) / (to - from) - 1.0;
+  const Eigen::MatrixXd& c = bend_coefficients_[interval];
+  std::fill_n(third, c.rows(), 0.0);
+  // P'_k = P'_(k-2) + (2k-1) P_(k-1), carried along with the three-term recurrence of P itself.
+  double p_before = 1.0;
+  double p = z;
+  double d_before = 0.0;
+  double d = 1.0;
+  for (Eigen::Index k = 1; k < c.cols(); ++k) {
+    for (Eigen::Index i = 0; i < c.rows(); ++i) third[i] += c(i, k) * d * 2.0 / (to - from);
+    const auto order = static_cast<double>(k + 1);
+    const double p_next = ((2.0 * order - 1.0) * z * p - (order - 1.0) * p_before) / order;
+    const double d_next = d_before + (2.0 * order - 1.0) * p;
+    p_before = p;
+    p = p_next;
+    d_before = d;
+    d = d_next;
+  }
+}
+
+void MovingPoint::own_rows(double* x, double* y) const {
+  const int n = chain_->functions();
+  std::fill_n(x, n, 0.0);
+  std::fill_n(y, n, 0.0);
+  for (int g = 0; g < node_count_; ++g) {
+    const double wx = -length_ * weight_[g] * sine_[g];
+    const double wy = length_ * weight_[g] * cosine_[g];
+    const double* beta = node_beta(g);
+    for (int i = 0; i < n; ++i) {
+      x[i] += wx * beta[i];
+      y[i] += wy * beta[i];
+    }
+  }
+}
+
+}  // namespace tendril

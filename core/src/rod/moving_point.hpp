@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "rod/backbone.hpp"
+
+namespace tendril {
+
+/// A backbone point inside a piece whose sigma may change: a contact of an unsplit rod, or a sample at a fixed arc
+/// length while knots move. It integrates up to its own sigma with nodes of its own. Nothing allocates after
+/// construction.
+class MovingPoint {
+ public:
+  explicit MovingPoint(const Chain& chain);
+
+  /// Evaluates the point at arc length s in piece j.
+  void move(const Backbone& backbone, int j, double s);
+
+  int piece() const { return piece_; }
+  double sigma() const { return sigma_; }
+  Vec2 position() const { return position_; }
+  Vec2 chord() const { return chord_; }  ///< int_0^sigma t dsigma
+  double angle() const { return angle_; }
+  double curvature() const { return slope_ / length_; }
+  Vec2 tangent() const { return tangent_; }
+  Vec2 normal() const { return turned(tangent_); }
+  double slope() const { return slope_; }  ///< dphi/dsigma
+  double bend() const { return bend_; }    ///< d^2 phi/dsigma^2
+  const double* beta() const { return beta_.data(); }
+  const double* beta1() const { return beta1_.data(); }
+  const double* beta2() const { return beta2_.data(); }
+
+  /// Fills third[i] = beta_i'''(sigma): the derivative of the interpolating polynomial of beta_i'' on its smooth
+  /// interval, which is exact for polynomial bases and as accurate as the quadrature for others. Only a curvature read
+  /// at a moving sigma needs it.
+  void third_derivative(double* third) const;
+
+  int node_count() const { return node_count_; }
+  double weight(int g) const { return weight_[g]; }  ///< of dsigma
+  Vec2 node_tangent(int g) const { return {cosine_[g], sine_[g]}; }
+  const double* node_beta(int g) const { return by_node_.col(g).data(); }
+
+  /// dP/dq of the own piece: h int_0^sigma N beta dsigma, functions entries each.
+  void own_rows(double* x, double* y) const;
+
+ private:
+  const Chain* chain_;
+  std::vector<double> breaks_;
+  int piece_ = 0;
+  double sigma_ = 0.0, length_ = 1.0;
+  Vec2 position_{}, chord_{}, tangent_{};
+  double angle_ = 0.0, slope_ = 0.0, bend_ = 0.0;
+  Eigen::VectorXd local_nodes_, local_weights_;
+  Eigen::VectorXd beta_, beta1_, beta2_;
+  int node_count_ = 0;
+  Eigen::VectorXd weight_, sigma_nodes_, cosine_, sine_;
+  Eigen::MatrixXd value_, first_, second_, by_node_;
+  std::vector<Eigen::MatrixXd> bend_coefficients_;  // per smooth interval: functions x Legendre coefficients of beta''
+};
+
+}  // namespace tendril

@@ -1,0 +1,71 @@
+#include "rod/self_overlap.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tendril {
+namespace {
+
+constexpr double touching = 1e-9;  ///< share of a chord: what is nearer than that to its end or side lies on it
+
+/// Shares of both chords at which a-b and c-d meet.
+std::optional<std::pair<double, double>> meeting(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+  const Vec2 first = b - a;
+  const Vec2 second = d - c;
+  const Vec2 between = c - a;
+  const double area = cross(first, second);
+  const double size = norm(first) * norm(second);
+  const auto inside = [](double t) { return t >= -touching && t <= 1.0 + touching; };
+  if (std::abs(area) > touching * size) {
+    const double t = cross(between, second) / area;
+    const double u = cross(between, first) / area;
+    if (inside(t) && inside(u)) return std::pair(std::clamp(t, 0.0, 1.0), std::clamp(u, 0.0, 1.0));
+    return std::nullopt;
+  }
+  // Parallel: they meet only if one lies on the other.
+  const double square = dot(first, first);
+  if (!(square > 0.0) || std::abs(cross(first, between)) > touching * square) return std::nullopt;
+  double from = dot(between, first) / square;
+  double to = dot(d - a, first) / square;
+  const bool opposite = from > to;
+  if (opposite) std::swap(from, to);
+  const double t = std::max(0.0, from);
+  if (t > std::min(1.0, to) + touching) return std::nullopt;
+  const double u = to > from ? (t - from) / (to - from) : 0.0;
+  return std::pair(std::clamp(t, 0.0, 1.0), std::clamp(opposite ? 1.0 - u : u, 0.0, 1.0));
+}
+
+}  // namespace
+
+std::optional<std::pair<double, double>> self_overlap(std::span<const BackbonePoint> backbone) {
+  // A curve whose tangent turns by less than half a turn moves on along some direction all the time.
+  const auto by_angle = [](const BackbonePoint& a, const BackbonePoint& b) { return a[3] < b[3]; };
+  const auto [least, most] = std::minmax_element(backbone.begin(), backbone.end(), by_angle);
+  if (least == backbone.end() || (*most)[3] - (*least)[3] < 3.0) return std::nullopt;
+  const auto point = [&](std::size_t i) { return Vec2{backbone[i][1], backbone[i][2]}; };
+  const auto arc = [&](std::size_t i, double t) { return backbone[i][0] + t * (backbone[i + 1][0] - backbone[i][0]); };
+  for (std::size_t later = 2; later + 1 < backbone.size(); ++later) {
+    for (std::size_t earlier = 0; earlier + 2 <= later; ++earlier) {
+      const auto met = meeting(point(earlier), point(earlier + 1), point(later), point(later + 1));
+      if (met) return std::pair(arc(earlier, met->first), arc(later, met->second));
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::pair<double, double>> meeting_of(std::span<const BackbonePoint> a,
+                                                    std::span<const BackbonePoint> b) {
+  const auto point = [](const BackbonePoint& p) { return Vec2{p[1], p[2]}; };
+  const auto arc = [](std::span<const BackbonePoint> rod, std::size_t i, double t) {
+    return rod[i][0] + t * (rod[i + 1][0] - rod[i][0]);
+  };
+  for (std::size_t i = 0; i + 1 < a.size(); ++i) {
+    for (std::size_t k = 0; k + 1 < b.size(); ++k) {
+      const auto met = meeting(point(a[i]), point(a[i + 1]), point(b[k]), point(b[k + 1]));
+      if (met) return std::pair(arc(a, i, met->first), arc(b, k, met->second));
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace tendril

@@ -1,0 +1,44 @@
+#include "scene/make_rod.hpp"
+
+#include <algorithm>
+
+namespace tendril {
+
+Rod make_rod(const Scene& scene, const Scale& scale) {
+  Rod rod;
+  rod.segments.clear();
+  const double length = scene.rod.length();
+  const double g = scene.gravity ? norm(*scene.gravity) : 0.0;
+  // Forces per length come in EI0/L^3; weights are rounded like every other datum.
+  constexpr Dimension per_length{-1, 1, "N/m"};
+  double from = 0.0;
+  for (const SegmentSpec& spec : scene.rod.segments) {
+    Rod::Segment s;
+    s.from = from;
+    s.to = round_to_12_digits(from + spec.length / length);
+    s.stiffness = round_to_12_digits(spec.bending_stiffness / scale.stiffness);
+    s.weight = scale.to_dimensionless(spec.linear_density * g, per_length);
+    s.rest_curvature = scale.to_dimensionless(spec.rest_curvature, dimension::curvature);
+    rod.segments.push_back(s);
+    from = s.to;
+  }
+  rod.segments.back().to = 1.0;
+  for (const ActuatorSpec& spec : scene.rod.actuators) {
+    Rod::Actuator a;
+    a.from = scale.to_dimensionless(spec.from, dimension::length);
+    a.to = std::min(1.0, scale.to_dimensionless(spec.to, dimension::length));
+    a.minimum = scale.to_dimensionless(spec.minimum, dimension::moment);
+    a.maximum = scale.to_dimensionless(spec.maximum, dimension::moment);
+    rod.actuators.push_back(a);
+  }
+  rod.base = {scale.to_dimensionless(scene.rod.base_position.x, dimension::length),
+              scale.to_dimensionless(scene.rod.base_position.y, dimension::length)};
+  rod.base_angle = round_to_12_digits(scene.rod.base_angle);
+  if (g > 0.0) rod.gravity = {round_to_12_digits(scene.gravity->x / g), round_to_12_digits(scene.gravity->y / g)};
+  rod.payload = scale.to_dimensionless(scene.tip_load.mass * g, dimension::force);
+  rod.tip_force = {scale.to_dimensionless(scene.tip_load.force.x, dimension::force),
+                   scale.to_dimensionless(scene.tip_load.force.y, dimension::force)};
+  return rod;
+}
+
+}  // namespace tendril

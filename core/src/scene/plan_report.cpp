@@ -1,0 +1,118 @@
+#include "scene/plan_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "certificate/clearance.hpp"
+
+namespace tendril {
+
+BackboneSampler::BackboneSampler(const Chain& chain)
+    : curve_(chain.curve_tables()), pieces_(static_cast<std::size_t>(chain.piece_count())) {}
+
+void BackboneSampler::sample(const PoseProgram& program, double length, std::vector<BackbonePoint>& out) {
+  const Chain& chain = program.chain();
+  const Backbone& shape = program.backbone();
+  curve_.follow(shape);
+  const int n = chain.functions();
+  constexpr double total = 100.0;
+  constexpr double slack = 1.25;
+  out.clear();
+  for (int j = 0; j < chain.piece_count(); ++j) {
+    Piece& piece = pieces_[static_cast<std::size_t>(j)];
+    const int wanted = std::max(4, static_cast<int>(std::ceil(total * shape.length(j))));
+    if (wanted > slack * piece.steps || piece.steps > slack * wanted) {
+      piece.steps = wanted;
+      std::vector<double> sigma;
+      for (int i = 0; i <= piece.steps; ++i) sigma.push_back(static_cast<double>(i) / piece.steps);
+      piece.value.resize(piece.steps + 1, n);
+      piece.first.resize(piece.steps + 1, n);
+      Eigen::MatrixXd second(piece.steps + 1, n);
+      chain.model().evaluate(sigma, piece.value, piece.first, second);
+    }
+    const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), n);
+    for (int i = j == 0 ? 0 : 1; i <= piece.steps; ++i) {
+      const double at = static_cast<double>(i) / piece.steps;
+      const Vec2 p = curve_.position(j, at);
+      out.push_back({(shape.start(j) + at * shape.length(j)) * length, p.x * length, p.y * length,
+                     shape.knot_angle(j) + piece.value.row(i).dot(q),
+                     piece.first.row(i).dot(q) / shape.length(j) / length});
+    }
+  }
+}
+
+std::vector<BackbonePoint> sampled_backbone(const PoseProgram& program, double length) {
+  std::vector<BackbonePoint> out;
+  BackboneSampler(program.chain()).sample(program, length, out);
+  return out;
+}
+
+std::vector<PlannedContact> planned_contacts(const PoseProgram& program, const std::vector<std::string>& obstacle_names,
+                                             const Scale& scale) {
+  std::vector<PlannedContact> contacts;
+  planned_contacts(program, obstacle_names, scale, contacts);
+  return contacts;
+}
+
+void planned_contacts(const PoseProgram& program, const std::vector<std::string>& obstacle_names, const Scale& scale,
+                      std::vector<PlannedContact>& contacts) {
+  contacts.resize(static_cast<std::size_t>(program.layout().forces));
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const PoseProgram::ContactState& c = program.contacts()[k];
+    const ContactSetup& setup = program.spec().contacts[k];
+    PlannedContact& p = contacts[k];
+    p.obstacle = setup.obstacle;
+    p.obstacle_name = obstacle_names[static_cast<std::size_t>(setup.obstacle)];
+    p.at_tip = setup.at_tip;
+    p.arc_length = c.arc_length * scale.length;
+    p.point = scale.length * c.point;
+    p.normal = c.surface.normal;
+    p.force = c.force * scale.force();
+    p.gap = c.surface.distance * scale.length;
+    p.extended = false;
+  }
+}
+
+std::vector<BackbonePoint> outline(const StartShape& shape, const Rod& rod, double length) {
+  constexpr int steps = 100;
+  std::vector<BackbonePoint> points;
+  points.reserve(steps + 1);
+  Vec2 at = rod.base;
+  double angle = rod.base_angle;
+  for (int i = 0; i <= steps; ++i) {
+    const double s = static_cast<double>(i) / steps;
+    points.push_back({s * length, at.x * length, at.y * length, angle, shape.curvature(s) / length});
+    const double middle = angle + 0.5 / steps * shape.curvature(s + 0.25 / steps);
+    at += 1.0 / steps * Vec2{std::cos(middle), std::sin(middle)};
+    angle += shape.curvature(s + 0.5 / steps) / steps;
+  }
+  return points;
+}
+
+std::function<double(double)> curvature_of(const Plan& plan, double length) {
+  std::vector<std::pair<double, double>> table;
+  for (const BackbonePoint& p : plan.backbone) table.emplace_back(p[0] / length, p[4] * length);
+  return [table = std::move(table)](double s) {
+    const auto after =
+        std::lower_bound(table.begin(), table.end(), s, [](const auto& entry, double at) { return entry.first < at; });
+    if (after == table.begin()) return table.front().second;
+    if (after == table.end()) return table.back().second;
+    const auto before = after - 1;
+    const double span = after->first - before->first;
+    const double t = span > 0.0 ? (s - before->first) / span : 0.0;
+    return (1.0 - t) * before->second + t * after->second;
+  };
+}
+
+std::vector<std::string> obstacle_names(const Scene& scene) {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const std::string& name = scene.obstacles[i].name;
+    names.push_back(name.empty() ? "obstacle " + std::to_string(i + 1) : name);
+  }
+  return names;
+}
+
+}  // namespace tendril

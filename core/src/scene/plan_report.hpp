@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "certificate/clearance.hpp"
+#include "program/pose_program.hpp"
+#include "rod/rod.hpp"
+#include "tendril/plan.hpp"
+#include "tendril/scale.hpp"
+#include "tendril/scene.hpp"
+
+namespace tendril {
+
+/// Points of a rod in SI units, every knot included: at least 100 at first. A piece whose length changes keeps its
+/// number of points as long as that is within a quarter of what its length asks for, and nothing is allocated.
+class BackboneSampler {
+ public:
+  explicit BackboneSampler(const Chain& chain);
+  /// Replaces `out` by points of the program's shape computed last. `length`: of the rod, m.
+  void sample(const PoseProgram& program, double length, std::vector<BackbonePoint>& out);
+
+ private:
+  struct Piece {
+    int steps = 0;
+    Eigen::MatrixXd value, first;  ///< of the basis, a row per point
+  };
+  Curve curve_;
+  std::vector<Piece> pieces_;
+};
+
+/// The shape of a program's point computed last as points in SI units, at least 100 of them, every knot included.
+std::vector<BackbonePoint> sampled_backbone(const PoseProgram& program, double length);
+
+/// The contacts of a program's point computed last in SI units.
+std::vector<PlannedContact> planned_contacts(const PoseProgram& program, const std::vector<std::string>& obstacle_names,
+                                             const Scale& scale);
+/// The same into `contacts`, whose memory is used again.
+void planned_contacts(const PoseProgram& program, const std::vector<std::string>& obstacle_names, const Scale& scale,
+                      std::vector<PlannedContact>& contacts);
+
+/// The shape of a start, integrated by midpoints: a line for the figure.
+std::vector<BackbonePoint> outline(const StartShape& shape, const Rod& rod, double length);
+
+/// The curvature of an earlier plan of a rod of this length (m), dimensionless, over s/L.
+std::function<double(double)> curvature_of(const Plan& plan, double length);
+
+/// What a scene calls its obstacles, or "obstacle 1", ...
+std::vector<std::string> obstacle_names(const Scene& scene);
+
+}  // namespace tendril

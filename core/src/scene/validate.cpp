@@ -1,0 +1,242 @@
+#include <cmath>
+#include <string>
+
+#include "tendril/scene.hpp"
+
+namespace tendril {
+namespace {
+
+std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", value);
+  return buffer;
+}
+
+void require_finite(double value, const std::string& path) {
+  if (!std::isfinite(value)) throw SceneError(path, "the value " + text(value) + " must be finite");
+}
+
+void require_positive(double value, const std::string& path, const char* what, const char* unit) {
+  if (!std::isfinite(value) || !(value > 0.0)) {
+    throw SceneError(path, std::string(what) + " must be positive and finite, but is " + text(value) + " " + unit);
+  }
+}
+
+void require_not_negative(double value, const std::string& path, const char* what, const char* unit) {
+  if (!std::isfinite(value) || value < 0.0) {
+    throw SceneError(path, std::string(what) + " must not be negative, but is " + text(value) + " " + unit);
+  }
+}
+
+void validate_trajectory(const Scene& scene) {
+  const std::vector<TargetSpec>& targets = scene.trajectory.targets;
+  if (scene.problem != ProblemKind::trajectory) {
+    if (!targets.empty()) throw SceneError("trajectory", "[trajectory] needs problem = \"trajectory\"");
+    return;
+  }
+  if (targets.empty()) throw SceneError("trajectory", "problem \"trajectory\" needs targets in [trajectory]");
+  if (scene.target.position || scene.target.angle) {
+    throw SceneError("target", "a trajectory takes its targets from [trajectory], expected no [target] beside it");
+  }
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const std::string index = "[" + std::to_string(i) + "]";
+    if (!targets[i].position && !targets[i].angle) throw SceneError("trajectory", "target " + index + " is empty");
+    if (targets[i].position) {
+      require_finite(targets[i].position->x, "trajectory.positions" + index);
+      require_finite(targets[i].position->y, "trajectory.positions" + index);
+    }
+    if (targets[i].angle) require_finite(*targets[i].angle, "trajectory.angles" + index);
+  }
+  if (scene.trajectory.replan_every < 0) {
+    throw SceneError("trajectory.replan_every", "expected 0 (only where needed) or more steps, found " +
+                                                    std::to_string(scene.trajectory.replan_every));
+  }
+}
+
+/// `at`: the table of the rod.
+void validate_rod(const RodSpec& rod, const std::string& at) {
+  if (rod.segments.empty()) throw SceneError(at, "the rod has no length");
+  for (std::size_t i = 0; i < rod.segments.size(); ++i) {
+    const std::string path = rod.segments.size() == 1 ? at : at + ".segment[" + std::to_string(i) + "]";
+    const SegmentSpec& s = rod.segments[i];
+    require_positive(s.length, path + ".length", "the length", "m");
+    require_positive(s.bending_stiffness, path + ".bending_stiffness", "the bending stiffness", "N m^2");
+    require_not_negative(s.linear_density, path + ".linear_density", "the linear density", "kg/m");
+    require_finite(s.rest_curvature, path + ".rest_curvature");
+  }
+  require_finite(rod.base_position.x, at + ".base.position");
+  require_finite(rod.base_position.y, at + ".base.position");
+  require_finite(rod.base_angle, at + ".base.angle");
+  const double length = rod.length();
+  for (std::size_t i = 0; i < rod.actuators.size(); ++i) {
+    const std::string path = at + ".actuator[" + std::to_string(i) + "]";
+    const ActuatorSpec& a = rod.actuators[i];
+    // A part in 1e9 of the length is the rounding of unit conversions, not a mistake.
+    if (!(a.from >= 0.0 && a.from < length)) {
+      throw SceneError(path + ".from", "the actuator starts at " + text(a.from) + " m, but the rod reaches from 0 to " +
+                                           text(length) + " m");
+    }
+    if (!(a.to > a.from && a.to <= length * (1.0 + 1e-9))) {
+      throw SceneError(path + ".to", "the actuator ends at " + text(a.to) + " m, expected more than its start (" +
+                                         text(a.from) + " m) and at most the rod's length (" + text(length) + " m)");
+    }
+    if (std::isnan(a.minimum) || std::isnan(a.maximum) || a.minimum > a.maximum) {
+      throw SceneError(path + (a.minimum > a.maximum ? ".min" : ".limit"),
+                       "the limits contradict each other: at least " + text(a.minimum) + " N m and at most " +
+                           text(a.maximum) + " N m");
+    }
+    if (a.minimum == infinity || a.maximum == -infinity) {
+      throw SceneError(path + ".limit", "no moment is within the limits");
+    }
+    require_finite(a.moment_per_pressure, path + ".moment_per_pressure");
+  }
+}
+
+/// `at`: the table that has the limits.
+void require_force_limits(double least, double largest, const std::string& at) {
+  require_not_negative(least, at + ".min_force", "the least contact force", "N");
+  if (std::isnan(largest) || largest < 0.0) {
+    throw SceneError(at + ".max_force",
+                     "the largest contact force must not be negative, but is " + text(largest) + " N");
+  }
+  if (least > largest) {
+    throw SceneError(at + ".min_force", "the limits contradict each other: at least " + text(least) +
+                                            " N and at most " + text(largest) + " N");
+  }
+}
+
+void validate_gripper(const Scene& scene) {
+  if (scene.problem != ProblemKind::grasp) {
+    if (scene.gripper) throw SceneError("gripper", "[gripper] needs problem = \"grasp\"");
+    if (!scene.fingers.empty()) throw SceneError("finger", "[[finger]] needs problem = \"grasp\"");
+    return;
+  }
+  if (!scene.gripper) throw SceneError("gripper", "problem \"grasp\" needs a [gripper]");
+  const GripperSpec& g = *scene.gripper;
+  require_positive(g.half_palm, "gripper.half_palm", "half the palm's width", "m");
+  require_positive(g.object_diameter, "gripper.object_diameter", "the object's diameter", "m");
+  constexpr double square = 1.57079632679489662;
+  const auto require_away = [](double angle, const std::string& path) {
+    if (std::abs(angle) < square) return;
+    throw SceneError(path,
+                     "the fingers have to point away from the palm: expected an angle between "
+                     "-pi/2 and pi/2, found " +
+                         text(angle) + " rad");
+  };
+  require_away(g.finger_angle, "gripper.finger_angle");
+  if (!scene.fingers.empty() && scene.fingers.size() != 2) {
+    throw SceneError("finger",
+                     "found " + std::to_string(scene.fingers.size()) +
+                         " [[finger]], expected two, the upper one and then the lower one; what a finger does "
+                         "not state is taken from [rod], [contact] and [gripper]");
+  }
+  if (!scene.fingers.empty() && g.fingers == Fingers::mirrored) {
+    throw SceneError(
+        "gripper.fingers",
+        "found \"mirrored\" beside [[finger]], expected \"both\": fingers that are described one by one are "
+        "planned one by one");
+  }
+  for (std::size_t i = 0; i < scene.fingers.size(); ++i) {
+    const FingerSpec& finger = scene.fingers[i];
+    const std::string path = "finger[" + std::to_string(i) + "]";
+    validate_rod(finger.rod, path);
+    require_away(finger.finger_angle, path + ".angle");
+    require_force_limits(finger.min_force, finger.max_force, path);
+    if (finger.max_force == 0.0) throw SceneError(path + ".max_force", "a grasp needs a max_force above 0");
+    if (finger.rod.base_position.x != 0.0 || finger.rod.base_position.y != 0.0 || finger.rod.base_angle != 0.0) {
+      throw SceneError(path, "the fingers stand on the palm, expected their place in [gripper]");
+    }
+  }
+  require_finite(g.position.x, "gripper.position");
+  require_finite(g.position.y, "gripper.position");
+  require_finite(g.angle, "gripper.angle");
+  if (g.palm_distance && g.palm_distance_range) {
+    throw SceneError("gripper.palm_distance_range",
+                     "found 'palm_distance_range' beside 'palm_distance', expected one of them");
+  }
+  if (g.palm_distance) require_positive(*g.palm_distance, "gripper.palm_distance", "the palm distance", "m");
+  if (g.palm_distance_range) {
+    require_not_negative(g.palm_distance_range->first, "gripper.palm_distance_range", "the palm distance", "m");
+    require_positive(g.palm_distance_range->second, "gripper.palm_distance_range", "the largest palm distance", "m");
+    if (g.palm_distance_range->first > g.palm_distance_range->second) {
+      throw SceneError("gripper.palm_distance_range", "the limits contradict each other: at least " +
+                                                          text(g.palm_distance_range->first) + " m and at most " +
+                                                          text(g.palm_distance_range->second) + " m");
+    }
+  }
+  if (!scene.obstacles.empty()) {
+    throw SceneError("obstacle", "the object of a grasp is in [gripper], expected no [[obstacle]] beside it");
+  }
+  if (scene.target.position || scene.target.angle) {
+    throw SceneError("target", "a grasp has no target pose, expected no [target]");
+  }
+  if (scene.rod.base_position.x != 0.0 || scene.rod.base_position.y != 0.0 || scene.rod.base_angle != 0.0) {
+    throw SceneError("rod.base", "the fingers stand on the palm, expected their place in [gripper]");
+  }
+  if (scene.contact.mode == ContactModeName::ignore || scene.contact.mode == ContactModeName::avoid) {
+    throw SceneError("contact.mode", "a grasp needs contact, expected \"allow\" or \"require\"");
+  }
+  if (scene.contact.max_force == 0.0) throw SceneError("contact.max_force", "a grasp needs a max_force above 0");
+}
+
+}  // namespace
+
+void validate(const Scene& scene) {
+  validate_rod(scene.rod, "rod");
+  if (scene.gravity) {
+    require_finite(scene.gravity->x, "gravity");
+    require_finite(scene.gravity->y, "gravity");
+  }
+  require_finite(scene.start_tip_angle, "start.tip_angle");
+  require_not_negative(scene.tip_load.mass, "tip_load.mass", "the mass", "kg");
+  require_finite(scene.tip_load.force.x, "tip_load.force");
+  require_finite(scene.tip_load.force.y, "tip_load.force");
+  if (scene.target.position) {
+    require_finite(scene.target.position->x, "target.position");
+    require_finite(scene.target.position->y, "target.position");
+  }
+  if (scene.target.angle) require_finite(*scene.target.angle, "target.angle");
+
+  validate_trajectory(scene);
+  validate_gripper(scene);
+
+  const ContactSpec& c = scene.contact;
+  require_force_limits(c.min_force, c.max_force, "contact");
+  if (c.count < 1) throw SceneError("contact.count", "expected at least 1 contact, found " + std::to_string(c.count));
+  if (c.check_points < 0 || c.check_points > 10000) {
+    throw SceneError("contact.check_points",
+                     "expected 0 (chosen by the planner) to 10000, found " + std::to_string(c.check_points));
+  }
+  require_positive(c.beta, "contact.beta", "beta", "");
+  if (c.mode == ContactModeName::require) {
+    if (scene.obstacles.empty() && !scene.gripper)
+      throw SceneError("contact.mode", "\"require\" needs an obstacle, but the scene has none");
+    if (!(c.min_force > 0.0)) {
+      throw SceneError("contact.min_force", "\"require\" needs a min_force above 0");
+    }
+    if (c.max_force == 0.0) throw SceneError("contact.max_force", "\"require\" contradicts a max_force of 0");
+  }
+
+  for (std::size_t i = 0; i < scene.objectives.size(); ++i) {
+    require_not_negative(scene.objectives[i].weight, "objective[" + std::to_string(i) + "].weight", "the weight", "");
+  }
+  require_positive(scene.solver.tolerance, "solver.tolerance", "the tolerance", "");
+  if (std::isnan(scene.solver.time_limit) || !(scene.solver.time_limit > 0.0)) {
+    throw SceneError("solver.time_limit",
+                     "the time limit must be positive, but is " + text(scene.solver.time_limit) + " s");
+  }
+  if (scene.solver.max_iterations < 1) {
+    throw SceneError("solver.max_iterations",
+                     "expected at least 1 iteration, found " + std::to_string(scene.solver.max_iterations));
+  }
+}
+
+Scale scale_of(const Scene& scene) { return {scene.rod.length(), scene.rod.segments.front().bending_stiffness}; }
+
+bool needs_term(const ObjectiveSpec& objective) { return objective.weight != 0.0; }
+
+bool needs_obstacles(const Scene& scene) {
+  return !scene.obstacles.empty() && scene.contact.mode != ContactModeName::ignore;
+}
+
+}  // namespace tendril

@@ -1,0 +1,152 @@
+#include <algorithm>
+#include <utility>
+
+#include "nlp/feasibility.hpp"
+#include "search/earlier_plan.hpp"
+#include "search/planner.hpp"
+#include "search/task.hpp"
+
+namespace tendril {
+namespace {
+
+/// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
+constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
+constexpr int most_pieces_away = 3;  ///< of an unsplit rod, from where the start comes nearest to the obstacle
+
+}  // namespace
+
+void Planner::attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions) {
+  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
+  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+  std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
+  const bool required = d_.min_force > 0.0;
+  // From a start without a feasible point near, a solver takes far the longest, and mostly in vain: the contact is on
+  // a part of the finger that cannot hold the object. It is spent only where nothing else led to a plan.
+  if (balanced_by_row() && (deferring_ || have_plan_) && !promising(spec, checks, shape)) {
+    state.deferred = true;
+    if (!state.best.has_point) state.trouble = "nothing feasible is near its starts, and there is a plan without it";
+    return;
+  }
+  // From the same start, with every place checked where the rod went through an obstacle before.
+  const auto search = [&](Branch branch) {
+    bool touching = false;
+    for (int retry = 0; retry <= most_retries && !must_stop(); ++retry) {
+      spec.checks = checks;
+      PoseProgram program(spec);
+      Eigen::VectorXd x = program.start_from(shape);
+      if ((proving_ || hurried()) && nothing_near(state, program, x)) break;
+      // Of many values most follow from the moments: what a solver would do with all of them takes it minutes.
+      if (slides(mode)) {
+        if (!come_to_point(state, program, x)) break;
+        touching = true;
+        if (complete(state, regions, checks, x, branches_of(program))) break;
+        continue;
+      }
+      if (!swell(state, spec, shape, branch, program, x) && !find_point(state, program, x, branch)) {
+        if (state.last.status == SolveStatus::not_finite) note_unfit_term(program, x);
+        break;
+      }
+      const std::vector<Branch> branches = branches_of(program);
+      touching = std::all_of(branches.begin(), branches.end(), [](Branch b) { return b == Branch::touching; });
+      if (complete(state, regions, checks, x, branches)) break;
+      touching = false;
+    }
+    return touching;
+  };
+  const int stationary_before = state.stationary_violations;
+  // A contact that does not touch belongs to a smaller mode, and has its proof there.
+  const bool direct = required || proving_ || slides(mode);
+  const bool touching = search(direct ? Branch::touching : Branch::open);
+  // A contact that the treatment let go, or could not decide: the branch that touches is a program of its own. It is
+  // part of the one just searched, so where that has nothing feasible and a plan is at hand, it is not searched again.
+  const bool hopeless = have_plan_ && !state.best.has_point && state.stationary_violations > stationary_before;
+  const bool out_of_time = hurried() && state.stationary_violations > stationary_before;
+  const bool missing =
+      !mode.contacts.empty() && !direct && !hopeless && !out_of_time && (!touching || !state.best.certified());
+  if (missing && !must_stop()) search(Branch::touching);
+}
+
+bool Planner::promising(PoseProgramSpec spec, const std::vector<CheckPoint>& checks, const StartShape& shape) {
+  spec.checks = checks;
+  PoseProgram program(spec);
+  close_contacts(program);
+  const bool feasible = restore_feasibility(program, program.start_from(shape), restored).feasible;
+  add_difference(steps_.tally.outside_solver, program.counts(), {});
+  return feasible;
+}
+
+void Planner::try_start(ModeState& state, const StartShape& shape) {
+  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
+  ++state.starts_used;
+  std::vector<int> regions;
+  for (const ContactSetup& c : mode.contacts) regions.push_back(c.region);
+  if (d_.scene.coordinates.split_at_contact || mode.contacts.empty()) {
+    attempt(state, shape, regions);
+    return;
+  }
+  // Not split: the contact lies inside one piece. Begin with the one where the shape comes nearest, then follow the
+  // contact into the neighbouring piece as long as it leans against a piece's end and that helps.
+  PoseProgramSpec whole = d_.spec(mode, regions, d_.nodes);
+  whole.split = true;  // with stretches for regions, only to place the contacts
+  const PoseProgram placer(whole);
+  const Eigen::VectorXd placed = placer.start_from(shape);
+  const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
+  std::vector<std::vector<int>> tried;
+  std::vector<int> pieces(regions.size(), 0);
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    if (!mode.contacts[k].at_tip)
+      pieces[k] = chain.piece_at(placed[placer.layout().first_arc_length + static_cast<int>(k)], {});
+  }
+  const auto same_stretch = [&](std::size_t k, int j) {
+    return j >= 0 && j < chain.piece_count() && chain.piece(j).stretch == mode.contacts[k].region;
+  };
+  std::vector<std::vector<int>> outward;
+  for (int distance = 1; distance <= most_pieces_away; ++distance) {
+    for (const int side : {1, -1}) {
+      for (std::size_t k = 0; k < pieces.size(); ++k) {
+        std::vector<int> candidate = pieces;
+        candidate[k] += side * distance;
+        if (!mode.contacts[k].at_tip && same_stretch(k, candidate[k])) outward.push_back(candidate);
+      }
+    }
+  }
+  StartShape next_shape = shape;
+  for (int hop = 0; hop < 2 * chain.piece_count() + 2 && !must_stop(); ++hop) {
+    if (std::find(tried.begin(), tried.end(), pieces) != tried.end()) break;
+    tried.push_back(pieces);
+    attempt(state, next_shape, pieces);
+    if (!state.best.has_point) {
+      // No point with the contact in this piece: look into the others, nearest first.
+      const auto next = std::find_if(outward.begin(), outward.end(), [&](const std::vector<int>& candidate) {
+        return std::find(tried.begin(), tried.end(), candidate) == tried.end();
+      });
+      if (next == outward.end()) break;
+      pieces = *next;
+      continue;
+    }
+    const PoseProgram& program = *state.best.program;
+    bool hopped = false;
+    for (std::size_t k = 0; k < pieces.size() && !hopped; ++k) {
+      if (mode.contacts[k].at_tip) continue;
+      const int variable = program.layout().first_arc_length + static_cast<int>(k);
+      const int piece = program.spec().contacts[k].region;
+      const double s = state.best.x[variable];
+      for (const auto& [active, neighbour] : {std::pair(s <= program.lower()[variable] + at_knot, piece - 1),
+                                              std::pair(s >= program.upper()[variable] - at_knot, piece + 1)}) {
+        if (!active || !same_stretch(k, neighbour)) continue;
+        std::vector<int> candidate(pieces.size(), 0);
+        for (std::size_t i = 0; i < pieces.size(); ++i)
+          candidate[i] = mode.contacts[i].at_tip ? 0 : program.spec().contacts[i].region;
+        candidate[k] = neighbour;
+        if (std::find(tried.begin(), tried.end(), candidate) != tried.end()) continue;
+        pieces = candidate;
+        hopped = true;
+        break;
+      }
+    }
+    if (!hopped) break;
+    next_shape = program.shape_of(state.best.x);
+  }
+}
+
+}  // namespace tendril

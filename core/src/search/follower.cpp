@@ -1,0 +1,146 @@
+#include "search/follower.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "base/clock.hpp"
+#include "certificate/check_points.hpp"
+#include "rod/self_overlap.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril {
+namespace {
+
+/// Longer than any outcome that is written here, so that none allocates after the first.
+constexpr std::size_t outcome_size = 120;
+
+void set_outcome(std::string& to, const char* text) {
+  to.reserve(outcome_size);
+  to = text;
+}
+
+}  // namespace
+
+std::unique_ptr<Follower> Follower::from(Task& problem, const Plan& plan) {
+  if (problem.palm) return nullptr;
+  std::optional<FollowedPoint> point = followed_point(problem, plan);
+  if (!point) return nullptr;
+  PoseProgramSpec spec = problem.spec(point->mode, point->regions, problem.nodes);
+  spec.checks = point->checks;
+  return std::unique_ptr<Follower>(new Follower(problem, std::move(*point), spec));
+}
+
+Follower::Follower(Task& problem, FollowedPoint point, const PoseProgramSpec& spec)
+    : problem_(problem),
+      point_(std::move(point)),
+      program_(spec),
+      certifier_(spec),
+      sampler_(certifier_.finer(point_.x).chain()) {
+  for (int k = 0; k < program_.layout().forces; ++k) program_.set_branch(k, Branch::touching);
+}
+
+bool Follower::stands_at(const Plan& plan) const {
+  const auto n = static_cast<std::size_t>(program_.layout().coordinates);
+  return plan.status == PlanStatus::solved && plan.coordinates.size() == n &&
+         std::equal(plan.coordinates.begin(), plan.coordinates.end(), point_.x.data()) &&
+         std::count_if(plan.contacts.begin(), plan.contacts.end(),
+                       [](const PlannedContact& c) { return c.force > 0.0; }) == program_.layout().forces;
+}
+
+bool Follower::step(Plan& plan) {
+  const double begin = now();
+  program_.set_target(problem_.target);
+  certifier_.set_target(problem_.target);
+  const EvaluationCounts before = program_.counts();
+  const PolishReport& polished = polisher_.run(program_, point_.x, multipliers_);
+  if (!polished.converged || !(polished.infeasibility <= tolerance::equilibrium)) return false;
+  const double polishing = now();
+  if (!problem_.obstacles.empty() && certifier_.approached(polished.x, violation_level)) return false;
+  certifier_.certify(program_, polished.x, certificate_, &polished.multipliers, &polished.bound_multipliers);
+  if (!certificate_.valid() || certificate_.quadrature > tolerance::quadrature) return false;
+  if (!contacts_unchanged(problem_, program_, polished.x)) return false;
+  point_.x = polished.x;
+  multipliers_ = polished.multipliers;
+  write(plan, begin, now() - polishing, before);
+  return true;
+}
+
+void Follower::write(Plan& plan, double begin, double certifying, const EvaluationCounts& before) {
+  const Task& d = problem_;
+  const Eigen::VectorXd& x = point_.x;
+  const PoseProgram::Layout& at = program_.layout();
+  const double length = d.scale.length;
+  const double objective = program_.cost(x) * d.objective_scale;
+
+  plan.status = PlanStatus::solved;
+  plan.message.clear();
+  plan.verification.clear();
+  plan.model_error.reset();
+  plan.local_model_error.reset();
+  plan.coordinates.assign(x.data(), x.data() + at.coordinates);
+  plan.moments.resize(d.rod.actuators.size());
+  for (std::size_t a = 0; a < plan.moments.size(); ++a) {
+    const int variable = program_.moment_variable(static_cast<int>(a));
+    plan.moments[a] = variable < 0 ? 0.0 : x[variable] * d.scale.moment();
+  }
+  const Vec2 tip = program_.backbone().tip();
+  plan.tip_x = tip.x * length;
+  plan.tip_y = tip.y * length;
+  plan.tip_angle = program_.backbone().tip_angle();
+  plan.target_error.reset();
+  if (d.target.has_position) plan.target_error = norm(tip - d.target.position) * length;
+  plan.objective = objective;
+  plan.terms.resize(d.terms.size());
+  for (std::size_t i = 0; i < d.terms.size(); ++i) {
+    plan.terms[i].first = d.terms[i].name;
+    plan.terms[i].second = program_.term_value(static_cast<int>(i)) * d.objective_scale;
+  }
+  planned_contacts(program_, d.obstacle_names, d.scale, plan.contacts);
+  sampler_.sample(certifier_.finer(x), length, plan.backbone);
+  plan.self_overlap = self_overlap(plan.backbone);
+  plan.certificate = certificate_;
+
+  plan.solver_name = d.scene.solver.plugin;
+  plan.solver = OptimalityReport{};
+  plan.evaluations = program_.counts();
+  plan.evaluations.values -= before.values;
+  plan.evaluations.first_derivatives -= before.first_derivatives;
+  plan.evaluations.hessians -= before.hessians;
+  plan.evaluations.seconds -= before.seconds;
+  plan.seconds_assemble = d.seconds_assemble;
+  plan.seconds_certify = certifying;
+  plan.seconds_solve = now() - begin - certifying;
+
+  const auto own = [&](const ModeRecord& record) { return record.mode == point_.mode.name; };
+  if (std::none_of(plan.modes.begin(), plan.modes.end(), own)) {
+    plan.modes.clear();
+    for (const Mode& mode : d.modes) {
+      ModeRecord record;
+      record.mode = mode.name;
+      if (!mode.skip.empty()) record.outcome = "skipped: " + mode.skip;
+      plan.modes.push_back(std::move(record));
+    }
+    if (std::none_of(plan.modes.begin(), plan.modes.end(), own)) {
+      plan.modes.emplace_back();
+      plan.modes.back().mode = point_.mode.name;
+    }
+  }
+  for (ModeRecord& record : plan.modes) {
+    const bool followed = own(record);
+    if (!followed && record.outcome.rfind("skipped: ", 0) != 0) set_outcome(record.outcome, not_tried_outcome);
+    if (followed) {
+      char text[outcome_size];
+      std::snprintf(text, sizeof text, "%scertified, objective %.6g", followed_outcome, objective);
+      set_outcome(record.outcome, text);
+    }
+    record.solves = record.iterations = 0;
+    record.evaluations = 0;
+    record.seconds_evaluating = 0.0;
+    record.polishes = followed ? 1 : 0;
+    record.seconds = followed ? now() - begin : 0.0;
+    record.certified = followed;
+    record.objective = followed ? objective : infinity;
+  }
+}
+
+}  // namespace tendril

@@ -1,0 +1,192 @@
+#include <algorithm>
+#include <cmath>
+
+#include "certificate/check_points.hpp"
+#include "program/reduced_program.hpp"
+#include "search/contacts.hpp"
+#include "search/planner.hpp"
+#include "search/task.hpp"
+#include "statics/loading.hpp"
+#include "tendril/error.hpp"
+
+namespace tendril {
+namespace {
+
+/// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
+constexpr int few_values = 60;     ///< coordinates, up to which the rod settles in those of the plan
+constexpr int many_values = 150;   ///< coordinates of programs that led to no plan, before the rod itself is asked
+constexpr int most_exchanges = 8;  ///< rounds in which check points are added along equilibria
+constexpr int useless_rests = 6;   ///< in a row, before plans are sought in other ways
+constexpr double deepest = 1e-2;   ///< (L) of soft obstacles: a rod that is pressed in farther is not resting
+constexpr double shares_of_bend[] = {0.9, 0.75, 0.6, 0.5,
+                                     0.4, 0.25, 0.1};  ///< of a rest that coordinates cannot follow
+constexpr double sampling_time = 0.3;                  ///< of what is left, for all before the ordinary search goes on
+
+}  // namespace
+
+std::optional<Rest> Planner::executed(const std::vector<double>& moments, double share) const {
+  const double until = now() + std::max(1e-3, share * (steps_.deadline() - now()));
+  const auto stop = [&] { return (control_.stop != nullptr && control_.stop->load()) || now() > until; };
+  // A start through the middle of an obstacle leads nowhere: the rod is bent out of the way.
+  for (const double bent : {0.0, 1.0, -1.0, 2.0, -2.0}) {
+    Loading loading(d_.rod, d_.obstacles, d_.scene.start_tip_angle + bent, moments, stop);
+    if (loading.without_side()) continue;
+    const bool arrived = loading.run();
+    Settled& end = loading.tracker().current();
+    if (end.statics == nullptr) return std::nullopt;
+    if (arrived) loading.tracker().refine_fully();
+    const RodState state = end.statics->state(end.z);
+    const auto lying = arrived ? std::nullopt : loading.lie();
+    return lying ? rest_of(d_, moments, lying->down) : rest_of(d_, moments, state);
+  }
+  return std::nullopt;
+}
+
+std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from,
+                                          double share) const {
+  if (d_.coordinate_count({}) > few_values) return executed(moments, share);
+  LoadPath path(d_.rod, d_.obstacles, {moments, moments, false});
+  path.apply(1.0);
+  const double until = now() + share * (steps_.deadline() - now());
+  const Descent down =
+      descend_in(*d_.components.coordinates, path, from.curvature, [&] { return must_stop() || now() > until; });
+  if (!down.converged) return std::nullopt;
+  Rest rest{[shape = down.shape](double s) { return shape.curvature(s); }, moments, {}};
+  for (const PressedRun& run : down.runs) {
+    // Held between obstacles that leave no room it rests nowhere.
+    if (run.contact.force > deepest * down.stiffness) return std::nullopt;
+    PointContact c = run.contact;
+    if (c.setup.at_tip) c.s = 1.0;
+    c.setup.region = c.setup.at_tip ? 0 : stretch_at(d_.rod, c.s);
+    rest.contacts.push_back(c);
+  }
+  sort_contacts(rest.contacts);
+  return rest;
+}
+
+std::optional<std::vector<ContactSetup>> Planner::contacts_of_rest(const Rest& rest) const {
+  if (static_cast<int>(rest.contacts.size()) > (d_.contact_planned() ? d_.scene.contact.count : 0)) return std::nullopt;
+  if (rest.contacts.empty() && d_.min_force > 0.0) return std::nullopt;
+  std::vector<ContactSetup> contacts;
+  contacts.reserve(rest.contacts.size());
+  for (const PointContact& c : rest.contacts) contacts.push_back(c.setup);
+  return contacts;
+}
+
+void Planner::slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
+  if (must_stop() || !ReducedProgram::applies(program)) return;
+  ReducedProgram reduced(program, x);
+  const OptimalityReport r = solve(state, reduced, reduced.start());
+  if (r.x.size() != reduced.start().size() || !r.x.allFinite()) return;
+  if (const Eigen::VectorXd& reached = reduced.full(r.x); reached.allFinite()) x = reached;
+}
+
+bool Planner::slides(const Mode& mode) const { return !d_.palm && d_.coordinate_count(mode) > many_values; }
+
+bool Planner::come_to_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
+  close_contacts(program);
+  const double least = state.violation;
+  const FeasibilityReport f = steps_.restore(state, program, x);
+  if (!f.feasible) {
+    keep_nearest(state, program, f, least);
+    return false;
+  }
+  x = f.x;
+  slide(state, program, x);
+  return true;
+}
+
+void Planner::start_from_rest(ModeState& state, const Rest& rest) {
+  ++state.starts_used;
+  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
+  std::vector<double> places;
+  for (const PointContact& c : rest.contacts) places.push_back(c.s);
+  const std::vector<int> regions = d_.regions_of(mode, places);
+  const StartShape shape = shape_of(rest, mode);
+  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+  PoseProgramSpec resting = spec;  // it is stable where it rests
+  resting.least_margin.reset();
+  resting.least_convexity.reset();
+  std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
+  const std::vector<Branch> touching(mode.contacts.size(), Branch::touching);
+  Eigen::VectorXd at_rest;
+  for (int round = 0; round <= most_exchanges && !must_stop(); ++round) {
+    spec.checks = checks;
+    PoseProgram program(spec);
+    if (round == 0) {
+      resting.checks = checks;
+      PoseProgram rests(resting);
+      close_contacts(rests);
+      at_rest = rests.start_from(shape);
+      FeasibilityReport f = steps_.look(rests, at_rest);
+      // What few coordinates leave of a sharp bend can lie on the wrong side of all that is near: less of it may do.
+      for (const double share : shares_of_bend) {
+        if (f.feasible || must_stop()) break;
+        StartShape less = shape;
+        less.curvature = [&shape, share](double s) { return share * shape.curvature(s); };
+        const FeasibilityReport again = steps_.look(rests, rests.start_from(less));
+        if (again.feasible) f = again;
+      }
+      at_rest = f.x;
+    }
+    Eigen::VectorXd x = at_rest;
+    if (!come_to_point(state, program, x)) return;
+    // Where the way to better moments went through an obstacle, it is watched there, and begins anew.
+    Certifier certifier(spec);
+    std::vector<CheckPoint> more = checks;
+    const bool through = !d_.obstacles.empty() && d_.scene.contact.check_points == 0 && round < most_exchanges &&
+                         exchange_checks(program, x, certifier, more, violation_level, true);
+    if (through) {
+      checks = std::move(more);
+      continue;
+    }
+    complete(state, regions, checks, x, touching);
+    return;
+  }
+}
+
+void Planner::consider_rest(const Rest& rest) {
+  const auto contacts = contacts_of_rest(rest);
+  if (!contacts) return;
+  const std::size_t i = state_of(*contacts);
+  // From a stable shape the plan is wanted that is still stable, and the way there ends where stability does.
+  // Eigenvalues of many coordinates take long: there they are looked at only where the way led too far.
+  if (d_.coordinate_count({}) > many_values) {
+    consider(states_[i], [&] { start_from_rest(states_[i], rest); });
+    if (states_[i].best.certified() || must_stop()) return;
+  }
+  const HeldStable held(d_);
+  consider(states_[i], [&] { start_from_rest(states_[i], rest); });
+}
+
+bool Planner::rest_is_due(const Mode& mode) {
+  if (rested_ || d_.palm || have_plan_ || following_ || must_stop() || !mode.skip.empty()) return false;
+  values_tried_ += d_.coordinate_count({});
+  return values_tried_ > many_values;
+}
+
+void Planner::start_from_rests() {
+  rested_ = true;
+  double until = now() + sampling_time * (steps_.deadline() - now());
+  std::vector<StartShape> from{d_.scene_start()};
+  if (loaded()) from.insert(from.end(), {hanging(false), hanging(true)});
+  const std::vector<std::vector<double>> samples = sampled_moments();
+  int useless = 0;
+  bool has_plan = have_plan_;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    for (const StartShape& shape : from) {
+      if (must_stop() || now() > until) return;
+      const std::optional<Rest> rest = come_to_rest(samples[i], shape, resting_time);
+      // No contact where one is asked for, or more of them than there may be: such rests say little.
+      useless = rest && contacts_of_rest(*rest) ? 0 : useless + 1;
+      if (useless > useless_rests) return;
+      if (rest) consider_rest(*rest);
+      // The first plan is seldom the best: as long as it took, others may take.
+      if (have_plan_ && !has_plan) until = std::min(until, 2.0 * now() - begin_);
+      has_plan = have_plan_;
+      if (i > 0) break;
+    }
+  }
+}
+
+}  // namespace tendril

@@ -1,0 +1,259 @@
+#include "search/planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "scene/plan_report.hpp"
+#include "search/contacts.hpp"
+#include "search/earlier_plan.hpp"
+#include "search/follower.hpp"
+#include "search/task.hpp"
+
+namespace tendril {
+void Planner::consider(ModeState& state, const StartShape& shape) {
+  if (rest_is_due(modes_[static_cast<std::size_t>(state.mode)])) start_from_rests();
+  consider(state, [&] {
+    try_start(state, shape);
+    // Where nothing presses, a plan of another mode nearly belongs to this one too: what costs more lies on another
+    // side of an obstacle, and the better side is worth a start. The contacts of a grasp always press, but where its
+    // balance is left to an objective, that has as many sides.
+    if (balanced_by_row() || winner_ < 0 || winner_ == state.mode || !state.best.certified() || must_stop() ||
+        !(state.best.objective > best_objective() + beats)) {
+      return;
+    }
+    const Candidate& better = states_[static_cast<std::size_t>(winner_)].best;
+    StartShape from = better.program->shape_of(better.x);
+    from.arc_lengths.clear();
+    from.forces.clear();
+    try_start(state, from);
+  });
+}
+
+void Planner::consider(ModeState& state, const std::function<void()>& trial) {
+  if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty() || must_stop()) return;
+  if (best_objective() <= d_.objective_bound + beats) {
+    if (state.starts_used == 0) state.record.outcome = "skipped: no plan can cost less than the one found";
+    return;
+  }
+  const int before = state.stationary_violations;
+  const double begin = now();
+  trial();
+  state.record.seconds += now() - begin;
+  // One start is one piece of evidence, however many programs it led to.
+  state.stationary_violations = std::min(state.stationary_violations, before + 1);
+  if (d_.least_margin && state.stationary_violations > before) {
+    state.stationary_violations = before;
+    ++state.unheld;
+  }
+  // A grown mode whose new contact does not press is the smaller one with one more knot: no better a plan.
+  const bool grown = static_cast<std::size_t>(state.mode) >= d_.modes.size();
+  const bool repeats = grown && winner_ >= 0 && state.best.has_point && !all_press(state);
+  if (state.best.certified() && !repeats && state.best.objective < best_objective() - beats) winner_ = state.mode;
+  have_plan_ = winner_ >= 0;
+}
+
+std::size_t Planner::state_of(const std::vector<ContactSetup>& contacts) {
+  for (std::size_t i = 0; i < modes_.size(); ++i) {
+    if (same_contacts(modes_[i].contacts, contacts)) return i;
+  }
+  modes_.push_back(d_.mode(contacts));
+  ModeState state;
+  state.mode = static_cast<int>(modes_.size()) - 1;
+  state.record.mode = modes_.back().name;
+  states_.push_back(std::move(state));
+  return modes_.size() - 1;
+}
+
+std::vector<std::size_t> Planner::parents(int contacts) const {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    const ModeState& state = states_[i];
+    if (static_cast<int>(modes_[i].contacts.size()) != contacts) continue;
+    if (!state.best.has_point && !std::isfinite(state.violation)) continue;
+    // With a contact that does not press the mode is the smaller one without it, which was grown already.
+    if (state.best.has_point && !all_press(state)) continue;
+    found.push_back(i);
+  }
+  const auto rank = [&](std::size_t i) {
+    const Candidate& best = states_[i].best;
+    const double value = best.has_point ? best.objective : states_[i].violation;
+    return std::tuple(best.certified() ? 0 : best.has_point ? 1 : 2, value);
+  };
+  std::stable_sort(found.begin(), found.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+  if (found.size() > beam_width) found.resize(beam_width);
+  return found;
+}
+
+void Planner::grow() {
+  for (int size = 1; size < d_.scene.contact.count && !must_stop(); ++size) {
+    for (const std::size_t parent : parents(size)) {
+      const ModeState& from = states_[parent];
+      const StartShape shape = from.best.has_point ? from.best.program->shape_of(from.best.x) : from.nearest;
+      std::size_t added = 0;
+      for (const Extension& extension : extensions(d_, modes_[parent].contacts, shape)) {
+        if (added == most_extensions || must_stop()) break;
+        if (!d_.mode(extension.contacts).skip.empty()) continue;
+        ++added;
+        const std::size_t known = states_.size();
+        const std::size_t i = state_of(extension.contacts);
+        // Another parent led here before; it is tried again only while there is no plan at all.
+        if (i < known && (have_plan_ || states_[i].best.certified())) continue;
+        consider(states_[i], extension.start);
+      }
+    }
+  }
+}
+
+int Planner::follow() {
+  const std::optional<FollowedPoint> from = followed_point(d_, *control_.start);
+  if (!from) return -1;
+  ModeState& state = states_[state_of(from->mode.contacts)];
+  if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty()) return -1;
+  std::vector<CheckPoint> checks = from->checks;
+  following_ = true;
+  complete(state, from->regions, checks, from->x, std::vector<Branch>(from->mode.contacts.size(), Branch::touching));
+  following_ = false;
+  if (state.best.certified() && contacts_unchanged(d_, *state.best.program, state.best.x)) {
+    state.record.outcome = followed_outcome;
+    return state.mode;
+  }
+  state.best = {};
+  return -1;
+}
+
+bool Planner::chooses() const {
+  return std::any_of(d_.rod.actuators.begin(), d_.rod.actuators.end(),
+                     [](const Rod::Actuator& a) { return a.minimum < a.maximum; });
+}
+
+Plan Planner::run() {
+  states_.resize(modes_.size());
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    states_[i].mode = static_cast<int>(i);
+    states_[i].record.mode = modes_[i].name;
+  }
+  std::vector<std::size_t> order;
+  if (control_.start != nullptr) {
+    // With an earlier plan the mode that won there comes first.
+    const auto won = contacts_of(d_, *control_.start);
+    if (won && (won->empty() ? d_.min_force == 0.0 : d_.contact_planned())) order.push_back(state_of(*won));
+  }
+  const std::size_t modes = modes_.size();
+  for (std::size_t i = 0; i < modes; ++i) {
+    if (order.empty() || order.front() != i) order.push_back(i);
+  }
+  const auto excluded = [&](std::size_t i) {
+    const bool out =
+        std::find(control_.without.begin(), control_.without.end(), modes_[i].name) != control_.without.end();
+    if (out) states_[i].record.outcome = "not tried: left out on request";
+    return out;
+  };
+  order.erase(std::remove_if(order.begin(), order.end(), excluded), order.end());
+  if (control_.follow && control_.start != nullptr) winner_ = follow();
+  if (winner_ >= 0) return report(states_, winner_);
+  if (d_.palm && !d_.palm->balance) start_from_balance(order);
+  search(order);
+  search_further(starts(), order);
+  settle(order);
+  look_for_stable(order);
+  // Where moments can be chosen and every search ended stationary, there is no plan; where none can, what the rod does
+  // is worth telling.
+  if (winner_ < 0 && !(chooses() && all_infeasible())) look_for_spread();
+  return report(states_, winner_);
+}
+
+void Planner::search(const std::vector<std::size_t>& order) {
+  const int earlier = control_.start != nullptr ? 1 : 0;
+  for (int round = 0; round < starts() && !must_stop(); ++round) {
+    // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
+    // families with several valleys of the effort; what follows its own starts is no equilibrium.
+    // Where nothing can be chosen equilibria stand alone, and no search leads from one to a better one.
+    if (winner_ >= 0 && (balanced_by_row() ? round >= earlier + d_.grip->starts() : round > 0 && !d_.palm && chooses()))
+      break;
+    round_ = round;
+    // Before the second start per mode the rod itself shows where it can be.
+    if (round > 0 && !d_.palm && !rested_ && winner_ < 0) {
+      start_from_rests();
+      if (winner_ >= 0 && chooses()) break;
+    }
+    deferring_ = balanced_by_row();
+    for (const std::size_t i : order) {
+      states_[i].deferred = false;
+      consider(states_[i], start_shape(round, modes_[i]));
+    }
+    deferring_ = false;
+    for (const std::size_t i : order) {
+      if (states_[i].deferred && winner_ < 0) consider(states_[i], start_shape(round, modes_[i]));
+    }
+    if (!d_.enumerated) grow();
+  }
+}
+
+void Planner::start_from_balance(const std::vector<std::size_t>& order) {
+  {
+    struct WithBalance {
+      PalmSetup& palm;
+      explicit WithBalance(PalmSetup& of) : palm(of) { palm.balance = true; }
+      ~WithBalance() { palm.balance = false; }
+      WithBalance(const WithBalance&) = delete;
+      WithBalance& operator=(const WithBalance&) = delete;
+    } with(*d_.palm);
+    search(order);
+  }
+  if (winner_ < 0) return;
+  const Candidate& balanced = states_[static_cast<std::size_t>(winner_)].best;
+  const StartShape shape = balanced.program->shape_of(balanced.x);
+  const int mode = winner_;
+  balanced_objective_ = balanced.objective;
+  // What was found with the row is a start for what follows and nothing else.
+  for (ModeState& state : states_) {
+    state.best = {};
+    state.starts_used = state.stationary_violations = 0;
+    state.violation = infinity;
+    state.trouble.clear();
+    state.limits.clear();
+  }
+  winner_ = -1;
+  have_plan_ = false;
+  consider(states_[static_cast<std::size_t>(mode)], shape);
+}
+
+bool Planner::without_stable_plan(const ModeState& state) const {
+  if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty()) return true;
+  if (state.best.certified()) return false;
+  // Rows that have no common point have none with stability either.
+  const int without = state.best.has_point ? 0 : state.stationary_violations;
+  return without + state.unheld >= most_starts;
+}
+
+bool Planner::all_infeasible() const {
+  return std::all_of(states_.begin(), states_.end(),
+                     [this](const ModeState& state) { return without_stable_plan(state); });
+}
+
+void Planner::search_further(int starts, const std::vector<std::size_t>& order) {
+  if (d_.palm) return;
+  for (int round = starts; round < starts + further_starts && winner_ < 0 && !all_infeasible(); ++round) {
+    for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
+    if (!d_.enumerated) grow();
+  }
+  if (d_.enumerated || winner_ >= 0) return;
+  std::vector<ContactSetup> slots =
+      contact_slots(static_cast<int>(d_.rod.fixed_knots().size()) - 1, d_.contact_obstacles);
+  // A contact out of reach stays out of reach beside others.
+  slots.erase(std::remove_if(slots.begin(), slots.end(),
+                             [this](const ContactSetup& slot) { return !d_.mode({slot}).skip.empty(); }),
+              slots.end());
+  const auto every = every_assignment(slots, d_.scene.contact.count, most_enumerated_at_last);
+  if (!every) return;
+  for (int round = 0; round < most_starts && winner_ < 0 && !must_stop(); ++round) {
+    for (const std::vector<ContactSetup>& contacts : *every) {
+      ModeState& state = states_[state_of(contacts)];
+      if (state.starts_used <= round) consider(state, start_shape(round, modes_[static_cast<std::size_t>(state.mode)]));
+    }
+  }
+  every_assignment_tried_ = !must_stop();
+}
+
+}  // namespace tendril

@@ -1,0 +1,332 @@
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "certificate/check_points.hpp"
+#include "nlp/complementarity.hpp"
+#include "nlp/feasibility.hpp"
+#include "nlp/multipliers.hpp"
+#include "nlp/polish.hpp"
+#include "search/earlier_plan.hpp"
+#include "search/planner.hpp"
+#include "search/task.hpp"
+
+namespace tendril {
+namespace {
+
+/// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
+constexpr double penalty_growth = 10.0;     ///< of beta, until the branch is decided (model.md section 4)
+constexpr double penalty_cap = 1e4;         ///< largest beta
+constexpr double relaxation_first = 1e-1;   ///< eps of Scholtes and Fischer-Burmeister ...
+constexpr double relaxation_last = 1e-8;    ///< ... ends here ...
+constexpr double relaxation_shrink = 1e-2;  ///< ... in these steps
+constexpr double tiny_radius = 1e-3;  ///< (L) an obstacle below it is swollen before a contact with it is searched
+constexpr double swollen_radii[] = {0.02, 0.1, 0.005};  ///< ... to the first of these that works
+constexpr double slowest_shrinking = 0.95;              ///< per step on the way back, before it is given up
+constexpr int most_exchanges = 25;
+constexpr int moving_exchanges = 8;  ///< after so many rounds check points stay: moved ones may go to and fro
+
+void keep_unique(std::vector<CheckPoint>& checks) {
+  const auto key = [](const CheckPoint& c) { return std::tuple(c.obstacle, c.piece, c.sigma); };
+  std::sort(checks.begin(), checks.end(), [&](const CheckPoint& a, const CheckPoint& b) { return key(a) < key(b); });
+  checks.erase(std::unique(checks.begin(), checks.end(),
+                           [&](const CheckPoint& a, const CheckPoint& b) { return key(a) == key(b); }),
+               checks.end());
+}
+
+}  // namespace
+
+OptimalityReport Planner::solve(ModeState& state, NonlinearProgram& program, const Eigen::VectorXd& x,
+                                const OptimalityReport* warm) {
+  steps_.limit_patience(balanced_by_row() && have_plan_);
+  return steps_.solve(state, program, x, warm);
+}
+
+bool Planner::sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed) {
+  steps_.limit_patience(balanced_by_row() && have_plan_);
+  return steps_.sharpen(state, program, x, solver_allowed && !following_);
+}
+
+bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartShape& shape, Branch forced,
+                    PoseProgram& program, Eigen::VectorXd& x) {
+  std::vector<std::unique_ptr<ShrunkObstacle>> swollen;
+  std::vector<double> radii;
+  PoseProgramSpec larger = spec;
+  larger.checks.clear();
+  for (const ContactSetup& c : spec.contacts) {
+    const Obstacle*& obstacle = larger.obstacles[static_cast<std::size_t>(c.obstacle)];
+    const double radius = obstacle->smallest_radius();
+    if (!(radius < tiny_radius)) continue;
+    swollen.push_back(std::make_unique<ShrunkObstacle>(*obstacle));
+    radii.push_back(radius);
+    obstacle = swollen.back().get();
+  }
+  if (swollen.empty() || must_stop() || following_) return false;
+  const auto grow_to = [&](double radius) {
+    for (std::size_t i = 0; i < swollen.size(); ++i) swollen[i]->shrink(-std::max(0.0, radius - radii[i]));
+  };
+  const double least = *std::min_element(radii.begin(), radii.end());
+  grow_to(swollen_radii[0]);
+  PoseProgram easier(larger);
+  Eigen::VectorXd at;
+  double swollen_radius = 0.0;
+  for (const double radius : swollen_radii) {
+    grow_to(radius);
+    easier.invalidate();
+    at = easier.start_from(shape);
+    if (!find_point(state, easier, at, forced)) continue;
+    swollen_radius = radius;
+    break;
+  }
+  if (swollen_radius == 0.0) return false;
+  double share = 0.5;
+  for (double radius = swollen_radius; radius > least && !must_stop();) {
+    const double next = std::max(least, share * radius);
+    grow_to(next);
+    easier.invalidate();
+    ++state.record.polishes;
+    const EvaluationCounts before = easier.counts();
+    const PolishReport p = polish(easier, at, {});
+    add_difference(steps_.tally.outside_solver, easier.counts(), before);
+    if (p.converged && p.infeasibility <= tolerance::equilibrium) {
+      at = p.x;
+      radius = next;
+      continue;
+    }
+    share = std::sqrt(share);
+    if (share > slowest_shrinking) return false;
+  }
+  set_branches(program, branches_of(easier));
+  x = at;
+  return true;
+}
+
+bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment) {
+  std::vector<ComplementaryPair> pairs(static_cast<std::size_t>(program.layout().forces));
+  for (int k = 0; k < program.layout().forces; ++k) {
+    pairs[static_cast<std::size_t>(k)] = {program.layout().first_gap + k, program.force_variable(k)};
+  }
+  const bool relaxes = treatment == Treatment::scholtes || treatment == Treatment::fischer_burmeister;
+  const double first = relaxes ? relaxation_first : d_.scene.contact.beta;
+  ComplementarityProgram treated(program, pairs, treatment, first);
+  Eigen::VectorXd full = treated.extend(x);
+  OptimalityReport report;
+  bool first_solve = true;
+  for (double parameter = first;;) {
+    treated.set_parameter(parameter);
+    report = solve(state, treated, full, first_solve ? nullptr : &report);
+    first_solve = false;
+    if (!report.x.allFinite() || report.x.size() != full.size()) return false;
+    full = report.x;
+    if (must_stop() || report.status == SolveStatus::unsupported || report.status == SolveStatus::failed) break;
+    // A larger beta moves no row, and a smaller eps only tightens them: what is infeasible now stays so.
+    if (report.infeasibility > nearly_feasible) break;
+    double undecided = 0.0;
+    const VectorView c = program.constraints(full.head(program.variable_count()));
+    for (const ComplementaryPair& p : pairs) undecided = std::max(undecided, std::min(c[p.row], full[p.variable]));
+    if (relaxes) {
+      if (parameter <= relaxation_last) break;
+      parameter = std::max(relaxation_last, parameter * relaxation_shrink);
+    } else {
+      if (undecided <= tolerance::branch_decided || parameter >= penalty_cap) break;
+      parameter = std::min(penalty_cap, parameter * penalty_growth);
+    }
+  }
+  x = full.head(program.variable_count());
+  const VectorView c = program.constraints(x);
+  for (int k = 0; k < program.layout().forces; ++k) {
+    const double gap = c[pairs[static_cast<std::size_t>(k)].row];
+    const double force = x[pairs[static_cast<std::size_t>(k)].variable];
+    program.set_branch(k, gap <= force ? Branch::touching : Branch::separated);
+  }
+  return report.infeasibility <= nearly_feasible;
+}
+
+bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced) {
+  const int contacts = program.layout().forces;
+  const Eigen::VectorXd start = x;
+  if (contacts == 0 || forced == Branch::touching) {
+    for (int k = 0; k < contacts; ++k) program.set_branch(k, Branch::touching);
+    OptimalityReport r = solve(state, program, x);
+    if (!r.x.allFinite() || r.x.size() != x.size()) return false;
+    x = r.x;
+    if (r.infeasibility <= nearly_feasible) return true;
+  } else {
+    if (treat(state, program, x, d_.scene.contact.treatment)) return true;
+    // With a plan in hand the branch that touches is tried directly; the slower treatment is for when nothing else
+    // works.
+    if (d_.scene.contact.treatment != Treatment::scholtes && !have_plan_ && !must_stop()) {
+      for (int k = 0; k < contacts; ++k) program.set_branch(k, Branch::open);
+      state.record.outcome += "fallback to scholtes; ";
+      if (treat(state, program, x, Treatment::scholtes)) return true;
+    }
+  }
+  if (restore(state, program, x)) return true;
+  // The solver may have left the side on which the start could have come free.
+  x = start;
+  return restore(state, program, x);
+}
+
+bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
+  if (must_stop() || following_ || !x.allFinite()) return false;
+  const double least = state.violation;
+  const FeasibilityReport f = steps_.restore(state, program, x);
+  if (f.feasible) {
+    const OptimalityReport r = solve(state, program, f.x);
+    x = r.x.allFinite() && r.x.size() == x.size() && r.infeasibility <= nearly_feasible ? r.x : f.x;
+    return true;
+  }
+  keep_nearest(state, program, f, least);
+  return false;
+}
+
+void Planner::keep_nearest(ModeState& state, const PoseProgram& program, const FeasibilityReport& f, double least) {
+  if (state.violation < least) state.nearest = program.shape_of(f.x);
+}
+
+bool Planner::nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x) {
+  const FeasibilityReport f = steps_.look(program, x, proving_);
+  if (!f.stationary_violation) return false;
+  const double least = state.violation;
+  ProgramSearch::note(state, program, f);
+  keep_nearest(state, program, f, least);
+  return true;
+}
+
+bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
+  return restore(state, program, x) && sharpen(state, program, x, true);
+}
+
+bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& every_check,
+                       Eigen::VectorXd x, const std::vector<Branch>& branches) {
+  Candidate c;
+  if (!bring_to_certificate(state, regions, every_check, std::move(x), branches, c)) return false;
+  // Beside a contact no check point can be: there the rod stays out if the contact does not spread to either side.
+  const bool dips =
+      c.has_point && !c.certified() && !following_ && !c.program->spec().least_convexity &&
+      c.program->layout().arc_lengths > 0 && !must_stop() &&
+      (c.certificate.penetration > tolerance::penetration || !(c.certificate.contact_convexity > tolerance::convexity));
+  if (dips) {
+    struct Held {
+      std::optional<double>& limit;
+      explicit Held(std::optional<double>& of) : limit(of) { limit = tolerance::held_convexity; }
+      ~Held() { limit.reset(); }
+      Held(const Held&) = delete;
+      Held& operator=(const Held&) = delete;
+    };
+    const Held held(d_.least_convexity);
+    Candidate pointed;
+    if (bring_to_certificate(state, regions, every_check, c.x, branches, pointed) && pointed.certified()) {
+      c = std::move(pointed);
+    }
+  }
+  if (!c.has_point) return true;
+  const bool better = !state.best.has_point || (c.certified() && !state.best.certified()) ||
+                      (c.certified() == state.best.certified() && c.objective < state.best.objective - beats);
+  if (better) state.best = std::move(c);
+  return true;
+}
+
+bool Planner::bring_to_certificate(ModeState& state, const std::vector<int>& regions,
+                                   std::vector<CheckPoint>& every_check, Eigen::VectorXd x,
+                                   const std::vector<Branch>& branches, Candidate& c) {
+  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
+  const bool exchanges = d_.scene.contact.check_points == 0 && !d_.obstacles.empty();
+  int nodes = d_.nodes;
+  std::vector<CheckPoint> checks = every_check;
+  const auto build = [&] {
+    PoseProgramSpec spec = d_.spec(mode, regions, nodes);
+    spec.checks = checks;
+    c.program = std::make_unique<PoseProgram>(spec);
+    set_branches(*c.program, branches);
+    c.certifier = std::make_unique<Certifier>(spec);
+  };
+  build();
+  bool sharp = sharpen(state, *c.program, x, true);
+  if (!sharp && following_) return false;
+  // What is only nearly feasible is feasible, or a place where the violation is stationary: then there is no point.
+  if (!sharp && x.allFinite() && infeasibility(*c.program, x) > restored) {
+    sharp = recover(state, *c.program, x);
+    if (!sharp && infeasibility(*c.program, x) > restored) return true;
+  }
+  for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
+    if (!x.allFinite() ||
+        !exchange_checks(*c.program, x, *c.certifier, checks, violation_level, round >= moving_exchanges)) {
+      break;
+    }
+    every_check.insert(every_check.end(), checks.begin(), checks.end());
+    build();
+    sharp = sharpen(state, *c.program, x, true) || recover(state, *c.program, x);
+    if (!sharp) {
+      keep_unique(every_check);
+      return false;
+    }
+  }
+  for (int refinement = 0; refinement < 5; ++refinement) {
+    const double begin = now();
+    c.certificate = c.certifier->certify(*c.program, x);
+    steps_.tally.seconds_certifying += now() - begin;
+    if (!(c.certificate.quadrature > tolerance::quadrature) || !sharp || must_stop() || nodes > 600) break;
+    nodes = nodes + nodes / 2;
+    build();
+    sharp = sharpen(state, *c.program, x, false);
+  }
+  if (!x.allFinite()) return true;
+  c.x = x;
+  c.solver = state.last;
+  c.objective = c.program->cost(x);
+  if (!std::isfinite(c.objective)) {
+    note_unfit_term(*c.program, x);
+    return true;
+  }
+  c.has_point = true;
+  return true;
+}
+
+bool Planner::lies_along(Candidate& c, const Eigen::VectorXd& x, int contact) {
+  return x[c.program->force_variable(contact)] > tolerance::force &&
+         !(c.certifier->contact_convexity(x, contact) > tolerance::convexity);
+}
+
+void Planner::look_for_spread() {
+  if (d_.palm || !d_.scene.coordinates.split_at_contact) return;
+  for (std::size_t i = 0; i < d_.modes.size(); ++i) {
+    const Mode& mode = d_.modes[i];
+    if (mode.contacts.empty() || !mode.skip.empty()) continue;
+    std::vector<int> regions;
+    for (const ContactSetup& contact : mode.contacts) regions.push_back(contact.region);
+    // From where the violation was least, then from ordinary starts.
+    const int first = std::isfinite(states_[i].violation) ? -1 : 0;
+    for (int start = first; start < spread_starts && !states_[i].spread.has_point && !must_stop(); ++start) {
+      const PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+      Candidate c;
+      c.program = std::make_unique<PoseProgram>(spec);
+      c.certifier = std::make_unique<Certifier>(spec);
+      close_contacts(*c.program);
+      const StartShape shape = start < 0 ? states_[i].nearest : start_shape(start, mode);
+      const FeasibilityReport f = steps_.look(*c.program, c.program->start_from(shape));
+      if (!f.feasible) continue;
+      c.x = f.x;
+      if (!sharpen(states_[i], *c.program, c.x, false)) continue;
+      bool spreads = false;
+      for (int k = 0; k < c.program->layout().forces; ++k) spreads = spreads || lies_along(c, c.x, k);
+      c.objective = c.program->cost(c.x);
+      if (!spreads || !std::isfinite(c.objective)) continue;
+      c.certificate = c.certifier->certify(*c.program, c.x);
+      c.solver = states_[i].last;
+      c.has_point = true;
+      states_[i].spread = std::move(c);
+    }
+  }
+}
+
+void Planner::note_unfit_term(PoseProgram& program, const Eigen::VectorXd& x) {
+  program.cost(x);
+  for (std::size_t i = 0; i < d_.terms.size(); ++i) {
+    if (std::isfinite(program.term_value(static_cast<int>(i)))) continue;
+    unfit_ = "objective '" + d_.terms[i].name + "' gives a number that is not finite";
+  }
+}
+
+}  // namespace tendril

@@ -1,0 +1,161 @@
+#include "search/steps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "nlp/polish.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril {
+namespace {
+
+/// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
+constexpr int patience = 8;             ///< iterations of a solve, over those of the slowest solve that converged
+constexpr double most_of_time = 0.4;    ///< of what is left, for one solve: there are other ways if it gets stuck
+constexpr int most_restorations = 400;  ///< steps
+constexpr int patient_restorations = 4000;
+constexpr double at_limit = 1e-9;  ///< a variable this near to its limit stands at it, in reports
+
+void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
+  to.values += more.values;
+  to.first_derivatives += more.first_derivatives;
+  to.hessians += more.hessians;
+  to.seconds += more.seconds;
+}
+
+/// The variables that are at a limit at x.
+std::string limits_at(const NonlinearProgram& program, ConstVectorRef x) {
+  std::string text;
+  for (int i = 0; i < program.variable_count(); ++i) {
+    if (program.lower()[i] == program.upper()[i]) continue;
+    const bool low = x[i] <= program.lower()[i] + at_limit;
+    if (!low && x[i] < program.upper()[i] - at_limit) continue;
+    text += (text.empty() ? "" : ", ") + program.variable_name(i) + (low ? " at its smallest" : " at its largest");
+  }
+  return text;
+}
+
+}  // namespace
+
+void add_difference(EvaluationCounts& to, const EvaluationCounts& after, const EvaluationCounts& before) {
+  to.values += after.values - before.values;
+  to.first_derivatives += after.first_derivatives - before.first_derivatives;
+  to.hessians += after.hessians - before.hessians;
+  to.seconds += after.seconds - before.seconds;
+}
+
+std::string told_failure(const Attempt& nearest) {
+  if (!std::isfinite(nearest.violation)) return "";
+  char text[48];
+  std::snprintf(text, sizeof text, "%.2e", nearest.violation);
+  return "; the nearest (" + nearest.record.mode + ") violates them by " + text +
+         (nearest.limits.empty() ? ", with no variable at a limit" : ", with " + nearest.limits);
+}
+
+std::string told_uselessness(const std::string& solver, const OptimalityReport& last) {
+  return "solver '" + solver + "' ended every solve as " + std::string(to_string(last.status)) +
+         (last.message.empty() ? "" : ": " + last.message);
+}
+
+void report_tally(const Tally& tally, Plan& plan) {
+  plan.solver.iterations = tally.iterations;
+  plan.solver.evaluations = tally.evaluations;
+  plan.evaluations = tally.evaluations;
+  add_counts(plan.evaluations, tally.outside_solver);
+  plan.solver.seconds = tally.seconds;
+  plan.solver.seconds_evaluating = tally.seconds_evaluating;
+  plan.seconds_certify = tally.seconds_certifying;
+}
+
+OptimalityReport ProgramSearch::solve(Attempt& attempt, NonlinearProgram& program, const Eigen::VectorXd& x,
+                                      const OptimalityReport* warm) {
+  SolverStart start;
+  start.x = x;
+  if (warm != nullptr) {
+    start.multipliers = warm->multipliers;
+    start.bound_multipliers = warm->bound_multipliers;
+  }
+  SolveControl limits;
+  limits.tolerance = spec_.tolerance;
+  limits.max_iterations = spec_.max_iterations;
+  if (limited_) limits.max_iterations = std::min(limits.max_iterations, patience * slowest_converged_);
+  limits.time_limit = std::max(1e-3, most_of_time * (deadline_ - now()));
+  limits.stop = stop_;
+  OptimalityReport report = solver_.solve(program, start, limits);
+  ++attempt.record.solves;
+  attempt.record.iterations += report.iterations;
+  attempt.record.evaluations += report.evaluations.values;
+  attempt.record.seconds_evaluating += report.seconds_evaluating;
+  attempt.last = report;
+  const bool useless = report.status == SolveStatus::failed || report.status == SolveStatus::unsupported ||
+                       report.status == SolveStatus::not_finite;
+  ++tally.solves;
+  if (useless) ++tally.useless_solves;
+  if (report.status == SolveStatus::converged) slowest_converged_ = std::max(slowest_converged_, report.iterations);
+  tally.iterations += report.iterations;
+  tally.seconds += report.seconds;
+  tally.seconds_evaluating += report.seconds_evaluating;
+  add_counts(tally.evaluations, report.evaluations);
+  return report;
+}
+
+bool ProgramSearch::sharpen(Attempt& attempt, NonlinearProgram& program, Eigen::VectorXd& x, bool solver_allowed) {
+  const auto counted_polish = [&](const Eigen::VectorXd& from) {
+    ++attempt.record.polishes;
+    const EvaluationCounts before = program.counts();
+    PolishOptions options;
+    options.stop = [this] { return must_stop(); };
+    PolishReport report = polish(program, from, {}, options);
+    add_difference(tally.outside_solver, program.counts(), before);
+    return report;
+  };
+  PolishReport p = counted_polish(x);
+  if (p.converged && p.infeasibility <= tolerance::equilibrium) {
+    x = p.x;
+    return true;
+  }
+  if (!solver_allowed || must_stop()) return false;
+  // On a decided branch the program is an ordinary one.
+  const OptimalityReport r = solve(attempt, program, x);
+  if (!r.x.allFinite() || r.x.size() != x.size()) return false;
+  p = counted_polish(r.x);
+  if (p.converged && p.infeasibility <= tolerance::equilibrium) {
+    x = p.x;
+    return true;
+  }
+  // The solver's own point may already be good enough for the certificate.
+  if (r.infeasibility <= restored) x = r.x;
+  attempt.trouble = "the polish did not converge (" + std::string(p.reason) +
+                    "); solver: " + std::string(to_string(r.status)) + (r.message.empty() ? "" : ", " + r.message);
+  return r.infeasibility <= restored;
+}
+
+FeasibilityReport ProgramSearch::look(NonlinearProgram& program, const Eigen::VectorXd& x, bool patiently) {
+  const EvaluationCounts before = program.counts();
+  FeasibilityReport report = restore_feasibility(
+      program, x, restored, patiently ? patient_restorations : most_restorations, [this] { return must_stop(); });
+  add_difference(tally.outside_solver, program.counts(), before);
+  return report;
+}
+
+FeasibilityReport ProgramSearch::restore(Attempt& attempt, NonlinearProgram& program, const Eigen::VectorXd& x) {
+  FeasibilityReport f = look(program, x);
+  if (f.feasible) return f;
+  note(attempt, program, f);
+  return f;
+}
+
+void ProgramSearch::note(Attempt& attempt, const NonlinearProgram& program, const FeasibilityReport& f) {
+  if (f.stationary_violation) ++attempt.stationary_violations;
+  if (f.x.allFinite() && f.infeasibility < attempt.violation) {
+    attempt.violation = f.infeasibility;
+    attempt.limits = limits_at(program, f.x);
+  }
+  char text[96];
+  std::snprintf(text, sizeof text, "no feasible point near: violation %.2e%s", f.infeasibility,
+                f.stationary_violation ? ", stationary" : "");
+  attempt.trouble = text;
+}
+
+}  // namespace tendril

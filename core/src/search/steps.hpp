@@ -1,0 +1,90 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+
+#include "base/clock.hpp"
+#include "nlp/feasibility.hpp"
+#include "tendril/plan.hpp"
+#include "tendril/scene.hpp"
+#include "tendril/solver.hpp"
+
+namespace tendril {
+
+/// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
+inline constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
+inline constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
+
+/// What is known of the programs of one way of being in contact, for the report.
+struct Attempt {
+  ModeRecord record;
+  int starts_used = 0;
+  int stationary_violations = 0;  ///< starts that ended where no direction reduces the violation
+  std::string trouble;            ///< how the last attempt failed
+  OptimalityReport last;          ///< of the last solve
+  double violation = infinity;    ///< least one of the rows that was found, as long as there is no point
+  std::string limits;             ///< that bind there
+};
+
+struct Tally {
+  int solves = 0;
+  int useless_solves = 0;           ///< that the solver refused, or broke down in
+  EvaluationCounts evaluations;     ///< that solvers asked for
+  EvaluationCounts outside_solver;  ///< that polish and restoration asked for
+  int iterations = 0;
+  double seconds = 0.0, seconds_evaluating = 0.0, seconds_certifying = 0.0;
+  /// A solver that did nothing is no part of any plan, whatever restoration and Newton's method make of the start
+  /// alone.
+  bool solver_did_nothing() const { return solves > 0 && useless_solves == solves; }
+};
+
+/// Adds what was evaluated between two counts.
+void add_difference(EvaluationCounts& to, const EvaluationCounts& after, const EvaluationCounts& before);
+
+/// What the nearest of all attempts failed by: its violation and the limits that bind there; empty: none got that far.
+std::string told_failure(const Attempt& nearest);
+
+/// What a plan says of a solver that did nothing.
+std::string told_uselessness(const std::string& solver, const OptimalityReport& last);
+
+/// Puts a tally into a plan: sums over all programs.
+void report_tally(const Tally& tally, Plan& plan);
+
+/// The steps from a point of a program to a better one, whatever the program is of: counted, and within one time limit.
+class ProgramSearch {
+ public:
+  /// `solver`, `spec` and `stop` (null: nothing does) must outlive this.
+  ProgramSearch(Solver& solver, const SolverSpec& spec, const std::atomic<bool>* stop)
+      : solver_(solver), spec_(spec), stop_(stop), deadline_(now() + spec.time_limit) {}
+
+  bool must_stop() const { return (stop_ != nullptr && stop_->load()) || now() > deadline_; }
+  double deadline() const { return deadline_; }
+  /// From now on a solve may take no more than many times what others took. Programs of a grasp differ little: a search
+  /// that takes longer ends nowhere.
+  void limit_patience(bool limited) { limited_ = limited; }
+
+  OptimalityReport solve(Attempt& attempt, NonlinearProgram& program, const Eigen::VectorXd& x,
+                         const OptimalityReport* warm = nullptr);
+  /// Newton on the active set, after a solve if it needs one and may have it. False: x is no point to judge.
+  bool sharpen(Attempt& attempt, NonlinearProgram& program, Eigen::VectorXd& x, bool solver_allowed);
+  /// Reduces the violation alone, and remembers where there is nothing feasible near.
+  FeasibilityReport restore(Attempt& attempt, NonlinearProgram& program, const Eigen::VectorXd& x);
+  /// The same as a look that leaves no trace but its counts; `patiently`: however slowly the violation falls.
+  FeasibilityReport look(NonlinearProgram& program, const Eigen::VectorXd& x, bool patiently = false);
+
+  /// Remembers what such a look came to, where it ended at no feasible point.
+  static void note(Attempt& attempt, const NonlinearProgram& program, const FeasibilityReport& f);
+
+  Tally tally;
+
+ private:
+  Solver& solver_;
+  const SolverSpec& spec_;
+  const std::atomic<bool>* stop_;
+  double deadline_;
+  bool limited_ = false;
+  int slowest_converged_ =
+      10;  ///< most iterations of a solve that converged; one of a grasp is thought to take so many
+};
+
+}  // namespace tendril

@@ -1,0 +1,172 @@
+#include "search/task.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "rod/chain.hpp"
+#include "search/contacts.hpp"
+#include "search/follower.hpp"
+
+namespace tendril {
+namespace {
+
+std::string contact_name(const ContactSetup& c, const std::vector<std::string>& obstacles, std::size_t stretches) {
+  const std::string on = "'" + obstacles[static_cast<std::size_t>(c.obstacle)] + "'";
+  if (c.at_tip) return "tip contact with " + on;
+  std::string name = "interior contact with " + on;
+  if (stretches > 1) name += " on segment " + std::to_string(c.region + 1);
+  return name;
+}
+
+}  // namespace
+
+Task::Task() = default;
+Task::~Task() = default;
+
+void Task::take_target(const TargetSpec& wanted) {
+  target = {};
+  if (wanted.position) {
+    target.position = {scale.to_dimensionless(wanted.position->x, dimension::length),
+                       scale.to_dimensionless(wanted.position->y, dimension::length)};
+    target.has_position = true;
+  }
+  if (wanted.angle) {
+    target.angle = round_to_12_digits(*wanted.angle);
+    target.has_angle = true;
+  }
+}
+
+bool Task::contact_planned() const {
+  return needs_obstacles(scene) && max_force > 0.0 &&
+         (scene.contact.mode == ContactModeName::allow || scene.contact.mode == ContactModeName::require);
+}
+
+int Task::first_nodes() const {
+  double angle = std::max(1.0, std::abs(scene.start_tip_angle));
+  for (const Rod::Actuator& a : rod.actuators) {
+    const double largest = std::max(std::abs(a.minimum), std::abs(a.maximum));
+    if (std::isfinite(largest)) angle = std::max(angle, largest * (a.to - a.from));
+  }
+  return suggested_nodes(model->function_count(), std::min(angle, 30.0));
+}
+
+Mode Task::mode(std::vector<ContactSetup> contacts) const {
+  const std::vector<double> knots = rod.fixed_knots();
+  Mode mode;
+  mode.contacts = std::move(contacts);
+  for (const ContactSetup& c : mode.contacts) {
+    if (!mode.name.empty()) mode.name += " and ";
+    mode.name += contact_name(c, obstacle_names, knots.size() - 1);
+    // A point at arc length s is at most s away from the base.
+    const double reach = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
+    if (palm) {
+      if (mode.skip.empty()) mode.skip = grip->obstruction(*this, reach);
+    } else if (obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > reach) {
+      mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
+    }
+  }
+  return mode;
+}
+
+PoseProgramSpec Task::spec(const Mode& mode, const std::vector<int>& regions, int with_nodes) const {
+  PoseProgramSpec s;
+  s.rod = &rod;
+  s.model = model;
+  s.obstacles = obstacles;
+  s.terms = terms;
+  s.target = target;
+  s.split = scene.coordinates.split_at_contact;
+  s.contacts = mode.contacts;
+  for (std::size_t k = 0; k < s.contacts.size(); ++k) s.contacts[k].region = regions[k];
+  s.nodes = with_nodes;
+  s.min_force = min_force;
+  s.max_force = max_force;
+  s.palm = palm;
+  s.carried = carried;
+  s.least_margin = least_margin;
+  s.least_convexity = least_convexity;
+  s.term_units = term_units;
+  s.tables = tables;
+  return s;
+}
+
+std::vector<int> Task::regions_of(const Mode& mode, const std::vector<double>& arc_lengths) const {
+  std::vector<int> regions;
+  regions.reserve(mode.contacts.size());
+  for (const ContactSetup& c : mode.contacts) regions.push_back(c.region);
+  if (scene.coordinates.split_at_contact) return regions;
+  const Chain chain(rod, *components.coordinates, {}, 1);
+  for (std::size_t k = 0; k < regions.size(); ++k) {
+    if (!mode.contacts[k].at_tip) regions[k] = chain.piece_at(arc_lengths[k], {});
+  }
+  return regions;
+}
+
+int Task::coordinate_count(const Mode& mode) const {
+  auto stretches = static_cast<int>(rod.fixed_knots().size()) - 1;
+  if (scene.coordinates.split_at_contact) {
+    stretches += static_cast<int>(
+        std::count_if(mode.contacts.begin(), mode.contacts.end(), [](const ContactSetup& c) { return !c.at_tip; }));
+  }
+  return stretches * static_cast<int>(model->subdivision().size()) * model->function_count();
+}
+
+std::vector<int> Task::pieces_of_stretch(int stretch) const {
+  const auto parts = static_cast<int>(model->subdivision().size());
+  std::vector<int> pieces(static_cast<std::size_t>(parts));
+  std::iota(pieces.begin(), pieces.end(), stretch * parts);
+  return pieces;
+}
+
+std::vector<CheckPoint> Task::first_checks(const PoseProgramSpec& spec, const StartShape& shape) const {
+  std::vector<CheckPoint> checks;
+  if (obstacles.empty()) return checks;
+  const PoseProgram probe(spec);
+  const Eigen::VectorXd x = probe.start_from(shape);
+  const PoseProgram::Layout& at = probe.layout();
+  const Chain& chain = probe.chain();
+  const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));
+  // Few points where the planner adds what is missing, but not so few that a rod without contact slips past an obstacle
+  // between two of them; as many as asked for where the planner adds none.
+  int count = 4;
+  if (spec.contacts.empty()) {
+    for (const Obstacle* o : obstacles) {
+      count = std::max(count, static_cast<int>(std::ceil(std::min(16.0, 0.6 / o->smallest_radius()))));
+    }
+  }
+  if (scene.contact.check_points > 0) count = scene.contact.check_points;
+  for (int i = 1; i <= count; ++i) {
+    const double s = static_cast<double>(i) / count;
+    bool near_contact = false;
+    for (int k = 0; k < at.arc_lengths; ++k)
+      near_contact = near_contact || std::abs(s - x[at.first_arc_length + k]) < 0.02;
+    if (near_contact) continue;
+    const int j = i == count ? chain.piece_count() - 1 : chain.piece_at(s, knots);
+    const double sigma =
+        i == count ? 1.0 : std::clamp((s - chain.start(j, knots)) / chain.length(j, knots), 0.02, 0.98);
+    for (int o = 0; o < static_cast<int>(obstacles.size()); ++o) {
+      // A tip that touches is a contact already.
+      const bool tip_touches =
+          i == count && std::any_of(spec.contacts.begin(), spec.contacts.end(),
+                                    [o](const ContactSetup& c) { return c.at_tip && c.obstacle == o; });
+      if (!tip_touches) checks.push_back({j, sigma, o});
+    }
+  }
+  return checks;
+}
+
+/// One of the assignments with the most contacts, for its size.
+Mode Task::largest_mode() const {
+  const int stretches = static_cast<int>(rod.fixed_knots().size()) - 1;
+  std::vector<ContactSetup> contacts;
+  for (const ContactSetup& slot : contact_slots(stretches, contact_obstacles)) {
+    if (static_cast<int>(contacts.size()) == scene.contact.count) break;
+    if (!slot.at_tip || contacts.empty() || !contacts.back().at_tip) contacts.push_back(slot);
+  }
+  Mode largest = mode(contacts);
+  largest.name = std::to_string(contacts.size()) + " contacts, as one of the assignments that a plan searches";
+  return largest;
+}
+
+}  // namespace tendril

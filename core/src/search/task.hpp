@@ -1,0 +1,81 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "program/pose_program.hpp"
+#include "rod/rod.hpp"
+#include "search/grip.hpp"
+#include "tendril/plan.hpp"
+#include "tendril/registrar.hpp"
+#include "tendril/scene.hpp"
+
+namespace tendril {
+
+class Follower;
+
+/// One way of being in contact: a small program of its own. Regions of interior contacts are stretches between fixed
+/// knots.
+struct Mode {
+  std::string name;
+  std::vector<ContactSetup> contacts;
+  std::string skip{};  ///< why it need not be solved, known before anything is; empty: it must be
+};
+
+/// What is searched for: a scene made dimensionless and assembled, only the blocks that it needs.
+struct Task {
+  Scene scene;
+  Components components;
+  const CoordinateModel* model = nullptr;  ///< of the components; of a lower finger those of the upper one
+  Scale scale;
+  Scale scene_scale;       ///< in which terms see everything; another one where fingers of a grasp differ
+  TermUnits term_units{};  ///< units of `scale` in those of `scene_scale`
+  Rod rod;
+  std::vector<std::unique_ptr<Obstacle>> own_obstacles;  ///< of a grasp
+  std::vector<const Obstacle*> obstacles;                ///< those that the plan respects
+  int contact_obstacles = 0;                             ///< the first so many may be touched
+  std::optional<PalmSetup> palm;                         ///< of a grasp
+  std::unique_ptr<const Grip> grip;                      ///< of a grasp
+  int carried = 0;                                       ///< obstacles that stand on the palm: the last ones
+  std::vector<std::string> obstacle_names;
+  std::vector<PoseProgramTerm> terms;  ///< weights divided by `objective_scale`
+  double objective_scale = 1.0;
+  double objective_bound = 0.0;  ///< no plan can cost less (scaled)
+  Target target;
+  double min_force = 0.0, max_force = infinity;
+  std::optional<double> least_margin;     ///< of stability, while plans are held at its limit
+  std::optional<double> least_convexity;  ///< of contacts, while plans are held where they would spread
+  std::shared_ptr<TableStore> tables = std::make_shared<TableStore>();
+  std::vector<Mode> modes;  ///< all, or those that a search begins with
+  bool enumerated = true;   ///< `modes` are all there are
+  std::vector<LeftOut> left_out;
+  int nodes = 0;
+  double seconds_assemble = 0.0;
+  std::unique_ptr<Follower> follower;  ///< of the plan that was followed last
+  std::unique_ptr<Task> lower;         ///< of a grasp whose fingers are both planned: this one is then the upper finger
+
+  Task();
+  ~Task();
+
+  /// The mode with these contacts: its name, and why it cannot be if that is known.
+  Mode mode(std::vector<ContactSetup> contacts) const;
+  Mode largest_mode() const;
+  /// The program's parts that do not depend on check points. `regions` replaces the contacts' regions (for an unsplit
+  /// rod: pieces).
+  PoseProgramSpec spec(const Mode& mode, const std::vector<int>& regions, int with_nodes) const;
+  /// The regions of a mode's contacts that lie at these arc lengths, as spec() takes them.
+  std::vector<int> regions_of(const Mode& mode, const std::vector<double>& arc_lengths) const;
+  /// Coordinates of the programs of a mode.
+  int coordinate_count(const Mode& mode) const;
+  /// Pieces of an unsplit rod in a stretch.
+  std::vector<int> pieces_of_stretch(int stretch) const;
+  std::vector<CheckPoint> first_checks(const PoseProgramSpec& spec, const StartShape& shape) const;
+  StartShape scene_start() const { return constant_curvature(scene.start_tip_angle); }
+  bool contact_planned() const;
+  /// Gauss nodes for what the moments can bend, or the start shows; the certificate checks the choice.
+  int first_nodes() const;
+  void take_target(const TargetSpec& wanted);
+};
+
+}  // namespace tendril

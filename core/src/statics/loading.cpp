@@ -1,0 +1,148 @@
+#include "statics/loading.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "certificate/clearance.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril {
+namespace {
+
+/// A start nearer to an obstacle's core than this (in L) lies on neither side of it.
+constexpr double core_side = 1e-6;
+/// Load fraction by which a rod that lies along an obstacle is carried on at a time.
+constexpr double longest_load_step = 0.1;
+
+/// Moments that hold a constant curvature against the rod's own stiffness, and what they leave over: one more actuator
+/// per stretch whose moment fades as the loads grow.
+LoadPath::Ends ends_from_rest(Rod& rod, double curvature, const std::vector<double>& last) {
+  const std::vector<double> knots = rod.fixed_knots();
+  const auto stretches = static_cast<Eigen::Index>(knots.size()) - 1;
+  const auto count = static_cast<Eigen::Index>(last.size());
+  Eigen::MatrixXd spans = Eigen::MatrixXd::Zero(stretches, count);
+  Eigen::VectorXd wanted(stretches);
+  for (Eigen::Index r = 0; r < stretches; ++r) {
+    const double middle = 0.5 * (knots[static_cast<std::size_t>(r)] + knots[static_cast<std::size_t>(r) + 1]);
+    const Rod::Segment& segment = rod.segment_at(middle);
+    wanted[r] = segment.stiffness * (curvature - segment.rest_curvature);
+    for (Eigen::Index a = 0; a < count; ++a) {
+      const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
+      if (middle > actuator.from && middle < actuator.to) spans(r, a) = 1.0;
+    }
+  }
+  LoadPath::Ends ends;
+  Eigen::VectorXd left = wanted;
+  if (count > 0) {
+    const Eigen::VectorXd u = spans.completeOrthogonalDecomposition().solve(wanted);
+    ends.first.assign(u.data(), u.data() + count);
+    left -= spans * u;
+  }
+  ends.last = last;
+  for (Eigen::Index r = 0; r < stretches; ++r) {
+    if (std::abs(left[r]) <= 1e-14 * (1.0 + wanted.cwiseAbs().maxCoeff())) continue;
+    rod.actuators.push_back(
+        {knots[static_cast<std::size_t>(r)], knots[static_cast<std::size_t>(r) + 1], -infinity, infinity});
+    ends.first.push_back(left[r]);
+    ends.last.push_back(0.0);
+  }
+  return ends;
+}
+
+}  // namespace
+
+Loading::Set Loading::set_from_rest(Rod rod, const std::vector<const Obstacle*>& obstacles, double curvature,
+                                    const std::vector<double>& moments) {
+  const LoadPath::Ends ends = ends_from_rest(rod, curvature, moments);
+  return {LoadPath(std::move(rod), obstacles, ends), {[curvature](double) { return curvature; }, {}, 0.0}, true, true};
+}
+
+Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature,
+                 const std::vector<double>& moments, std::function<bool()> must_stop)
+    : Loading(set_from_rest(rod, obstacles, curvature, moments), obstacles, std::move(must_stop)) {}
+
+Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, RodState earlier,
+                 std::vector<double> first, std::vector<double> last, std::function<bool()> must_stop)
+    : Loading({LoadPath(rod, obstacles, {first, last, false}), std::move(earlier), false, first != last}, obstacles,
+              std::move(must_stop)) {}
+
+Loading::Loading(Set set, const std::vector<const Obstacle*>& obstacles, std::function<bool()> must_stop)
+    : path_(std::move(set.path)),
+      start_(std::move(set.start)),
+      exact_(set.exact),
+      moves_(set.moves),
+      must_stop_(std::move(must_stop)),
+      tracker_(path_, must_stop_) {
+  grow_overlapped(obstacles);
+}
+
+void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
+  path_.apply(1.0);
+  Statics free(path_, std::make_shared<LegendreBasis>(12, 4), {}, suggested_nodes(12, 4.0));
+  const Eigen::VectorXd z = free.point({start_.curvature, {}, 1.0});
+  Curve curve(free.at(z).chain().curve_tables());
+  curve.follow(free.at(z).backbone());
+  for (std::size_t o = 0; o < obstacles.size(); ++o) {
+    const Obstacle& obstacle = *obstacles[o];
+    double deepest = 0.0;
+    double core = infinity;
+    for (const ClosestApproach& at : closest_approaches(curve, obstacle, 0.0)) {
+      deepest = std::min(deepest, at.distance);
+      core = std::min(core, obstacle.core_distance(curve.position(at.piece, at.sigma)));
+    }
+    // A contact of an earlier result is closed to rounding, or to the accuracy of its basis.
+    const bool touched = std::any_of(start_.contacts.begin(), start_.contacts.end(),
+                                     [&](const PointContact& c) { return c.setup.obstacle == static_cast<int>(o); });
+    if (!(deepest < (touched ? -0.02 : -tolerance::penetration))) continue;
+    grows_ = true;
+    if (!std::isfinite(obstacle.smallest_radius())) {
+      path_.grow(o, -deepest);
+      continue;
+    }
+    if (!(core > core_side)) {
+      without_side_ = o;
+      return;
+    }
+    path_.grow(o, obstacle.rounding());
+  }
+  if (!grows_) return;
+  std::erase_if(start_.contacts, [&](const PointContact& c) { return path_.distance_rate(c.setup.obstacle) != 0.0; });
+}
+
+bool Loading::run() {
+  if (!tracker_.begin(start_, exact_)) return false;
+  if (moves_ || grows_) return tracker_.follow();
+  // Nothing changes along this path: its beginning is its end.
+  Settled& s = tracker_.current();
+  s.z[s.statics->size()] = 1.0;
+  return true;
+}
+
+bool lies(const std::vector<PressedPoint>& points, std::size_t i) {
+  return points[i].joined || (i + 1 < points.size() && points[i + 1].joined);
+}
+
+std::optional<Loading::Lying> Loading::lie() {
+  Settled& end = tracker_.current();
+  if (!tracker_.spread() || end.statics == nullptr || must_stop_()) return std::nullopt;
+  const double from = end.z[end.statics->size()];
+  const int steps = std::max(1, static_cast<int>(std::ceil((1.0 - from) / longest_load_step)));
+  std::function<double(double)> curvature = end.statics->state(end.z).curvature;
+  Lying found;
+  for (int i = 1; i <= steps; ++i) {
+    path_.apply(i == steps ? 1.0 : from + (1.0 - from) * i / steps);
+    found.down = descend(path_, curvature, must_stop_, i == steps);
+    if (!found.down.converged) return std::nullopt;
+    curvature = [shape = found.down.shape](double s) { return shape.curvature(s); };
+  }
+  for (std::size_t i = 0; i < found.down.points.size(); ++i) {
+    if (!lies(found.down.points, i)) continue;
+    found.first = std::min(found.first, found.down.points[i].s);
+    found.last = std::max(found.last, found.down.points[i].s);
+  }
+  if (!(found.last > found.first)) return std::nullopt;
+  return found;
+}
+
+}  // namespace tendril

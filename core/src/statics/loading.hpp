@@ -1,0 +1,67 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "statics/descent.hpp"
+#include "statics/load_path.hpp"
+#include "statics/tracker.hpp"
+
+namespace tendril {
+
+/// A rod that is loaded from a start to given moments: where it comes to rest, by the stable equilibria in between.
+/// Obstacles that the start overlaps grow from nothing together with the loads.
+class Loading {
+ public:
+  /// From a constant curvature, which moments hold without any other load; all loads then grow. `moments`: EI/L, one
+  /// per actuator.
+  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature,
+          const std::vector<double>& moments, std::function<bool()> must_stop);
+  /// From an earlier state under the moments `first` and all other loads; only the moments then change.
+  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, RodState earlier, std::vector<double> first,
+          std::vector<double> last, std::function<bool()> must_stop);
+  Loading(const Loading&) = delete;
+  Loading& operator=(const Loading&) = delete;
+
+  /// The obstacle whose core the start runs through, so that it lies on neither side: nothing can be said then.
+  std::optional<std::size_t> without_side() const { return without_side_; }
+  /// Follows the path; whether the final loads were reached.
+  bool run();
+
+  /// Where no point contact held the rod on the way: carried on to the final loads with a run of contacts that stands
+  /// for the stretch along which it lies.
+  struct Lying {
+    Descent down;
+    double first = 1.0, last = 0.0;  ///< of the stretch, s/L
+  };
+  /// Nothing: it does not come to rest so, or stands on points again, and how it came to that is not known.
+  std::optional<Lying> lie();
+
+  Tracker& tracker() { return tracker_; }
+  LoadPath& path() { return path_; }
+
+ private:
+  struct Set {
+    LoadPath path;
+    RodState start;
+    bool exact = false;  ///< the start is the equilibrium itself
+    bool moves = true;   ///< something changes along the path
+  };
+  Loading(Set set, const std::vector<const Obstacle*>& obstacles, std::function<bool()> must_stop);
+  static Set set_from_rest(Rod rod, const std::vector<const Obstacle*>& obstacles, double curvature,
+                           const std::vector<double>& moments);
+  void grow_overlapped(const std::vector<const Obstacle*>& obstacles);
+
+  LoadPath path_;
+  RodState start_;
+  bool exact_, moves_, grows_ = false;
+  std::optional<std::size_t> without_side_;
+  std::function<bool()> must_stop_;
+  Tracker tracker_;
+};
+
+/// Whether a pressing point belongs to a stretch along which the rod lies.
+bool lies(const std::vector<PressedPoint>& points, std::size_t i);
+
+}  // namespace tendril

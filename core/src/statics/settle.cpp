@@ -1,0 +1,335 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "statics/tracker.hpp"
+#include "tendril/tolerances.hpp"
+
+namespace tendril {
+namespace {
+
+constexpr double coarse_balance = 1e-7;  ///< defect of the moment balance at which the basis is refined on the way
+constexpr double fine_balance = 1e-11;   ///< ... and below which it is fine enough at the end and at folds
+constexpr int orders[] = {12, 16, 22, 30, 40};
+constexpr int most_pieces = 16;
+constexpr int most_misses = 5;  ///< refinements in a row that gain nothing before the best basis is kept
+constexpr int most_repairs = 40;
+constexpr double pull = -1e-10;      ///< a force below it would have to pull
+constexpr double past_knot = 2e-6;   ///< where a contact that slid over a knot starts on the other side
+constexpr double same_place = 2e-3;  ///< a penetration this near to a contact on the same obstacle is its own
+/// First move along a critical direction, in the metric, and how much further the load is while the rod falls: where
+/// contacts hold it, the soft contacts of the descent give way a little later than the rigid ones.
+struct Push {
+  double along, extra;
+};
+constexpr Push pushes[] = {{0.03, 0.0}, {0.1, 0.0}, {0.1, 1e-3}, {0.3, 1e-3}, {0.3, 1e-2}, {0.3, 3e-2}};
+
+std::string text_of(const char* format, double a, double b = 0.0) {
+  char text[200];
+  std::snprintf(text, sizeof text, format, a, b);
+  return text;
+}
+
+}  // namespace
+
+std::unique_ptr<Statics> Tracker::make(const std::vector<PointContact>& contacts) {
+  return std::make_unique<Statics>(path_, std::make_shared<LegendreBasis>(order_, pieces_), contacts, nodes_);
+}
+
+/// Enough nodes for the angle that the rod turns through now, and some more.
+void Tracker::choose_nodes() {
+  const PoseProgram& program = now_.statics->at(now_.z);
+  const Backbone& shape = program.backbone();
+  double turn = 1.0;
+  for (int j = 0; j < program.chain().piece_count(); ++j) {
+    double along = 0.0;
+    const int n = program.chain().functions();
+    for (int i = 0; i < n; ++i) along += std::abs(shape.coordinates(j)[i]) / (i == 0 ? 1.0 : 2.0 * i + 1.0);
+    turn = std::max(turn, along);
+  }
+  const int wanted = suggested_nodes(order_, std::min(turn, 60.0) + 2.0);
+  nodes_ = std::max(wanted, nodes_ * 2 / 3);
+}
+
+bool Tracker::rebuild() {
+  choose_nodes();
+  const RodState state = now_.statics->state(now_.z);
+  std::unique_ptr<Statics> statics = make(state.contacts);
+  Eigen::VectorXd z = statics->point(state);
+  if (!statics->solve_at_load(z, state.load, 1e-9).converged) return false;
+  now_ = {std::move(statics), std::move(z)};
+  return true;
+}
+
+bool Tracker::resolve(double enough) {
+  double balance = now_.statics->moment_balance(now_.z);
+  int order = order_;
+  int pieces = pieces_;
+  int misses = 0;
+  while (!(balance <= enough)) {
+    const auto* const next = std::find_if(std::begin(orders), std::end(orders), [&](int o) { return o > order_; });
+    if (next != std::end(orders)) {
+      order_ = *next;
+    } else if (pieces_ < most_pieces) {
+      pieces_ *= 2;
+      order_ = orders[1];
+    } else {
+      misses = most_misses;
+    }
+    const double finer = misses < most_misses && rebuild() ? now_.statics->moment_balance(now_.z) : infinity;
+    if (finer <= 0.5 * balance) {
+      balance = finer;
+      order = order_;
+      pieces = pieces_;
+      misses = 0;
+      continue;
+    }
+    // Near rounding one refinement without gain tells enough. Far above it the shape may not be resolved at all yet: a
+    // series gains nothing until it has a few functions per turn, or per boundary layer.
+    if (++misses < (balance <= tolerance::moment_balance ? 1 : most_misses) && !must_stop_()) continue;
+    order_ = order;
+    pieces_ = pieces;
+    rebuild();
+    return false;
+  }
+  return true;
+}
+
+bool Tracker::coarse() const { return now_.statics->moment_balance(now_.z) > coarse_balance; }
+
+void Tracker::refine_fully() { resolve(fine_balance); }
+
+bool Tracker::begin(const RodState& guess, bool exact) {
+  path_.apply(0.0);
+  std::optional<Settled> near = settle(guess, 0.0);
+  const auto stable = [](Settled& s) { return s.statics->margin(s.z) > tolerance::stability; };
+  if (near && !exact && stable(*near)) {
+    // Newton's method may have gone to another equilibrium than the one below the guess.
+    Eigen::VectorXd from = near->statics->point({guess.curvature, near->statics->state(near->z).contacts, 0.0});
+    from -= near->z;
+    from[near->statics->size()] = 0.0;
+    if (std::sqrt(near->statics->metric(near->z, from).dot(from)) > 1.0) near.reset();
+  }
+  if (near && stable(*near)) {
+    now_ = std::move(*near);
+  } else {
+    double energy = 0.0;
+    std::optional<Settled> below = fall(guess.curvature, 0.0, 0.0, energy);
+    if (!below) {
+      trouble_ = "no stable equilibrium was found near the start" + (trouble_.empty() ? "" : ": " + trouble_);
+      return false;
+    }
+    TrackedSnap jump;
+    jump.kind = SnapKind::start;
+    jump.before.statics = make({});
+    jump.before.z = jump.before.statics->point({guess.curvature, {}, 0.0});
+    jump.after.statics = make(below->statics->state(below->z).contacts);
+    jump.after.z = below->z;
+    jump.margin = below->statics->margin(below->z);
+    snaps_.push_back(std::move(jump));
+    now_ = std::move(*below);
+  }
+  trouble_.clear();
+  spread_ = false;
+  rebuild();
+  resolve(coarse_balance);
+  return true;
+}
+
+std::optional<Settled> Tracker::settle(RodState guess, double load) {
+  path_.apply(load);
+  guess.load = load;
+  const std::vector<double> knots = path_.rod().fixed_knots();
+  const auto stretch_of = [&](double s) {
+    int r = 0;
+    while (r + 2 < static_cast<int>(knots.size()) && s >= knots[static_cast<std::size_t>(r) + 1]) ++r;
+    return r;
+  };
+  for (PointContact& c : guess.contacts) {
+    if (c.setup.at_tip) continue;
+    c.setup.region = stretch_of(c.s);
+    const auto r = static_cast<std::size_t>(c.setup.region);
+    c.s = std::clamp(c.s, knots[r] + past_knot, knots[r + 1] - past_knot);
+  }
+  for (int repair = 0; repair < most_repairs && !must_stop_(); ++repair) {
+    sort_contacts(guess.contacts);
+    Settled s{make(guess.contacts), {}};
+    s.z = s.statics->point(guess);
+    const Statics::NewtonResult r = s.statics->solve_at_load(s.z, load);
+    if (r.leaning >= 0) {
+      const auto k = static_cast<std::size_t>(r.leaning);
+      PointContact& c = guess.contacts[k];
+      const auto region = static_cast<std::size_t>(c.setup.region);
+      const double at = s.z[s.statics->arc_length_index(r.leaning)];
+      const double knot = r.upward ? knots[region + 1] : knots[region];
+      if (std::abs(at - knot) > 1e-4 || (!r.upward && region == 0)) {
+        trouble_ = "two contacts meet, or one slides to the base";
+        return std::nullopt;
+      }
+      if (r.upward && region + 2 == knots.size()) {
+        c.setup.at_tip = true;
+        c.setup.region = 0;
+        c.s = 1.0;
+      } else {
+        c.setup.region += r.upward ? 1 : -1;
+        c.s = knot + (r.upward ? past_knot : -past_knot);
+      }
+      continue;
+    }
+    if (!r.converged) {
+      trouble_ = "Newton's method did not converge";
+      return std::nullopt;
+    }
+    const double tip_slope = s.statics->tip_slope(s.z);
+    int weakest = -1;
+    bool at_tip = false;
+    for (int k = 0; k < s.statics->contact_count(); ++k) {
+      const double f = s.z[s.statics->force_index(k)];
+      if (f < pull && (weakest < 0 || f < s.z[s.statics->force_index(weakest)])) weakest = k;
+      at_tip = at_tip || s.statics->contact(k).at_tip;
+    }
+    if (weakest >= 0) {
+      guess = s.statics->state(s.z);
+      guess.contacts.erase(guess.contacts.begin() + weakest);
+      continue;
+    }
+    if (at_tip && tip_slope > tolerance::closest_point) {
+      guess = s.statics->state(s.z);
+      for (PointContact& c : guess.contacts) {
+        if (!c.setup.at_tip) continue;
+        c.setup.at_tip = false;
+        c.setup.region = static_cast<int>(knots.size()) - 2;
+        c.s = std::clamp(1.0 - 0.1 * tip_slope, knots[knots.size() - 2] + past_knot, 1.0 - past_knot);
+      }
+      continue;
+    }
+    const std::vector<Certifier::Approach> deep = s.statics->penetrations(s.z);
+    if (!deep.empty()) {
+      const Certifier::Approach& worst = *std::min_element(
+          deep.begin(), deep.end(),
+          [](const Certifier::Approach& a, const Certifier::Approach& b) { return a.at.distance < b.at.distance; });
+      guess = s.statics->state(s.z);
+      const bool own = std::any_of(guess.contacts.begin(), guess.contacts.end(), [&](const PointContact& c) {
+        return c.setup.obstacle == worst.obstacle && std::abs(c.s - worst.at.arc_length) < same_place;
+      });
+      if (own) {
+        spread_ = true;
+        trouble_ = text_of("contact spreads: beside the contact at %.4f L the rod lies along the obstacle",
+                           worst.at.arc_length);
+        return std::nullopt;
+      }
+      PointContact c;
+      c.setup.obstacle = worst.obstacle;
+      c.s = worst.at.arc_length;
+      c.setup.at_tip = c.s > 1.0 - 1e-7;
+      if (!c.setup.at_tip) {
+        c.setup.region = stretch_of(c.s);
+        const auto region = static_cast<std::size_t>(c.setup.region);
+        c.s = std::clamp(c.s, knots[region] + past_knot, knots[region + 1] - past_knot);
+      }
+      guess.contacts.push_back(c);
+      continue;
+    }
+    return s;
+  }
+  trouble_ = must_stop_() ? "stopped" : "the contacts that hold the rod could not be found";
+  return std::nullopt;
+}
+
+bool Tracker::spreads(double least) {
+  for (int k = 0; k < now_.statics->contact_count(); ++k) {
+    if (!(now_.z[now_.statics->force_index(k)] > tolerance::force)) continue;
+    if (now_.statics->convexity(now_.z, k) > least) continue;
+    spread_ = true;
+    trouble_ = text_of(
+        "contact spreads at load fraction %.6f: from the point at %.4f L on the rod lies along the obstacle, a point "
+        "contact does not hold it",
+        now_.z[now_.statics->size()], now_.statics->state(now_.z).contacts[static_cast<std::size_t>(k)].s);
+    return true;
+  }
+  return false;
+}
+
+std::optional<Settled> Tracker::fall(const std::function<double(double)>& curvature, double load, double extra,
+                                     double& energy) {
+  path_.apply(load + extra);
+  const Descent down = descend(path_, curvature, must_stop_);
+  if (!down.converged) {
+    trouble_ = down.reason;
+    return std::nullopt;
+  }
+  energy = down.energy;
+  RodState guess;
+  guess.curvature = [shape = down.shape](double s) { return shape.curvature(s); };
+  for (const PressedRun& run : down.runs) guess.contacts.push_back(run.contact);
+  std::optional<Settled> found = settle(guess, load);
+  if (!found) return std::nullopt;
+  if (!(found->statics->margin(found->z) > tolerance::stability)) {
+    trouble_ = "the state below is not stable";
+    return std::nullopt;
+  }
+  return found;
+}
+
+bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::VectorXd* direction, double load) {
+  Statics& here = *now_.statics;
+  const Shape from = here.shape(critical);
+  const Eigen::VectorXd weakest = direction != nullptr ? *direction : here.weakest_direction(critical);
+  const Shape along = here.direction(critical, weakest);
+  std::optional<Settled> best;
+  std::string reason;
+  for (const auto& [push, extra] : pushes) {
+    double lowest = infinity;
+    for (const double sign : {1.0, -1.0}) {
+      // A fold is left the way it was entered; elsewhere both sides are looked at.
+      if (kind == SnapKind::fold && sign < 0.0) continue;
+      double energy = infinity;
+      std::optional<Settled> found = fall(from.plus(sign * push, along), load, extra, energy);
+      if (!found) {
+        reason = trouble_;
+        continue;
+      }
+      // Back on the state that was left.
+      const double margin = found->statics->margin(found->z);
+      if (kind == SnapKind::fold && margin < 1e-4) continue;
+      const double higher = 1e-9 * (1.0 + std::abs(energy));
+      if (best && energy > lowest - higher) {
+        const double tip = best->statics->at(best->z).backbone().tip_angle();
+        const bool tie = energy < lowest + higher;
+        if (!tie || found->statics->at(found->z).backbone().tip_angle() <= tip) continue;
+      }
+      lowest = energy;
+      best = std::move(found);
+    }
+    if (best || must_stop_()) break;
+  }
+  TrackedSnap jump;
+  jump.kind = kind;
+  jump.load = critical[here.size()];
+  // Systems are rebuilt for the record: the originals go on.
+  const RodState before = here.state(critical);
+  jump.before = {make(before.contacts), {}};
+  jump.before.z = jump.before.statics->point(before);
+  if (!best) {
+    trouble_ = text_of("the rod snaps at load fraction %.9f, and the state after that was not found", jump.load) +
+               (reason.empty() ? "" : ": " + reason);
+    jump.after = {make(before.contacts), jump.before.z};
+    jump.margin = 0.0;
+    snaps_.push_back(std::move(jump));
+    return false;
+  }
+  now_ = std::move(*best);
+  rebuild();
+  resolve(coarse_balance);
+  const RodState after = now_.statics->state(now_.z);
+  jump.after = {make(after.contacts), {}};
+  jump.after.z = jump.after.statics->point(after);
+  jump.margin = now_.statics->margin(now_.z);
+  snaps_.push_back(std::move(jump));
+  length_ = 0.02;
+  trouble_.clear();
+  spread_ = false;
+  return true;
+}
+
+}  // namespace tendril

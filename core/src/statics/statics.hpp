@@ -1,0 +1,118 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "certificate/certifier.hpp"
+#include "program/pose_program.hpp"
+#include "statics/load_path.hpp"
+#include "tendril/coordinate_model.hpp"
+
+namespace tendril {
+
+/// A curvature in pieces, by value: how a shape passes from one basis to another.
+class Shape {
+ public:
+  Shape() = default;
+  Shape(std::shared_ptr<const CoordinateModel> basis, const Backbone& backbone, ConstVectorRef coordinates);
+  double curvature(double s) const;
+  bool empty() const { return lengths_.empty(); }
+  /// This curvature plus `factor` times another one.
+  std::function<double(double)> plus(double factor, const Shape& other) const;
+
+ private:
+  std::shared_ptr<const CoordinateModel> basis_;
+  std::vector<double> starts_, lengths_;
+  Eigen::MatrixXd coordinates_;  // functions x pieces
+};
+
+struct PointContact {
+  ContactSetup setup;
+  double s = 1.0;
+  double force = 0.0;
+};
+
+/// A state of the rod, whatever the basis.
+struct RodState {
+  std::function<double(double)> curvature;
+  std::vector<PointContact> contacts;
+  double load = 0.0;
+};
+
+/// Equilibrium with a given set of closed contacts along a load path: a square system F(y, load) = 0 over
+/// y = (coordinates, arc lengths, forces), with exact derivatives. A point is z = (y, load).
+class Statics {
+ public:
+  /// `contacts` in any order; they are sorted along the rod.
+  Statics(LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std::vector<PointContact> contacts, int nodes);
+
+  int size() const { return size_; }  ///< of y
+  int coordinates() const { return program_->layout().coordinates; }
+  int contact_count() const { return program_->layout().forces; }
+  const ContactSetup& contact(int k) const { return program_->spec().contacts[static_cast<std::size_t>(k)]; }
+  int arc_length_index(int k) const { return contact(k).at_tip ? -1 : coordinates() + k; }
+  int force_index(int k) const { return coordinates() + program_->layout().arc_lengths + k; }
+
+  /// The point of a state, whose contacts are those of this system in any order.
+  Eigen::VectorXd point(const RodState& state) const;
+  RodState state(const Eigen::VectorXd& z);
+  Shape shape(const Eigen::VectorXd& z);
+  /// A direction in z as a curvature.
+  Shape direction(const Eigen::VectorXd& z, const Eigen::VectorXd& dz);
+
+  struct NewtonResult {
+    bool converged = false;
+    int leaning = -1;     ///< contact whose arc length wants to leave its stretch, or -1
+    bool upward = false;  ///< towards the tip
+    double residual = infinity;
+  };
+  /// Newton's method on F(z) = 0 and row . z = value, from z.
+  NewtonResult solve(Eigen::VectorXd& z, const Eigen::VectorXd& row, double value, double clearance = 1e-6);
+  /// The same at fixed load.
+  NewtonResult solve_at_load(Eigen::VectorXd& z, double load, double clearance = 1e-6);
+
+  /// Unit tangent of the solution curve in the metric below, with a growing load. Not finite at a singular point.
+  Eigen::VectorXd tangent(const Eigen::VectorXd& z);
+  /// Metric row: bending energy of the coordinates, and the load. `metric(a) . b`.
+  Eigen::VectorXd metric(const Eigen::VectorXd& z, const Eigen::VectorXd& a) const;
+
+  /// From a point near a fold to the fold itself: F = 0 and a singular dF/dy. False if there is none near.
+  bool solve_fold(Eigen::VectorXd& z, Eigen::VectorXd& null_vector);
+  /// The direction in which dF/dy is nearest to singular, last entry (the load) 0.
+  Eigen::VectorXd weakest_direction(const Eigen::VectorXd& z);
+
+  double margin(const Eigen::VectorXd& z);
+  double moment_balance(const Eigen::VectorXd& z);
+  double convexity(const Eigen::VectorXd& z, int k);
+  double tip_slope(const Eigen::VectorXd& z);  ///< t.n of a tip contact; -1 without one
+  std::vector<Certifier::Approach> penetrations(const Eigen::VectorXd& z);
+  /// Local minima below `level` of the distances between rod and obstacles.
+  std::vector<Certifier::Approach> approaches(const Eigen::VectorXd& z, double level);
+  Certificate certify(const Eigen::VectorXd& z);
+
+  /// Moves the program to z; the reference stays valid until the next call.
+  PoseProgram& at(const Eigen::VectorXd& z);
+  const Eigen::VectorXd& variables() const { return x_; }
+
+ private:
+  void evaluate(const Eigen::VectorXd& z);
+  Eigen::VectorXd full(const Eigen::VectorXd& y) const;
+  Certifier& certifier(const Eigen::VectorXd& z);
+  /// Room of contact k's arc length downward and upward.
+  std::pair<double, double> bounds(const Eigen::VectorXd& z, int k) const;
+
+  LoadPath& path_;
+  std::shared_ptr<const LegendreBasis> basis_;
+  std::unique_ptr<PoseProgram> program_;
+  std::unique_ptr<Certifier> certifier_;
+  std::vector<int> rows_, columns_;  ///< of the program
+  int size_ = 0;
+  Eigen::VectorXd x_, residual_;
+  Eigen::MatrixXd jacobian_;  ///< size x (size + 1)
+};
+
+/// Sorts contacts along the rod, those at the tip last.
+void sort_contacts(std::vector<PointContact>& contacts);
+
+}  // namespace tendril

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "statics/descent.hpp"
+#include "statics/load_path.hpp"
+#include "statics/statics.hpp"
+#include "tendril/plan.hpp"
+
+namespace tendril {
+
+/// Where a contact is handed over to the next stretch or the tip (L).
+inline constexpr double knot_distance = 1e-6;
+
+/// A state together with the system that it solves.
+struct Settled {
+  std::unique_ptr<Statics> statics;
+  Eigen::VectorXd z;
+};
+
+/// One jump, dimensionless.
+struct TrackedSnap {
+  SnapKind kind = SnapKind::fold;
+  double load = 0.0;
+  Settled before, after;
+  double margin = 0.0;
+};
+
+/// Follows the stable equilibrium along a load path by arc-length continuation. Events (a contact made, released,
+/// sliding over a knot or the tip, a fold, a bifurcation) are located exactly, each as one more equation with the load
+/// as its unknown, and the first along the path is taken.
+class Tracker {
+ public:
+  Tracker(LoadPath& path, std::function<bool()> must_stop) : path_(path), must_stop_(std::move(must_stop)) {}
+
+  /// Sets out from a guess at load 0. `exact`: the guess is the equilibrium itself. False: `trouble()` says why.
+  bool begin(const RodState& guess, bool exact);
+  /// Follows the path to load 1.
+  bool follow();
+  /// Refines the basis where it stands until the local moment balance stops improving or is tiny.
+  void refine_fully();
+
+  const std::string& trouble() const { return trouble_; }
+  /// The trouble is that the rod came to lie along an obstacle, where no point contact holds it.
+  bool spread() const { return spread_; }
+  Settled& current() { return now_; }
+  std::vector<TrackedSnap>& snaps() { return snaps_; }
+  int steps() const { return steps_; }
+  int contact_changes() const { return contact_changes_; }
+  int order() const { return order_; }
+
+ private:
+  enum class EventKind { end, release, touch, slide, tip_leaves, fold, bifurcation };
+  struct Event {
+    EventKind kind = EventKind::end;
+    double tau = infinity;  ///< along the step
+    int contact = -1;
+    bool upward = false;
+    Eigen::VectorXd z{};
+    Eigen::VectorXd direction{};
+    std::unique_ptr<Statics> statics{};  ///< if another system than the current one
+  };
+  struct Step {
+    Eigen::VectorXd z, tangent, row;
+    double tau = 0.0;
+    bool turned = false;  ///< the load falls again
+    std::optional<Event> slide{};
+  };
+
+  std::unique_ptr<Statics> make(const std::vector<PointContact>& contacts);
+  /// Newton at fixed load with contacts added and released until nothing is violated.
+  std::optional<Settled> settle(RodState guess, double load);
+  bool rebuild();  ///< on the basis as it is set now
+  bool resolve(double enough);
+  bool coarse() const;
+  void choose_nodes();
+
+  bool advance();
+  /// A contact handed over a knot may have carried the load past the end, which then lies at the knot itself.
+  bool go_back_to_end();
+  std::optional<Step> try_step(const Eigen::VectorXd& tangent, double length);
+  std::optional<Eigen::VectorXd> corrected(const Step& step, const Eigen::VectorXd& tangent, double tau);
+  /// Every event inside a step; nothing if one was seen but could not be located.
+  std::optional<std::vector<Event>> events(const Step& step, const Eigen::VectorXd& tangent);
+  bool add_releases(const Step& step, std::vector<Event>& found);
+  bool add_touches(const Step& step, std::vector<Event>& found);
+  bool add_tip(const Step& step, const Eigen::VectorXd& tangent, std::vector<Event>& found);
+  bool add_instability(const Step& step, const Eigen::VectorXd& tangent, std::vector<Event>& found);
+  /// Between the step's beginning and `until` along it the rod passes through an obstacle.
+  bool passes_through(const Step& step, const Eigen::VectorXd& tangent, double until);
+  bool take(Event& event);
+  bool release(Event& event);
+  bool slide(Event& event);
+  bool leave_tip(Event& event);
+  bool snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::VectorXd* direction, double load);
+  /// Downhill at a load that may lie `extra` further, then exactly at the load itself.
+  std::optional<Settled> fall(const std::function<double(double)>& curvature, double load, double extra,
+                              double& energy);
+  /// A contact with force has no more than this d_ss: `trouble_` says where.
+  bool spreads(double least);
+  bool turns_by_spreading();
+  /// Two obstacles leave the rod no room: `trouble_` says where.
+  bool pinched();
+
+  LoadPath& path_;
+  std::function<bool()> must_stop_;
+  Settled now_;
+  std::vector<TrackedSnap> snaps_;
+  std::string trouble_;
+  bool spread_ = false;
+  double length_ = 0.05;  ///< of the next step
+  int order_ = 12, pieces_ = 1, nodes_ = 30;
+  int steps_ = 0, contact_changes_ = 0;
+  bool done_ = false;
+};
+
+}  // namespace tendril
