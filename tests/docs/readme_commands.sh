@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# readme_commands.sh SOURCE BIN WORK: runs every command of the README that starts with the build's own programs, in its order.
+# readme_commands.sh SOURCE BIN WORK PAGE...: runs every command of the pages that starts with the build's own programs, in their
+# order: a line of its own, or a cell of a table. What stands twice is run once.
 set -euo pipefail
 source=$1 bin=$2 work=$3
+shift 3
 rm -rf "$work"
 mkdir -p "$work"
 ln -s "$source/scenes" "$work/scenes"
 cd "$work"
 
 count=0
-while IFS= read -r line; do
-  arguments=${line#build/release/bin/}
+while IFS= read -r arguments; do
   case "$arguments" in
     # Minutes long as they stand in the README.
     'tendril-bench report '*) arguments+=' --quick' ;;
@@ -21,5 +22,6 @@ while IFS= read -r line; do
   eval "\"\$bin\"/$arguments" > log 2>&1 < /dev/null || { cat log; exit 1; }
   echo "     $((SECONDS - start)) s"
   count=$((count + 1))
-done < <(sed -n 's/^    \(build\/release\/bin\/.*\)$/\1/p' "$source/README.md")
-((count >= 8)) || { echo "only $count commands found in the README"; exit 1; }
+done < <(cd "$source" && sed -nE 's/^    (build\/release\/bin\/.*)$/\1/p; s/^\|.*\| `(tendril[^`]*)` \|.*$/\1/p' "$@" | sed 's/^build\/release\/bin\///' |
+  awk '!seen[$0]++')
+((count >= 15)) || { echo "only $count commands found"; exit 1; }
