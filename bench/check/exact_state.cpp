@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rod/rod.hpp"
+#include "scene/make_rod.hpp"
 #include "support/rod_bvp.hpp"
 #include "tendril/problem.hpp"
 #include "tendril/tolerances.hpp"

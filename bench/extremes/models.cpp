@@ -7,7 +7,7 @@
 
 #include "common/workload.hpp"
 #include "extremes/runs.hpp"
-#include "rod/rod.hpp"
+#include "scene/make_rod.hpp"
 
 namespace tendril::bench {
 

@@ -190,6 +190,8 @@ int parse_and_run(int argc, const char* const* argv) {
   plan_result.add_to(*plan, "plan");
   bool verify = false;
   plan->add_flag("--verify", verify, "Execute the plan on a fine basis; its verdict depends on it");
+  bool strict = false;
+  plan->add_flag("--strict", strict, "Exit code 1, too, where time ended the search before it was done");
 
   CLI::App* execute = app.add_subcommand(
       "execute", "What the rod does under given moments; exit code 0: a stable equilibrium, 1: none, 2: wrong input");
@@ -255,7 +257,7 @@ int parse_and_run(int argc, const char* const* argv) {
   if (plan->parsed()) {
     plan_result.check(*plan);
     return run_plan({plan_scene.arguments(), optional_path(plan_result.start), optional_path(plan_result.output),
-                     optional_path(plan_result.figure), plan_result.json, verify});
+                     optional_path(plan_result.figure), plan_result.json, verify, strict});
   }
   if (execute->parsed()) {
     execute_result.check(*execute);

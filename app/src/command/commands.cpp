@@ -120,7 +120,7 @@ int run_plan(const PlanArguments& arguments) {
   if (arguments.output) write_output(session, plan, json, *arguments.output);
   if (arguments.figure) write_figure(session, plan, *arguments.figure);
   print(arguments.json ? json : plan_report(session.scene(), plan, run));
-  return plan.status == PlanStatus::solved ? 0 : 1;
+  return plan.status == PlanStatus::solved && !(arguments.strict && plan.search_cut) ? 0 : 1;
 }
 
 int run_execute(const ExecuteArguments& arguments) {

@@ -1,5 +1,7 @@
 #include "command/trajectory_command.hpp"
 
+#include <algorithm>
+
 #include "figure/panels.hpp"
 #include "result/trajectory_result.hpp"
 #include "system/output.hpp"
@@ -57,7 +59,9 @@ int run_trajectory(Session& session, const PlanArguments& arguments) {
     files.publish();
   }
   print(arguments.json ? json : report);
-  return trajectory.solved() ? 0 : 1;
+  const bool cut = std::any_of(trajectory.steps.begin(), trajectory.steps.end(),
+                               [](const TrajectoryStep& step) { return step.plan.search_cut; });
+  return trajectory.solved() && !(arguments.strict && cut) ? 0 : 1;
 }
 
 }  // namespace tendril::app

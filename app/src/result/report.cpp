@@ -175,7 +175,10 @@ std::string joined(const std::vector<std::string>& words) {
 std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run) {
   const DisplayUnits units(scene.rod.length());
   std::string text = heading(scene) + '\n';
-  text += line("status", std::string(to_string(plan.status)));
+  // A plan that time cut short is certified all the same; that a better one may exist belongs beside its status.
+  const bool cut = plan.search_cut && plan.status == PlanStatus::solved;
+  text += line("status", std::string(to_string(plan.status)) +
+                             (cut ? ", but time ended the search before it was done: a better plan may exist" : ""));
   if (!plan.message.empty()) text += line("", printable(plan.message));
   // Without a shape there is nothing to tell of it.
   const bool has_shape = !plan.backbone.empty();

@@ -154,6 +154,7 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   json["schema"] = 1;
   json["status"] = to_string(plan.status);
   json["message"] = plan.message;
+  if (plan.search_cut) json["search_cut"] = true;
   json["scene"] = scene.file;
   json["title"] = scene.title;
   json["problem"] = to_string(problem);

@@ -97,6 +97,7 @@ struct GraspPlan {
 struct Plan {
   PlanStatus status = PlanStatus::failed;  ///< how it ended
   std::string message;                     ///< why it is not solved; empty if it is
+  bool search_cut = false;                 ///< time ended the search before it was done: a better plan may exist
   std::string coordinates_name;            ///< the coordinate model
   int order = 0;                           ///< functions per piece
   bool split_at_contact = false;           ///< interior contacts have knots of their own

@@ -273,7 +273,8 @@ void GraspPlanner::judge(Plan& plan, const Pair* shown) const {
     return !p.skip.empty() || (!p.best.has_point() && p.stationary_violations >= most_starts);
   });
   const bool stopped = control_.stop != nullptr && control_.stop->load();
-  const bool late = now() > steps_.deadline();
+  const bool late = steps_.deadline().cut();
+  plan.search_cut = late;
   if (steps_.tally.solver_did_nothing() && (winner_ != nullptr || (!stopped && !late))) {
     plan.status = PlanStatus::failed;
     plan.message = told_uselessness(plan.solver_name, plan.solver);

@@ -71,7 +71,7 @@ bool Planner::promising(PoseProgramSpec spec, const std::vector<CheckPoint>& che
   PoseProgram program(spec);
   close_contacts(program);
   const bool feasible = restore_feasibility(program, program.start_from(shape), restored).feasible;
-  add_difference(steps_.tally.outside_solver, program.counts(), {});
+  steps_.tally.add_outside(program, {});
   return feasible;
 }
 

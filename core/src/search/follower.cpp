@@ -101,6 +101,7 @@ void Follower::write(Plan& plan, double begin, double certifying, const Evaluati
   plan.certificate = certificate_;
 
   plan.solver_name = d.scene.solver.plugin;
+  plan.search_cut = false;
   plan.solver = OptimalityReport{};
   plan.evaluations = program_.counts();
   plan.evaluations.values -= before.values;

@@ -20,13 +20,12 @@ constexpr int useless_rests = 6;   ///< in a row, before plans are sought in oth
 constexpr double deepest = 1e-2;   ///< (L) of soft obstacles: a rod that is pressed in farther is not resting
 constexpr double shares_of_bend[] = {0.9, 0.75, 0.6, 0.5,
                                      0.4, 0.25, 0.1};  ///< of a rest that coordinates cannot follow
-constexpr double sampling_time = 0.3;                  ///< of what is left, for all before the ordinary search goes on
 
 }  // namespace
 
-std::optional<Rest> Planner::executed(const std::vector<double>& moments, double share) const {
-  const double until = now() + std::max(1e-3, share * (steps_.deadline() - now()));
-  const auto stop = [&] { return (control_.stop != nullptr && control_.stop->load()) || now() > until; };
+std::optional<Rest> Planner::executed(const std::vector<double>& moments, int looks) const {
+  Allowance allowance(steps_.deadline(), looks);
+  const auto stop = [&allowance] { return allowance.spent(); };
   // A start through the middle of an obstacle leads nowhere: the rod is bent out of the way.
   for (const double bent : {0.0, 1.0, -1.0, 2.0, -2.0}) {
     Loading loading(d_.rod, d_.obstacles, d_.scene.start_tip_angle + bent, moments, stop);
@@ -42,14 +41,13 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, double
   return std::nullopt;
 }
 
-std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from,
-                                          double share) const {
-  if (d_.coordinate_count({}) > few_values) return executed(moments, share);
+std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from, int looks) const {
+  if (d_.coordinate_count({}) > few_values) return executed(moments, looks);
   LoadPath path(d_.rod, d_.obstacles, {moments, moments, false});
   path.apply(1.0);
-  const double until = now() + share * (steps_.deadline() - now());
+  Allowance allowance(steps_.deadline(), looks);
   const Descent down =
-      descend_in(*d_.components.coordinates, path, from.curvature, [&] { return must_stop() || now() > until; });
+      descend_in(*d_.components.coordinates, path, from.curvature, [&allowance] { return allowance.spent(); });
   if (!down.converged) return std::nullopt;
   Rest rest{[shape = down.shape](double s) { return shape.curvature(s); }, moments, {}};
   for (const PressedRun& run : down.runs) {
@@ -167,22 +165,22 @@ bool Planner::rest_is_due(const Mode& mode) {
 
 void Planner::start_from_rests() {
   rested_ = true;
-  double until = now() + sampling_time * (steps_.deadline() - now());
   std::vector<StartShape> from{d_.scene_start()};
   if (loaded()) from.insert(from.end(), {hanging(false), hanging(true)});
   const std::vector<std::vector<double>> samples = sampled_moments();
+  std::size_t enough = samples.size();
   int useless = 0;
   bool has_plan = have_plan_;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
+  for (std::size_t i = 0; i < enough; ++i) {
     for (const StartShape& shape : from) {
-      if (must_stop() || now() > until) return;
-      const std::optional<Rest> rest = come_to_rest(samples[i], shape, resting_time);
+      if (must_stop()) return;
+      const std::optional<Rest> rest = come_to_rest(samples[i], shape, looks_at_a_rest);
       // No contact where one is asked for, or more of them than there may be: such rests say little.
       useless = rest && contacts_of_rest(*rest) ? 0 : useless + 1;
       if (useless > useless_rests) return;
       if (rest) consider_rest(*rest);
-      // The first plan is seldom the best: as long as it took, others may take.
-      if (have_plan_ && !has_plan) until = std::min(until, 2.0 * now() - begin_);
+      // The first plan is seldom the best: as many samples as led to it may follow.
+      if (have_plan_ && !has_plan) enough = std::min(enough, 2 * (i + 1));
       has_plan = have_plan_;
       if (i > 0) break;
     }

@@ -11,7 +11,7 @@ namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
 constexpr int most_settlings = 3;         ///< executions of unstable plans, for a stable shape to start from
-constexpr double settling_time = 0.4;     ///< of what is left, for one of these
+constexpr int looks_at_unstable = 1600;   ///< steps that the rod may take from one of these
 constexpr double unlimited_moment = 6.3;  ///< (EI/L) stands for no limit: it bends the rod to a circle
 constexpr double towards_limit[] = {0.25, 1.0, 0.5, 0.1};  ///< of a limit, in the order in which they are tried
 constexpr std::size_t sampled_alone = 2;  ///< the first so many are tried with one actuator before several are
@@ -95,7 +95,7 @@ void Planner::settle(const std::vector<std::size_t>& order) {
   // A coarse model rests elsewhere than the rod, unless it has a knot where the rod touches.
   const std::vector<double> least = moments_of(nullptr);
   std::optional<Rest> of_least;
-  if (winner_ < 0 && !must_stop()) of_least = executed(least, settling_time);
+  if (winner_ < 0 && !must_stop()) of_least = executed(least, looks_at_unstable);
   if (of_least) consider_rest(*of_least);
   for (int attempt = 0; attempt < most_settlings && winner_ < 0 && !must_stop(); ++attempt) {
     const Candidate* unstable = best_unstable();
@@ -107,7 +107,7 @@ void Planner::settle(const std::vector<std::size_t>& order) {
     const bool known =
         std::any_of(rests.begin(), rests.end(), [&](const Rest& rest) { return rest.moments == moments; });
     if (known) break;
-    const std::optional<Rest> rest = moments == least ? of_least : executed(moments, settling_time);
+    const std::optional<Rest> rest = moments == least ? of_least : executed(moments, looks_at_unstable);
     if (!rest) break;
     if (moments != least) consider_rest(*rest);
     for (std::size_t i = 0; i < modes; ++i) consider(states_[i], shape_of(*rest, modes_[i]));
@@ -125,7 +125,7 @@ void Planner::hold_stable(const std::vector<Rest>& rests, const std::vector<std:
   bool first = true;
   for (const std::vector<double>& moments : sampled_moments()) {
     if (must_stop()) return;
-    const std::optional<Rest> rest = come_to_rest(moments, d_.scene_start(), resting_time);
+    const std::optional<Rest> rest = come_to_rest(moments, d_.scene_start(), looks_at_a_rest);
     if (!rest) continue;
     consider_rest(*rest);
     // Every mode is worth the shape of the rod without moments; the others start those whose contacts they have.

@@ -24,8 +24,8 @@ namespace tendril {
 inline constexpr int most_starts = 5;        ///< per mode, before a program may be called infeasible
 inline constexpr int further_starts = 2;     ///< per mode, where all of these led to no plan
 inline constexpr int spread_starts = 5;      ///< per mode, to see whether a contact spreads
-inline constexpr double little_time = 0.7;   ///< of the time limit: with less left and no plan, the search hurries
-inline constexpr double resting_time = 0.1;  ///< of what is left, for one rest of the rod
+inline constexpr double much_work = 5e6;     ///< (Tally::work) without a plan: the search hurries
+inline constexpr int looks_at_a_rest = 400;  ///< steps that the rod may take to one of them
 inline constexpr double beats = 1e-12;       ///< an objective must be lower by this to win
 
 /// A mode's best point so far and what is known about it.
@@ -94,10 +94,10 @@ class Planner {
   };
 
   bool must_stop() const { return steps_.must_stop(); }
-  /// So much time has gone without a plan that what is left has to be enough for all that was not tried.
+  /// So much went without a plan that what follows has to be enough for all that was not tried.
   bool hurried() const {
     const bool looked = rested_ && round_ > 0;  // every mode had its start, and the rod was asked
-    return !have_plan_ && (looked || steps_.deadline() - now() < little_time * d_.scene.solver.time_limit);
+    return !have_plan_ && (looked || steps_.tally.work > much_work);
   }
 
   /// Whether there is a moment to choose.
@@ -128,12 +128,12 @@ class Planner {
   /// Moments over the range of the limits, EI/L: the least ones, then single actuators at and towards their limits,
   /// then two of them.
   std::vector<std::vector<double>> sampled_moments() const;
-  /// What the rod does under these moments (EI/L), in the executor's own coordinates. Nothing: it cannot be told in
-  /// `share` of the time left.
-  std::optional<Rest> executed(const std::vector<double>& moments, double share) const;
+  /// What the rod does under these moments (EI/L), in the executor's own coordinates. Nothing: it cannot be told in so
+  /// many looks.
+  std::optional<Rest> executed(const std::vector<double>& moments, int looks) const;
   /// Downhill from a shape in the coordinates of the plan, which are few, or the same as executed() where they are
   /// many: these bend as the executor's do.
-  std::optional<Rest> come_to_rest(const std::vector<double>& moments, const StartShape& from, double share) const;
+  std::optional<Rest> come_to_rest(const std::vector<double>& moments, const StartShape& from, int looks) const;
   /// The contacts that press, in order along the rod; nothing where a plan may not have so many, or none.
   std::optional<std::vector<ContactSetup>> contacts_of_rest(const Rest& rest) const;
   /// A plan from a rest, touching what it touches: the moments are chosen along stable equilibria.
@@ -233,7 +233,6 @@ class Planner {
   double balanced_objective_ = infinity;  ///< scaled, of start_from_balance()
   bool deferring_ = false;                ///< starts of a grasp that do not look promising wait for the others
   bool proving_ = false;                  ///< a look at the violation comes before every search
-  double begin_ = now();                  ///< s
   bool rested_ = false;                   ///< start_from_rests() was done
   int round_ = 0;                         ///< of search(): each has one start per mode
   int values_tried_ = 0;                  ///< coordinates of all programs that led to no plan

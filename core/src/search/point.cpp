@@ -88,7 +88,7 @@ bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartSh
     ++state.record.polishes;
     const EvaluationCounts before = easier.counts();
     const PolishReport p = polish(easier, at, {});
-    add_difference(steps_.tally.outside_solver, easier.counts(), before);
+    steps_.tally.add_outside(easier, before);
     if (p.converged && p.infeasibility <= tolerance::equilibrium) {
       at = p.x;
       radius = next;

@@ -12,7 +12,6 @@ namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
 constexpr int patience = 8;             ///< iterations of a solve, over those of the slowest solve that converged
-constexpr double most_of_time = 0.4;    ///< of what is left, for one solve: there are other ways if it gets stuck
 constexpr int most_restorations = 400;  ///< steps
 constexpr int patient_restorations = 4000;
 constexpr double at_limit = 1e-9;  ///< a variable this near to its limit stands at it, in reports
@@ -22,6 +21,11 @@ void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
   to.first_derivatives += more.first_derivatives;
   to.hessians += more.hessians;
   to.seconds += more.seconds;
+}
+
+double work_of(const NonlinearProgram& program, const EvaluationCounts& asked) {
+  const auto evaluations = static_cast<double>(asked.values + asked.first_derivatives + 2 * asked.hessians);
+  return evaluations * program.variable_count();
 }
 
 /// The variables that are at a limit at x.
@@ -38,11 +42,17 @@ std::string limits_at(const NonlinearProgram& program, ConstVectorRef x) {
 
 }  // namespace
 
-void add_difference(EvaluationCounts& to, const EvaluationCounts& after, const EvaluationCounts& before) {
-  to.values += after.values - before.values;
-  to.first_derivatives += after.first_derivatives - before.first_derivatives;
-  to.hessians += after.hessians - before.hessians;
-  to.seconds += after.seconds - before.seconds;
+void Tally::add_inside(const NonlinearProgram& program, const EvaluationCounts& asked) {
+  add_counts(evaluations, asked);
+  work += work_of(program, asked);
+}
+
+void Tally::add_outside(const NonlinearProgram& program, const EvaluationCounts& before) {
+  const EvaluationCounts after = program.counts();
+  const EvaluationCounts asked{after.values - before.values, after.first_derivatives - before.first_derivatives,
+                               after.hessians - before.hessians, after.seconds - before.seconds};
+  add_counts(outside_solver, asked);
+  work += work_of(program, asked);
 }
 
 std::string told_failure(const Attempt& nearest) {
@@ -80,8 +90,8 @@ OptimalityReport ProgramSearch::solve(Attempt& attempt, NonlinearProgram& progra
   limits.tolerance = spec_.tolerance;
   limits.max_iterations = spec_.max_iterations;
   if (limited_) limits.max_iterations = std::min(limits.max_iterations, patience * slowest_converged_);
-  limits.time_limit = std::max(1e-3, most_of_time * (deadline_ - now()));
-  limits.stop = stop_;
+  limits.time_limit = std::max(1e-3, deadline_.seconds_left());
+  limits.stop = deadline_.stop();
   OptimalityReport report = solver_.solve(program, start, limits);
   ++attempt.record.solves;
   attempt.record.iterations += report.iterations;
@@ -96,7 +106,7 @@ OptimalityReport ProgramSearch::solve(Attempt& attempt, NonlinearProgram& progra
   tally.iterations += report.iterations;
   tally.seconds += report.seconds;
   tally.seconds_evaluating += report.seconds_evaluating;
-  add_counts(tally.evaluations, report.evaluations);
+  tally.add_inside(program, report.evaluations);
   return report;
 }
 
@@ -107,7 +117,7 @@ bool ProgramSearch::sharpen(Attempt& attempt, NonlinearProgram& program, Eigen::
     PolishOptions options;
     options.stop = [this] { return must_stop(); };
     PolishReport report = polish(program, from, {}, options);
-    add_difference(tally.outside_solver, program.counts(), before);
+    tally.add_outside(program, before);
     return report;
   };
   PolishReport p = counted_polish(x);
@@ -135,7 +145,7 @@ FeasibilityReport ProgramSearch::look(NonlinearProgram& program, const Eigen::Ve
   const EvaluationCounts before = program.counts();
   FeasibilityReport report = restore_feasibility(
       program, x, restored, patiently ? patient_restorations : most_restorations, [this] { return must_stop(); });
-  add_difference(tally.outside_solver, program.counts(), before);
+  tally.add_outside(program, before);
   return report;
 }
 

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <string>
 
-#include "base/clock.hpp"
+#include "base/deadline.hpp"
 #include "nlp/feasibility.hpp"
 #include "tendril/plan.hpp"
 #include "tendril/scene.hpp"
@@ -33,13 +33,15 @@ struct Tally {
   EvaluationCounts outside_solver;  ///< that polish and restoration asked for
   int iterations = 0;
   double seconds = 0.0, seconds_evaluating = 0.0, seconds_certifying = 0.0;
+  double work = 0.0;  ///< evaluations times variables, second derivatives twice: grows as the time does, on any machine
+  /// Counts what a program was asked by a solver.
+  void add_inside(const NonlinearProgram& program, const EvaluationCounts& asked);
+  /// Counts what a program was asked otherwise since `before`.
+  void add_outside(const NonlinearProgram& program, const EvaluationCounts& before);
   /// A solver that did nothing is no part of any plan, whatever restoration and Newton's method make of the start
   /// alone.
   bool solver_did_nothing() const { return solves > 0 && useless_solves == solves; }
 };
-
-/// Adds what was evaluated between two counts.
-void add_difference(EvaluationCounts& to, const EvaluationCounts& after, const EvaluationCounts& before);
 
 /// What the nearest of all attempts failed by: its violation and the limits that bind there; empty: none got that far.
 std::string told_failure(const Attempt& nearest);
@@ -55,10 +57,10 @@ class ProgramSearch {
  public:
   /// `solver`, `spec` and `stop` (null: nothing does) must outlive this.
   ProgramSearch(Solver& solver, const SolverSpec& spec, const std::atomic<bool>* stop)
-      : solver_(solver), spec_(spec), stop_(stop), deadline_(now() + spec.time_limit) {}
+      : solver_(solver), spec_(spec), deadline_(stop, spec.time_limit) {}
 
-  bool must_stop() const { return (stop_ != nullptr && stop_->load()) || now() > deadline_; }
-  double deadline() const { return deadline_; }
+  bool must_stop() const { return deadline_.over(); }
+  const Deadline& deadline() const { return deadline_; }
   /// From now on a solve may take no more than many times what others took. Programs of a grasp differ little: a search
   /// that takes longer ends nowhere.
   void limit_patience(bool limited) { limited_ = limited; }
@@ -80,8 +82,7 @@ class ProgramSearch {
  private:
   Solver& solver_;
   const SolverSpec& spec_;
-  const std::atomic<bool>* stop_;
-  double deadline_;
+  Deadline deadline_;
   bool limited_ = false;
   int slowest_converged_ =
       10;  ///< most iterations of a solve that converged; one of a grasp is thought to take so many

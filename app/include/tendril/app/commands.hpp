@@ -15,6 +15,7 @@ struct PlanArguments {
   std::optional<std::filesystem::path> figure;  ///< a file
   bool json = false;
   bool verify = false;
+  bool strict = false;  ///< a search that time cut short is no success
 };
 
 struct ExecuteArguments {
