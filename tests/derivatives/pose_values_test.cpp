@@ -166,6 +166,7 @@ TEST(PoseValues, RowsOfContactsAreGapsAndAngles) {
     }
     const Vec2 shift = c.palm ? -0.1 * Vec2{0.8, -0.6} : Vec2{};
     EXPECT_NEAR(norm(program.base_shift() - shift), 0.0, 1e-15);
+    EXPECT_NEAR(norm(program.backbone().knot_point(0) - sample.rod.base - shift), 0.0, 1e-15);
   }
 }
 
@@ -176,26 +177,60 @@ TEST(PoseValues, ConvexityOfAContactIsTheBendingOfItsGap) {
       SCOPED_TRACE(std::string(shapes) + (split ? ", split" : ", whole"));
       SamplePose sample({std::make_shared<LegendreBasis>(5), split, true, 2, shapes});
       PoseProgram program(sample.spec);
-      const Eigen::VectorXd x = sample_point(program);
-      program.constraints(x);
-      for (int k = 0; k < 2; ++k) {
-        const PoseProgram::ContactState& contact = program.contacts()[static_cast<std::size_t>(k)];
-        const Obstacle& obstacle = *sample.spec.obstacles[static_cast<std::size_t>(k % 2)];
-        const auto gap = [&](double s) { return obstacle.at(program.backbone().at(s).position).distance; };
-        const auto bending = [&](double side) {
-          const double h = 1e-3 * side;
-          const double s = contact.arc_length;
-          // One-sided differences of fourth order.
-          return (35.0 * gap(s) - 104.0 * gap(s + h) + 114.0 * gap(s + 2 * h) - 56.0 * gap(s + 3 * h) +
-                  11.0 * gap(s + 4 * h)) /
-                 (12.0 * h * h);
-        };
-        // The differences err by h^3 times fifth derivatives, which reach some thousands here.
-        EXPECT_NEAR(program.contact_convexity(k), std::max(bending(1.0), bending(-1.0)), 1e-4) << "contact " << k;
-      }
+      Eigen::VectorXd x = sample_point(program);
+      // Bent the other way, the other side of each contact has more.
+      for (int way = 0; way < 2; ++way, x.head(program.layout().coordinates) *= -1.0)
+        for (int k = 0; k < 2; ++k) {
+          program.constraints(x);
+          const PoseProgram::ContactState& contact = program.contacts()[static_cast<std::size_t>(k)];
+          const Obstacle& obstacle = *sample.spec.obstacles[static_cast<std::size_t>(k % 2)];
+          const auto gap = [&](double s) { return obstacle.at(program.backbone().at(s).position).distance; };
+          const auto bending = [&](double side) {
+            const double h = 1e-3 * side;
+            const double s = contact.arc_length;
+            // One-sided differences of fourth order.
+            return (35.0 * gap(s) - 104.0 * gap(s + h) + 114.0 * gap(s + 2 * h) - 56.0 * gap(s + 3 * h) +
+                    11.0 * gap(s + 4 * h)) /
+                   (12.0 * h * h);
+          };
+          // The differences err by h^3 times fifth derivatives, which reach some thousands here.
+          EXPECT_NEAR(program.contact_convexity(k), std::max(bending(1.0), bending(-1.0)), 1e-4) << "contact " << k;
+        }
       EXPECT_EQ(program.contact_convexity(2), infinity) << "at the tip";
     }
   }
+}
+
+/// Reads the bending energy and nothing else.
+struct BendingAlone : public ObjectiveBase<BendingAlone> {
+  Reads reads() const override {
+    Reads r;
+    r.bending_energy = true;
+    return r;
+  }
+  template <class T>
+  void operator()(const Quantities<T>& x, Contribution<T>& out) const {
+    out.smooth(x.fingers[0].bending_energy);
+  }
+};
+
+TEST(PoseValues, BendingEnergyCountsFromTheRestShape) {
+  SamplePose sample({std::make_shared<LegendreBasis>(5, 2), true, false, 1});
+  const BendingAlone term;
+  sample.spec.terms = {{&term, 1.0, "bending"}};
+  PoseProgram program(sample.spec);
+  const Eigen::VectorXd x = sample_point(program);
+  const double found = program.cost(x);
+  const Quadrature rule(30);
+  double expected = 0.0;
+  for (int j = 0; j < program.chain().piece_count(); ++j) {
+    const Chain::Piece& p = program.chain().piece(j);
+    for (int g = 0; g < rule.size(); ++g) {
+      const double bent = program.backbone().at(j, rule.nodes()[g]).curvature - p.rest_curvature;
+      expected += program.backbone().length(j) * rule.weights()[g] * 0.5 * p.stiffness * bent * bent;
+    }
+  }
+  EXPECT_NEAR(found, expected, 1e-12);
 }
 
 TEST(PoseValues, LimitsAreThoseOfActuatorsForcesAndStretches) {
