@@ -193,7 +193,7 @@ TEST(PoseValues, ConvexityOfAContactIsTheBendingOfItsGap) {
                     11.0 * gap(s + 4 * h)) /
                    (12.0 * h * h);
           };
-          // The differences err by h^3 times fifth derivatives, which reach some thousands here.
+          // The differences err by h^3 times fifth derivatives: 2e-5 here, an eighth of that with half the step.
           EXPECT_NEAR(program.contact_convexity(k), std::max(bending(1.0), bending(-1.0)), 1e-4) << "contact " << k;
         }
       EXPECT_EQ(program.contact_convexity(2), infinity) << "at the tip";
