@@ -21,10 +21,11 @@ for source in examples/*/scene.toml; do
   name=$(basename "$(dirname "$source")")
   [[ -d build/$name ]] || continue
   kind=$(sed -n 's/^tendril_add_plugin(KIND \([a-z]*\) .*/\1/p' "examples/$name/CMakeLists.txt")
-  with=$solver
+  with=$solver solvers=()
   case $kind in
-    coordinates | objective) filter="*_${name}_*" ;;
-    solver) with=$name filter="Models/Combination*_$name:Treatments/Agreement*_$name" ;;
+    coordinates | objective) filter="*_${name}_*:*_${name}" ;;
+    # Beside one that is known, whose plans it must find too.
+    solver) with=$name solvers=(--solver "$solver" --solver "$name") filter='Models/*' ;;
     # Scenes choose their obstacles, so the suite has none to combine: plan and benchmark are what a shape goes through.
     obstacle) filter= ;;
   esac
@@ -34,10 +35,10 @@ for source in examples/*/scene.toml; do
     grep -qE "\| $with +\| 1 +\| 1 " table || { cat table; exit 1; }
   fi
   [[ -n $filter ]] || continue
-  "$combination" --plugin-dir "build/$name" --gtest_list_tests --gtest_filter="$filter" > by_option
-  TENDRIL_PLUGIN_PATH="$work/build/$name" "$combination" --gtest_list_tests --gtest_filter="$filter" > by_environment
+  "$combination" --plugin-dir "build/$name" "${solvers[@]}" --gtest_list_tests --gtest_filter="$filter" > by_option
+  TENDRIL_PLUGIN_PATH="$work/build/$name" "$combination" "${solvers[@]}" --gtest_list_tests --gtest_filter="$filter" > by_environment
   diff by_option by_environment
-  quiet "$combination" --plugin-dir "build/$name" --gtest_filter="$filter" --gtest_brief=1
+  quiet "$combination" --plugin-dir "build/$name" "${solvers[@]}" --gtest_filter="$filter" --gtest_brief=1
   echo "$name: $(grep -E 'PASSED' log | tr -s ' ')"
   grep -qE 'PASSED  \] [1-9][0-9]+ tests' log
 done

@@ -14,6 +14,7 @@ namespace {
 
 struct Found {
   std::vector<std::filesystem::path> directories;
+  std::vector<std::string> solvers;
   std::optional<plugins::Registry> registry;
 };
 
@@ -45,6 +46,8 @@ void find_plugins(std::vector<std::string>& arguments) {
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     if (arguments[i] == "--plugin-dir" && i + 1 < arguments.size()) {
       found().directories.emplace_back(arguments[++i]);
+    } else if (arguments[i] == "--solver" && i + 1 < arguments.size()) {
+      found().solvers.push_back(arguments[++i]);
     } else {
       rest.push_back(arguments[i]);
     }
@@ -57,6 +60,10 @@ plugins::Registry& registry() { return *found().registry; }
 
 plugins::Registry fresh_registry() {
   return plugins::Registry(plugins::Catalog(plugins::search_places(found().directories)));
+}
+
+std::vector<std::string> solvers_to_combine() {
+  return found().solvers.empty() ? registry().names(ComponentKind::solver) : found().solvers;
 }
 
 Scene scene(const std::string& name, const std::vector<std::string>& overrides) {

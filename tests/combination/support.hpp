@@ -12,12 +12,15 @@
 /// the plugin path.
 namespace tendril::combination {
 
-/// Looks for plugins, also in each `--plugin-dir DIRECTORY` of `arguments`, which is taken out. Before InitGoogleTest.
+/// Looks for plugins, also in each `--plugin-dir DIRECTORY` of `arguments`, and reads which solvers everything is
+/// combined with from each `--solver NAME`. Both are taken out. Before InitGoogleTest.
 void find_plugins(std::vector<std::string>& arguments);
 
 /// The plugins of this run. A registry of its own opens nothing but what it is asked for.
 plugins::Registry& registry();
 plugins::Registry fresh_registry();
+/// Those that the arguments name, or else all that are found.
+std::vector<std::string> solvers_to_combine();
 
 /// The scene `scenes/<name>.toml`; `overrides` as the command takes them, "rod.actuator.0.limit=0". Its time limit is
 /// raised to two minutes, so that a busy machine or a sanitizer changes no verdict.

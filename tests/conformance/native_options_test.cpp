@@ -81,7 +81,6 @@ TEST(Nlopt, EndsALineSearchThatGoesOnForEver) {
     EXPECT_EQ(report.native_status, "FORCED_STOP") << start;
     EXPECT_EQ(report.status, SolveStatus::converged) << start << ": " << report.message;
     EXPECT_EQ(report.x[0], 0.0) << start;
-    EXPECT_LT(report.seconds, 30.0) << start;
   }
 }
 

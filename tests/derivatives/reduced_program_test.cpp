@@ -8,6 +8,8 @@
 #include <cmath>
 #include <memory>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "differences.hpp"
 #include "nlp/feasibility.hpp"
@@ -66,6 +68,20 @@ TEST_P(ReducedDerivatives, AreThoseOfEverythingThatFollowsFromTheMoments) {
     expect_hessian(reduced, u, random);
   }
   EXPECT_GE(looked, 2);
+}
+
+TEST_P(ReducedDerivatives, HaveRowsForInequalitiesAndForLimitsOfWhatFollows) {
+  // Arc lengths have two limits, forces one; both are rows, beside the check points and what is no equation.
+  ReducedProgram reduced(program, program.start_from(constant_curvature(0.3)));
+  std::vector<std::string> expected;
+  for (int i = 0; i < program.row_count(); ++i) {
+    if (!program.is_equality(i)) expected.push_back(program.row_name(i));
+  }
+  const PoseProgram::Layout& at = program.layout();
+  for (int i = at.first_arc_length; i < at.first_force + at.forces; ++i) expected.push_back(program.variable_name(i));
+  std::vector<std::string> found;
+  for (int i = 0; i < reduced.row_count(); ++i) found.push_back(reduced.row_name(i));
+  EXPECT_EQ(found, expected);
 }
 
 TEST_P(ReducedDerivatives, NeedToKnowWhatTouches) {

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "estimate/truth.hpp"
+#include "scene/make_rod.hpp"
 
 namespace tendril {
 namespace {

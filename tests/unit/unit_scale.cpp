@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <string>
 
 #include "tendril/scale.hpp"
 
@@ -21,10 +23,17 @@ TEST(Scale, UnitsAreProductsOfLengthAndForce) {
 
 TEST(Scale, BackToSiUndoesToDimensionlessToTwelveDigits) {
   const Scale scale{0.123456789, 0.0314159};
-  const double moment = 2.5e-3;
-  // Half a unit in the twelfth digit.
-  EXPECT_NEAR(scale.to_si(scale.to_dimensionless(moment, dimension::moment), dimension::moment), moment,
-              5e-12 * moment);
+  constexpr Dimension force_per_length{-1, 1, "N/m"};
+  for (const Dimension& d : {dimension::none, dimension::angle, dimension::length, dimension::curvature,
+                             dimension::force, dimension::moment, dimension::stiffness, force_per_length}) {
+    SCOPED_TRACE("in " + std::string(d.unit));
+    for (const double si : {2.5e-3, -87.654321}) {
+      // A quantity as large as its unit is 1.
+      EXPECT_NEAR(scale.to_dimensionless(si * scale.unit(d), d), si, 1e-11 * std::abs(si));
+      // Half a unit in the twelfth digit.
+      EXPECT_NEAR(scale.to_si(scale.to_dimensionless(si, d), d), si, 5e-12 * std::abs(si));
+    }
+  }
 }
 
 TEST(Scale, EqualScenesInMillimetresAndMetresGiveEqualNumbers) {

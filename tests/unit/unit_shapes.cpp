@@ -169,6 +169,9 @@ std::vector<ShapeCase> shapes() {
   return {{"circle", std::make_shared<Circle>(Vec2{0.3, -0.2}, 0.4)},
           {"wall", std::make_shared<Wall>(Vec2{0.1, -0.3}, Vec2{0.6, 1.9})},
           {"table", std::make_shared<Wall>(Vec2{0.0, -0.4}, Vec2{0.0, 2.0})},
+          {"ceiling", std::make_shared<Wall>(Vec2{0.0, 0.3}, Vec2{0.0, -1.0})},
+          {"left_side", std::make_shared<Wall>(Vec2{-0.2, 0.0}, Vec2{3.0, 0.0})},
+          {"right_side", std::make_shared<Wall>(Vec2{0.3, 0.0}, Vec2{-1.0, 0.0})},
           {"capsule", std::make_shared<RoundedHull>(std::vector<Vec2>{{-0.4, 0.1}, {0.6, 0.5}}, 0.2)},
           {"slim_capsule", std::make_shared<RoundedHull>(std::vector<Vec2>{{0.0, -0.9}, {0.0, 0.8}}, 0.04)},
           {"triangle", std::make_shared<RoundedHull>(std::vector<Vec2>{{-0.5, -0.4}, {0.7, -0.3}, {0.1, 0.6}}, 0.1)},
@@ -180,6 +183,36 @@ std::vector<ShapeCase> shapes() {
 
 INSTANTIATE_TEST_SUITE_P(All, Shape, testing::ValuesIn(shapes()),
                          [](const auto& each) { return std::string(each.param.name); });
+
+// A capsule from (0, 0) to (2, 0): its patches are both sides of the line, then both ends.
+TEST(RoundedHull, SeamsOfACapsuleStandAtItsEnds) {
+  const RoundedHull capsule({{0.0, 0.0}, {2.0, 0.0}}, 0.5);
+  const auto expect_seams = [&](int patch, double from, double to) {
+    SCOPED_TRACE("patch " + std::to_string(patch));
+    double low = -infinity;
+    double high = infinity;
+    for (const Seam& seam : capsule.seams(patch)) {
+      EXPECT_EQ(seam.normal.y, 0.0);
+      if (seam.normal.x > 0.0) low = std::max(low, seam.offset);
+      if (seam.normal.x < 0.0) high = std::min(high, -seam.offset);
+    }
+    EXPECT_DOUBLE_EQ(low, from);
+    EXPECT_DOUBLE_EQ(high, to);
+  };
+  expect_seams(0, 0.0, 2.0);
+  expect_seams(1, 0.0, 2.0);
+  expect_seams(2, -infinity, 0.0);
+  expect_seams(3, 2.0, infinity);
+}
+
+TEST(RoundedHull, ReferencePointIsTheMiddleOrTheCentroid) {
+  EXPECT_NEAR(norm(RoundedHull({{-1.0, 0.5}, {3.0, 1.5}}, 0.1).reference_point() - Vec2{1.0, 1.0}), 0.0, 1e-15);
+  // A triangle's centroid is the mean of its corners; far from the origin it keeps its digits.
+  for (const Vec2 away : {Vec2{}, Vec2{1e5, -1e5}}) {
+    const RoundedHull triangle({away, away + Vec2{0.3, 0.0}, away + Vec2{0.0, 0.6}}, 0.1);
+    EXPECT_NEAR(norm(triangle.reference_point() - away - Vec2{0.1, 0.2}), 0.0, 1e-10);
+  }
+}
 
 using List = RawValue::List;
 

@@ -324,7 +324,8 @@ Certificate worse_of(const Certificate& a, const Certificate& b) {
   larger(c.quadrature, b.quadrature);
   smaller(c.stability, b.stability);
   smaller(c.contact_convexity, b.contact_convexity);
-  if (b.stationarity_kind != "S") c.stationarity_kind = b.stationarity_kind;
+  const auto weakness = [](const std::string& kind) { return kind == "S" ? 0 : kind == "M" ? 1 : kind == "C" ? 2 : 3; };
+  if (weakness(b.stationarity_kind) > weakness(c.stationarity_kind)) c.stationarity_kind = b.stationarity_kind;
   c.failures.insert(c.failures.end(), b.failures.begin(), b.failures.end());
   return c;
 }
