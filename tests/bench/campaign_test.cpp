@@ -66,7 +66,7 @@ TEST(BenchCommand, EndsWithItsCode) {
   const std::string brace = std::string(TENDRIL_SCENES) + "/brace.toml";
   const std::string solver = TENDRIL_TEST_SOLVER;
   for (const Code& code :
-       {Code{{"--version"}, 0, "."}, Code{{}, 2, "tendril-bench: "}, Code{{"campaing"}, 2, "campaing"},
+       {Code{{"--version"}, 0, "."}, Code{{}, 2, "tendril-bench: "}, Code{{"campaing"}, 2, "subcommand"},
         Code{{"campaign", "--seeds", "1:2", "--solver", solver, "--share", "1"}, 0, "| 2 | 2 |"},
         // Its solver breaks down at every call.
         Code{{"campaign", "--seeds", "1:1", "--solver", "scripted", "--plugin-dir", TENDRIL_TEST_PLUGINS, "--share",

@@ -100,7 +100,7 @@ std::vector<Wrong> wrongs() {
       {"a moment", [](Scene&, Plan& p) { p.moments[0] += off; }},
       {"no equilibrium", [](Scene&, Plan& p) { p.coordinates[1] += 10.0 * off; }},
       {"no equilibrium", [](Scene&, Plan& p) { p.contacts[0].force += 10.0 * off; }},
-      {"a contact is no closest point", [](Scene&, Plan& p) { p.contacts[0].arc_length += 1e-7; }},
+      {"a contact is no closest point", [](Scene&, Plan& p) { p.contacts[0].arc_length += 1e-5; }},
       {"has a gap of", [](Scene& s, Plan&) { put_wall(s, top - off); }},
       {"deep in", [](Scene& s, Plan&) { put_wall(s, top + off); }},
       {"a moment", [](Scene& s, Plan&) { s.rod.actuators[0].maximum = s.rod.actuators[0].minimum = 1.5 - off; }},
@@ -160,7 +160,7 @@ TEST(WrongPlan, ThatIsUnstableIsToldFalse) {
     // Margin: 1 - weight / critical weight, which six functions have to 1e-6.
     EXPECT_NEAR(check.margin, 1.0 - weight / 7.83734744, 1e-5);
     ASSERT_EQ(check.defects.size(), weight > 7.84 ? 1U : 0U);
-    if (weight > 7.84) EXPECT_EQ(check.defects.front().rfind("unstable: margin", 0), 0U) << check.defects.front();
+    for (const std::string& defect : check.defects) EXPECT_TRUE(defect.starts_with("unstable: margin")) << defect;
   }
 }
 
