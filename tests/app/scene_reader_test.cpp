@@ -169,6 +169,32 @@ TEST(SceneReader, DescribesEveryKey) {
   visit(visit, scene_keys());
 }
 
+// A pressure that bends to the right makes negative moments, so that the largest one is the smallest moment.
+TEST(SceneReader, TurnsLimitsOfPressuresIntoLimitsOfMoments) {
+  const auto actuator = [](const std::string& per_pressure) {
+    return read(
+               "[rod]\nlength = 1\nbending_stiffness = 1\n[[rod.actuator]]\nmin_pressure = \"1 kPa\"\n"
+               "max_pressure = \"30 kPa\"\nmoment_per_pressure = " +
+               per_pressure + '\n')
+        .rod.actuators.at(0);
+  };
+  EXPECT_DOUBLE_EQ(actuator("2e-6").minimum, 2e-3);
+  EXPECT_DOUBLE_EQ(actuator("2e-6").maximum, 6e-2);
+  EXPECT_DOUBLE_EQ(actuator("-2e-6").minimum, -6e-2);
+  EXPECT_DOUBLE_EQ(actuator("-2e-6").maximum, -2e-3);
+}
+
+TEST(SceneReader, SettingsReachTheEntryThatTheyNumber) {
+  const std::string segment = "[[rod.segment]]\nlength = 1\nbending_stiffness = 1\n";
+  Document document = Document::parse(segment + segment + segment, "s.toml");
+  document.apply({{"", "rod.segment.0.length", "10"}, {"", "rod.segment.2.length", "30"}});
+  const Scene scene = read_scene(document, std::make_shared<Units>());
+  ASSERT_EQ(scene.rod.segments.size(), 3U);
+  EXPECT_EQ(scene.rod.segments[0].length, 10.0);
+  EXPECT_EQ(scene.rod.segments[1].length, 1.0);
+  EXPECT_EQ(scene.rod.segments[2].length, 30.0);
+}
+
 /// A value that a key of this type never takes, and how far behind its beginning what is wrong with it stands.
 struct WrongValue {
   std::string text;

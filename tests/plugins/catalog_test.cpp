@@ -181,6 +181,8 @@ TEST(Trust, AWorldWritableStickyDirectoryOfPluginsIsRefusedToo) {
   put_fine_plugin(directory);
   ::chmod(directory.c_str(), 01777);
   EXPECT_EQ(failure_of("fine", {directory}).failure(), Failure::untrusted);
+  // The directory itself is told, not only what is in it.
+  expect_says(catalog_of({directory}).places().at(0).problem, {"can be written by everybody"});
 }
 
 TEST(Trust, AWorldWritableLibraryIsRefused) {
