@@ -100,7 +100,7 @@ std::vector<Wrong> wrongs() {
       {"a moment", [](Scene&, Plan& p) { p.moments[0] += off; }},
       {"no equilibrium", [](Scene&, Plan& p) { p.coordinates[1] += 10.0 * off; }},
       {"no equilibrium", [](Scene&, Plan& p) { p.contacts[0].force += 10.0 * off; }},
-      {"a contact is no closest point", [](Scene&, Plan& p) { p.contacts[0].arc_length += 1e-5; }},
+      {"a contact is no closest point", [](Scene&, Plan& p) { p.coordinates[0] += 20.0 * off; }},
       {"has a gap of", [](Scene& s, Plan&) { put_wall(s, top - off); }},
       {"deep in", [](Scene& s, Plan&) { put_wall(s, top + off); }},
       {"a moment", [](Scene& s, Plan&) { s.rod.actuators[0].maximum = s.rod.actuators[0].minimum = 1.5 - off; }},
