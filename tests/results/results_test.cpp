@@ -100,8 +100,7 @@ weight = 10
 plugin = "actuation_effort"
 weight = 1e-3
 [solver]
-plugin = "nlopt"
-)";
+plugin = ")" TENDRIL_TEST_SOLVER "\"\n";
 
 struct Run {
   const char* name;
