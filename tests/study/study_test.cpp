@@ -138,6 +138,16 @@ TEST(Study, LosesOnlyTheCasesThatCrash) {
   expect_same_files(directory / "one", directory / "two");
 }
 
+TEST(Study, TriesACaseOnceMoreWhoseWorkerDied) {
+  const TemporaryDirectory directory;
+  const std::string scene = directory.write("s.toml", small_study() + "\n[[objective]]\nplugin = \"fragile\"\n");
+  ::setenv("TENDRIL_TEST_ONCE", (directory / "died").c_str(), 1);
+  const test::CommandRun run = tendril({"study", scene, "--plugin-dir", TENDRIL_TEST_PLUGINS});
+  ::unsetenv("TENDRIL_TEST_ONCE");
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+  EXPECT_TRUE(std::filesystem::exists(directory / "died"));
+}
+
 /// Ctrl-C as early as it gets, after some cases, and never.
 TEST(Study, GoesOnAfterCtrlC) {
   const TemporaryDirectory directory;
