@@ -115,7 +115,9 @@ class OwnNumbers : public testing::TestWithParam<std::tuple<std::string, std::si
 
 TEST_P(OwnNumbers, MultipliersAreThoseThatAreKnown) {
   const auto program = problem().make();
-  const OptimalityReport report = make_solver(solver())->solve(*program, {problem().start, {}, {}}, {});
+  SolveControl control;
+  control.max_iterations = 1000;
+  const OptimalityReport report = make_solver(solver())->solve(*program, {problem().start, {}, {}}, control);
   ASSERT_EQ(report.status, SolveStatus::converged) << report.native_status << ' ' << report.message;
   if (has_multipliers(solver())) {
     EXPECT_FALSE(report.multipliers_recovered) << "what it handed back does not balance the gradient";
