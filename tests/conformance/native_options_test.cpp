@@ -183,6 +183,7 @@ TEST(Ipopt, RefusesToReadOrWriteFiles) {
   for (const char* option : {"output_file", "option_file_name"}) {
     EXPECT_TRUE(contains_text(refusal("ipopt", with(option, "somewhere")), "files")) << option;
   }
+  EXPECT_TRUE(contains_text(refusal("ipopt", with("file_print_level", RawValue{std::int64_t{5}})), "files"));
 }
 
 TEST(Ceres, SolvesWithEitherLinearSolver) {
