@@ -168,7 +168,7 @@ TEST(BadPlugin, IsListedWithTheReason) {
 TEST(BadText, DoesNotSteerTheTerminal) {
   const CommandRun run = plan_text("\"\\u001b[31mkey\" = 1\n[rod]\nlength = 1\nbending_stiffness = 1\n");
   expect_refused(run, "found the key '?[31mkey'");
-  EXPECT_FALSE(contains_text(run.err, '\x1b'));
+  EXPECT_FALSE(contains_text(run.err, "\x1b"));
 }
 
 TEST(EndlessSolver, IsEndedByTheWatchdog) {

@@ -50,6 +50,20 @@ struct Sides {
   }
 };
 
+/// A row with two sides at its lower one, where the nearest feasible point is not the best.
+struct Band {
+  int variables = 2;
+  int rows = 1;
+  int residuals = 2;
+  template <class T>
+  void operator()(const T* x, Values<T>& out) const {
+    out.residuals[0] = x[0];
+    out.residuals[1] = 2.0 * x[1];
+    out.rows[0] = x[0] + x[1];
+  }
+  void bounds(Bounds b) const { b.row_lower[0] = 1.0, b.row_upper[0] = 9.0; }
+};
+
 /// A program whose multipliers are known at its only solution.
 struct KnownMultipliers {
   std::string name;
@@ -78,6 +92,8 @@ const std::vector<KnownMultipliers>& all() {
       {"sides", [] { return std::make_unique<FormulaProgram<Sides>>(); }, vector({2.0, 0.0, 2.0, 0.0, 1.0, 1.0, 0.3}),
        vector({1.0, 0.5, 1.5, 0.25, -0.5, 1.5, 0.3}), vector({-2.0, 3.0, 7.0, 0.0}),
        vector({0.0, 0.0, -3.0, 3.5, 0.0, 0.0, 1.4})},
+      {"band", [] { return std::make_unique<FormulaProgram<Band>>(); }, vector({3.0, 1.0}), vector({0.8, 0.2}),
+       vector({-1.6}), vector({0.0, 0.0})},
       known("hs001", {}, {0.0, 0.0}),
       known("hs004", {}, {-4.0, -1.0}),
       known("hs007", {0.5 / root3}, {0.0, 0.0}),
