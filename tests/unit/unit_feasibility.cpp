@@ -126,7 +126,8 @@ void expect_end(const Eigen::Vector2d& start, const Eigen::Vector2d& end, double
 }
 
 TEST(RestoreFeasibility, StaysWithinTheBounds) {
-  for (const Eigen::Vector2d& start : {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(7.0, -9.0)}) {
+  for (const Eigen::Vector2d& start :
+       {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(7.0, -9.0), Eigen::Vector2d(-1.0, -2.0)}) {
     expect_end<Boxed<1>>(start, {1.0, 0.5}, 1.5);
     expect_end<Boxed<-1>>(start, {1.0, 0.5}, 1.5);
   }

@@ -129,6 +129,39 @@ TEST(SolverVerdict, SetsMultipliersOfInactiveRowsToZero) {
   expect_right_multipliers(report, 0.0);
 }
 
+/// min x^2  s.t.  -1 <= x <= 1, once as a row and once as bounds: at x = 1 and x = -1 nothing can pull inwards.
+template <bool as_row>
+struct Inward {
+  int variables = 1;
+  int rows = 1;
+  int residuals = 1;
+  template <class T>
+  void operator()(const T* x, Values<T>& out) const {
+    out.residuals[0] = x[0];
+    out.rows[0] = x[0];
+  }
+  void bounds(Bounds b) const {
+    b.row_lower[0] = as_row ? -1.0 : -2.0;
+    b.row_upper[0] = as_row ? 1.0 : 2.0;
+    b.lower[0] = as_row ? -2.0 : -1.0;
+    b.upper[0] = as_row ? 2.0 : 1.0;
+  }
+};
+
+// Multipliers that would balance the gradient if only they pushed the other way.
+TEST(SolverVerdict, NoMultiplierPullsInwards) {
+  for (const double x : {1.0, -1.0}) {
+    const OptimalityReport row =
+        solved<Inward<true>>(claim(SolveStatus::converged, {x}, {-2.0 * x}, {0.0}), Eigen::VectorXd::Zero(1));
+    EXPECT_EQ(row.status, SolveStatus::stalled) << x;
+    EXPECT_EQ(row.stationarity, 2.0) << x;
+    const OptimalityReport bound =
+        solved<Inward<false>>(claim(SolveStatus::converged, {x}, {0.0}, {-2.0 * x}), Eigen::VectorXd::Zero(1));
+    EXPECT_EQ(bound.status, SolveStatus::stalled) << x;
+    EXPECT_EQ(bound.stationarity, 2.0) << x;
+  }
+}
+
 /// Along the first row by d from the minimum, with no bound in the way, the gradient is 2 d off.
 struct Line : Corner {
   void bounds(Bounds b) const {
