@@ -7,6 +7,8 @@
 #include <numbers>
 
 #include "command.hpp"
+#include "support/contains.hpp"
+#include "support/print.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::app::test {
@@ -300,7 +302,7 @@ class SceneReaderRefuses : public testing::TestWithParam<BadScene> {};
 
 TEST_P(SceneReaderRefuses, WithThePlace) {
   const std::string message = message_of(brace_with(GetParam().old_text, GetParam().new_text));
-  EXPECT_NE(message.find(GetParam().message), std::string::npos) << message;
+  EXPECT_TRUE(contains_text(message, GetParam().message));
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -12,6 +12,7 @@
 
 #include "scene_text.hpp"
 #include "scenes.hpp"
+#include "support/print.hpp"
 #include "tendril/plugins/components.hpp"
 
 namespace tendril::bench {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "support.hpp"
+#include "support/print.hpp"
 
 namespace tendril::plugins {
 namespace {

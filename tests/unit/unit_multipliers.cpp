@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "support/print.hpp"
 #include "tendril/error.hpp"
 #include "tendril/multipliers.hpp"
 

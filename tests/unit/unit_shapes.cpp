@@ -9,6 +9,7 @@
 #include <random>
 #include <string>
 
+#include "support/contains.hpp"
 #include "tendril/circle.hpp"
 #include "tendril/plugins/registry.hpp"
 #include "tendril/rounded_hull.hpp"
@@ -245,7 +246,7 @@ std::string refusal(const std::string& shape, const RawOptions& options) {
 
 void expect_refused(const std::string& shape, const RawOptions& options, const std::string& reason) {
   const std::string text = refusal(shape, options);
-  EXPECT_NE(text.find(reason), std::string::npos) << text;
+  EXPECT_TRUE(contains_text(text, reason));
 }
 
 TEST(ShapeOptions, AreInUnitsOfTheRod) {
