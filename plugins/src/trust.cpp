@@ -13,11 +13,12 @@ namespace {
 std::string distrust_one(const std::filesystem::path& path, bool sticky_is_enough) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return path.string() + ": " + std::strerror(errno);
-  if (sticky_is_enough && (status.st_mode & S_ISVTX) != 0) return "";
-  if ((status.st_mode & S_IWOTH) != 0) return path.string() + " can be written by everybody";
+  // In a sticky directory nobody but its owner can replace what others put there, so the owner counts there as well.
   if (status.st_uid != 0 && status.st_uid != ::geteuid()) {
     return path.string() + " belongs to user " + std::to_string(status.st_uid) + ", neither to root nor to you";
   }
+  const bool sticky = sticky_is_enough && (status.st_mode & S_ISVTX) != 0;
+  if ((status.st_mode & S_IWOTH) != 0 && !sticky) return path.string() + " can be written by everybody";
   return "";
 }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "nlopt_status.hpp"
+
 namespace tendril::nlopt_plugin {
 
 namespace {
@@ -31,22 +33,7 @@ void NloptSolver::Run::take_rows() {
 SolveStatus NloptSolver::Run::status_of(nlopt_result result) const {
   if (limit_met) return SolveStatus::iteration_limit;
   if (stuck) return SolveStatus::stalled;
-  switch (result) {
-    case NLOPT_SUCCESS:
-    case NLOPT_STOPVAL_REACHED:
-    case NLOPT_FTOL_REACHED:
-    case NLOPT_XTOL_REACHED:
-      return SolveStatus::converged;
-    case NLOPT_MAXEVAL_REACHED:
-      return SolveStatus::iteration_limit;
-    case NLOPT_MAXTIME_REACHED:
-      return SolveStatus::time_limit;
-    case NLOPT_ROUNDOFF_LIMITED:
-    case NLOPT_FAILURE:
-      return SolveStatus::stalled;
-    default:
-      return SolveStatus::failed;
-  }
+  return nlopt_plugin::status_of(result);
 }
 
 int NloptSolver::Run::iterations() const {

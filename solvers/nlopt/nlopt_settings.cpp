@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "nlopt_run.hpp"
+#include "nlopt_status.hpp"
 
 namespace tendril::nlopt_plugin {
 

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "nlopt_run.hpp"
+#include "nlopt_status.hpp"
 
 namespace tendril::nlopt_plugin {
 
@@ -110,35 +111,6 @@ NloptSolver::Outcome NloptSolver::do_solve(Callbacks& callbacks, const Start& st
   outcome.iterations = std::clamp(run.iterations(), 0, control.max_iterations);
   outcome.effective_options = effective(opt.get(), control);
   return outcome;
-}
-
-std::string_view words(nlopt_result result) {
-  switch (result) {
-    case NLOPT_SUCCESS:
-      return "SUCCESS";
-    case NLOPT_STOPVAL_REACHED:
-      return "STOPVAL_REACHED";
-    case NLOPT_FTOL_REACHED:
-      return "FTOL_REACHED";
-    case NLOPT_XTOL_REACHED:
-      return "XTOL_REACHED";
-    case NLOPT_MAXEVAL_REACHED:
-      return "MAXEVAL_REACHED";
-    case NLOPT_MAXTIME_REACHED:
-      return "MAXTIME_REACHED";
-    case NLOPT_FAILURE:
-      return "FAILURE";
-    case NLOPT_INVALID_ARGS:
-      return "INVALID_ARGS";
-    case NLOPT_OUT_OF_MEMORY:
-      return "OUT_OF_MEMORY";
-    case NLOPT_ROUNDOFF_LIMITED:
-      return "ROUNDOFF_LIMITED";
-    case NLOPT_FORCED_STOP:
-      return "FORCED_STOP";
-    default:
-      return "unknown result";
-  }
 }
 
 }  // namespace tendril::nlopt_plugin

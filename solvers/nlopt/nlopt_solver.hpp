@@ -57,7 +57,4 @@ class NloptSolver final : public Solver {
   const Algorithm* inner_;  ///< the local algorithm inside, where there is one
 };
 
-/// NLopt's own words.
-std::string_view words(nlopt_result result);
-
 }  // namespace tendril::nlopt_plugin

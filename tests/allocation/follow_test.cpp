@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "counting_malloc.hpp"
+#include "support/print.hpp"
 #include "tendril/plugins/components.hpp"
 #include "tendril/tolerances.hpp"
 

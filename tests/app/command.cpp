@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "support/contains.hpp"
 #include "tendril/app/process.hpp"
 
 namespace tendril::app::test {
@@ -69,8 +70,8 @@ void expect_refused(const CommandRun& run, const std::string& part) {
   EXPECT_EQ(run.exit_code, 2) << run.err;
   EXPECT_EQ(run.out, "");
   EXPECT_EQ(run.err.rfind("tendril: ", 0), 0U) << run.err;
-  EXPECT_NE(run.err.find(part), std::string::npos) << run.err;
-  EXPECT_EQ(run.err.find("internal error"), std::string::npos) << run.err;
+  EXPECT_TRUE(contains_text(run.err, part));
+  EXPECT_FALSE(contains_text(run.err, "internal error"));
 }
 
 CommandRun plan_text(const std::string& text, std::vector<std::string> more) {
@@ -91,9 +92,9 @@ nlohmann::json json_of(std::vector<std::string> arguments, int exit_code) {
 std::string scene_with(const std::string& scene, const std::string& old_text, const std::string& new_text) {
   std::string text = read_file(scene_path(scene));
   const auto at = text.find(old_text);
-  EXPECT_NE(at, std::string::npos) << old_text;
+  EXPECT_TRUE(contains_text(text, old_text));
   if (at == std::string::npos) return text;
-  EXPECT_EQ(text.find(old_text, at + 1), std::string::npos) << old_text;
+  EXPECT_FALSE(contains_text(text.substr(at + 1), old_text)) << "more than once";
   return text.replace(at, old_text.size(), new_text);
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/contains.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 
@@ -37,12 +38,12 @@ TEST(Document, KnowsWhereEveryKeyStands) {
 
 TEST(Document, TakesSixtyFourLevelsAndNotOneMore) {
   EXPECT_EQ(message_of("a" + repeated(".a", 63) + " = 1"), "");
-  EXPECT_NE(message_of("a" + repeated(".a", 64) + " = 1").find("nested deeper than 64"), std::string::npos);
+  EXPECT_TRUE(contains_text(message_of("a" + repeated(".a", 64) + " = 1"), "nested deeper than 64"));
   EXPECT_EQ(message_of("[a" + repeated(".a", 31) + "]\nb" + repeated(".b", 31) + " = 1"), "");
-  EXPECT_NE(message_of("[a" + repeated(".a", 31) + "]\nb" + repeated(".b", 32) + " = 1").find("nested deeper"),
-            std::string::npos);
+  EXPECT_TRUE(
+      contains_text(message_of("[a" + repeated(".a", 31) + "]\nb" + repeated(".b", 32) + " = 1"), "nested deeper"));
   EXPECT_EQ(message_of("a = " + repeated("[", 63) + repeated("]", 63)), "");
-  EXPECT_NE(message_of("a = " + repeated("[", 64) + repeated("]", 64)).find("nested deeper"), std::string::npos);
+  EXPECT_TRUE(contains_text(message_of("a = " + repeated("[", 64) + repeated("]", 64)), "nested deeper"));
 }
 
 // Each of these overflows the stack of the parser itself.
@@ -52,7 +53,7 @@ TEST(Document, SurvivesVeryDeepNesting) {
        {"a" + repeated(".a", deep) + " = 1", "[a" + repeated(".a", deep) + "]", "[[a" + repeated(".a", deep) + "]]",
         "\"a\"" + repeated(" . 'a'", deep) + " = 1", "a = " + repeated("[", deep), "a = " + repeated("{a=", deep),
         "a = " + repeated("[{a.b=", deep)}) {
-    EXPECT_NE(message_of(text).find("nested deeper than 64"), std::string::npos) << text.substr(0, 20);
+    EXPECT_TRUE(contains_text(message_of(text), "nested deeper than 64")) << text.substr(0, 20);
   }
 }
 
@@ -68,7 +69,7 @@ TEST(Document, DoesNotMistakeTextForNesting) {
 
 TEST(Document, RefusesWhatIsNotToml) {
   EXPECT_EQ(message_of("hello world").rfind("s.toml:1:", 0), 0U);
-  EXPECT_NE(message_of("hello world").find("not TOML"), std::string::npos);
+  EXPECT_TRUE(contains_text(message_of("hello world"), "not TOML"));
   EXPECT_EQ(message_of("a = 1\na = 2").rfind("s.toml:2:", 0), 0U);
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "support/contains.hpp"
 
 namespace tendril::app::test {
 namespace {
@@ -19,7 +20,7 @@ std::string measured_with(const std::string& measurement, const std::string& old
   const std::string file = "file = \"estimate.csv\"";
   text.replace(text.find(file), file.size(), measurement);
   if (!old_text.empty()) {
-    EXPECT_NE(text.find(old_text), std::string::npos) << old_text;
+    EXPECT_TRUE(contains_text(text, old_text)) << old_text;
     text.replace(text.find(old_text), old_text.size(), new_text);
   }
   return text;
@@ -66,11 +67,11 @@ TEST(Estimate, WritesResultAndFigure) {
   const TemporaryDirectory directory;
   const CommandRun run = tendril({"plan", scene_path("estimate.toml"), "--output", directory / "out"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(run.out.find("supported by the points"), std::string::npos) << run.out;
+  EXPECT_TRUE(contains_text(run.out, "supported by the points"));
   EXPECT_EQ(json::parse(read_file(directory / "out/result.json"))["status"], "solved");
   const std::string data = read_file(directory / "out/figure.dat");
-  EXPECT_NE(data.find("# measured"), std::string::npos);
-  EXPECT_NE(read_file(directory / "out/figure.gnuplot").find("title 'measured'"), std::string::npos);
+  EXPECT_TRUE(contains_text(data, "# measured"));
+  EXPECT_TRUE(contains_text(read_file(directory / "out/figure.gnuplot"), "title 'measured'"));
   EXPECT_GT(read_file(directory / "out/figure.png").size(), 1000U);
 }
 
@@ -87,7 +88,7 @@ TEST(Estimate, GivesNoNumberThatTheDataDoNotGive) {
   for (const char* key : {"force", "arc_length", "point", "normal"}) EXPECT_TRUE(contact[key].is_null()) << key;
   EXPECT_NE(contact["reason"], "");
   const CommandRun table = plan_measured(measured_with("file = \"p.csv\"", "\"0.05 mm\"", "\"1 mm\""), csv, {});
-  EXPECT_NE(table.out.find("not identifiable"), std::string::npos) << table.out;
+  EXPECT_TRUE(contains_text(table.out, "not identifiable"));
 }
 
 TEST(Estimate, ReadsPointsInEveryForm) {

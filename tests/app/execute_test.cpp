@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "support/contains.hpp"
 
 namespace tendril::app::test {
 namespace {
@@ -104,9 +105,9 @@ TEST(Execute, WritesTableAndFigures) {
                                   directory / "out", "--figure", directory / "f.svg"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   for (const char* word : {"status         solved", "load fraction 1 reached", "first peg", "moment balance"}) {
-    EXPECT_NE(run.out.find(word), std::string::npos) << word << run.out;
+    EXPECT_TRUE(contains_text(run.out, word)) << word << run.out;
   }
-  EXPECT_NE(read_file(directory / "f.svg").find("<svg"), std::string::npos);
+  EXPECT_TRUE(contains_text(read_file(directory / "f.svg"), "<svg"));
   EXPECT_EQ(json::parse(read_file(directory / "out/result.json"))["problem"], "execute");
 }
 
@@ -136,13 +137,13 @@ TEST(Extended, IsAPlannedContactThatSpreads) {
                          "radius = 0.15\n[start]\ntip_angle = 0.5\n[contact]\nmode = \"require\"\nmin_force = 0.1\n"));
   const json result = json_of({"plan", file}, 1);
   EXPECT_EQ(result["status"], "not_converged");
-  EXPECT_NE(result["message"].get<std::string>().find("contact spreads"), std::string::npos) << result["message"];
+  EXPECT_TRUE(contains_text(result["message"].get<std::string>(), "contact spreads")) << result["message"];
   ASSERT_EQ(result["contacts"].size(), 1U);
   EXPECT_EQ(result["contacts"][0]["extended"], true);
   // Nothing presses beyond the contact, so that the rod has the curvature 7 there.
   EXPECT_NEAR(result["certificate"]["contact_convexity"].get<double>(), 1.0 / 0.15 - 7.0, 1e-6);
   const CommandRun run = tendril({"plan", file});
-  EXPECT_NE(run.out.find("obstacle 1 (extended)"), std::string::npos) << run.out;
+  EXPECT_TRUE(contains_text(run.out, "obstacle 1 (extended)"));
 }
 
 // It touches down at (72 h / w)^(1/4) = 0.1638; the wall carries w (1 - 2/3 of that) = 89.1.
@@ -161,9 +162,8 @@ TEST(Extended, IsARunOfContactsThatAreCarriedOut) {
   }
   EXPECT_NEAR(sum, 89.1, 1.0);
   const CommandRun run = tendril({"execute", file, "--moments", ""});
-  EXPECT_NE(run.out.find("floor (tip) (extended, " + std::to_string(result["contacts"].size()) + " points)"),
-            std::string::npos)
-      << run.out;
+  EXPECT_TRUE(
+      contains_text(run.out, "floor (tip) (extended, " + std::to_string(result["contacts"].size()) + " points)"));
 }
 
 TEST(Extended, IsNotSaidOfPoints) { EXPECT_FALSE(execute_brace("2.5 N mm")["contacts"][0].contains("extended")); }
@@ -202,8 +202,8 @@ TEST(PlanVerify, TurnsTheVerdictOfAPlanThatIsNotReached) {
   EXPECT_EQ(plain["status"], "solved");
   const json result = json_of({"plan", scene_path("avoid.toml"), "--verify"}, 1);
   EXPECT_EQ(result["status"], "not_converged");
-  EXPECT_NE(result["message"].get<std::string>().find("the plan rests on no obstacle, execution on 'obstacle 1'"),
-            std::string::npos)
+  EXPECT_TRUE(
+      contains_text(result["message"].get<std::string>(), "the plan rests on no obstacle, execution on 'obstacle 1'"))
       << result["message"];
   EXPECT_GT(result["model_error"].get<double>(), 0.01);
   EXPECT_LT(result["local_model_error"].get<double>(), 1e-6);
@@ -212,7 +212,7 @@ TEST(PlanVerify, TurnsTheVerdictOfAPlanThatIsNotReached) {
 TEST(PlanVerify, SaysSoWhereThereIsNoShape) {
   const json result = json_of({"plan", scene_path("brace.toml"), "--verify", "--set", "solver.time_limit=1e-9"}, 1);
   EXPECT_TRUE(result["model_error"].is_null());
-  EXPECT_NE(result["verification"].get<std::string>().find("not executed"), std::string::npos);
+  EXPECT_TRUE(contains_text(result["verification"].get<std::string>(), "not executed"));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "support/contains.hpp"
 
 namespace tendril::app::test {
 namespace {
@@ -17,8 +18,8 @@ TEST(GraspOfTwoFingers, IsWrittenDownFingerByFingerAndCarriedOut) {
   const CommandRun planned =
       tendril({"plan", scene_path("grasp_unequal.toml"), "--verify", "--output", directory / "out"});
   ASSERT_EQ(planned.exit_code, 0) << planned.err << planned.out;
-  EXPECT_NE(planned.out.find("upper finger: settled from the plan's own shape"), std::string::npos) << planned.out;
-  EXPECT_NE(planned.out.find("lower finger: settled from the plan's own shape"), std::string::npos) << planned.out;
+  EXPECT_TRUE(contains_text(planned.out, "upper finger: settled from the plan's own shape"));
+  EXPECT_TRUE(contains_text(planned.out, "lower finger: settled from the plan's own shape"));
   const json result = json::parse(read_file(directory / "out/result.json"));
   ASSERT_EQ(result["fingers"].size(), 2U);
   ASSERT_EQ(result["moments"].size(), 4U);
@@ -103,16 +104,15 @@ TEST(GraspOfMirroredFingers, RefusesGravityAcrossWithItsPlace) {
   text.replace(text.find("bending_stiffness"), 17, "linear_density = \"80 g/m\"\nbending_stiffness");
   const CommandRun run = tendril({"plan", directory.write("s.toml", text), "--json"});
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.err.find("s.toml:1:"), std::string::npos) << run.err;
-  EXPECT_NE(run.err.find("gravity has a component across the axis"), std::string::npos) << run.err;
+  EXPECT_TRUE(contains_text(run.err, "s.toml:1:"));
+  EXPECT_TRUE(contains_text(run.err, "gravity has a component across the axis"));
 }
 
 TEST(GraspOfTwoFingers, IsExecutedWithAMomentForEachActuatorOfBoth) {
   const CommandRun run = tendril(
       {"execute", scene_path("grasp_unequal.toml"), "--moments", "0, 0", "--set", "gripper.palm_distance=\"55 mm\""});
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.err.find("found 2 moments, expected one for each of the scene's 4 actuators"), std::string::npos)
-      << run.err;
+  EXPECT_TRUE(contains_text(run.err, "found 2 moments, expected one for each of the scene's 4 actuators"));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "support/contains.hpp"
 
 namespace tendril::app::test {
 namespace {
@@ -77,7 +78,7 @@ TEST(Plan, WithoutAShapeHasNoFigure) {
   const CommandRun run = tendril({"plan", scene_path("brace.toml"), "--set", "solver.time_limit=1e-9", "--output",
                                   directory.path().string(), "--figure", directory / "f.svg"});
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_NE(run.err.find("no figure: the plan came to no shape"), std::string::npos) << run.err;
+  EXPECT_TRUE(contains_text(run.err, "no figure: the plan came to no shape"));
   EXPECT_EQ(directory.names(), Names{"result.json"});
   EXPECT_EQ(json::parse(read_file(directory / "result.json"))["status"], "time_limit");
 }
@@ -102,7 +103,7 @@ TEST(Plan, SetsKeysOfTheScene) {
 TEST(Plan, DropsOptionsThatAnotherPluginDoesNotKnow) {
   const CommandRun run = tendril({"plan", scene_path("free.toml"), "--coordinates", "pcc", "--json"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(run.err.find("dropped option coordinates.order"), std::string::npos) << run.err;
+  EXPECT_TRUE(contains_text(run.err, "dropped option coordinates.order"));
   const json result = json::parse(run.out);
   EXPECT_EQ(result["coordinates"]["name"], "pcc");
   bool found = false;
@@ -116,7 +117,7 @@ TEST(Plan, PrintsATable) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   for (const char* text :
        {"Brace on a peg", "status", "solved", "target error", "moment", "certificate", "stability", "time: read"}) {
-    EXPECT_NE(run.out.find(text), std::string::npos) << text;
+    EXPECT_TRUE(contains_text(run.out, text)) << text;
   }
   EXPECT_EQ(run.err, "");
 }
@@ -140,7 +141,7 @@ TEST(Output, WhereNothingCanBeWrittenIsRefusedAndLeavesNothing) {
     const CommandRun run = tendril({"plan", scene_path("free.toml"), "--output", place});
     EXPECT_EQ(run.exit_code, 2);
     EXPECT_EQ(run.out, "");
-    EXPECT_NE(run.err.find("cannot write into '" + place + "'"), std::string::npos) << run.err;
+    EXPECT_TRUE(contains_text(run.err, "cannot write into '" + place + "'"));
   }
   EXPECT_EQ(read_file(file), "kept");
   EXPECT_EQ(directory.names(), Names{"file"});
@@ -151,7 +152,7 @@ TEST(Output, InTheWayOfADirectoryIsRefusedAndLeavesNothing) {
   std::filesystem::create_directory(directory / "result.json");
   const CommandRun run = tendril({"plan", scene_path("free.toml"), "--output", directory.path().string()});
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.err.find("it is a directory"), std::string::npos) << run.err;
+  EXPECT_TRUE(contains_text(run.err, "it is a directory"));
   EXPECT_EQ(directory.names(), Names{"result.json"});
 }
 
@@ -204,7 +205,7 @@ TEST(Describe, GivesTheContract) {
 TEST(Describe, LeavesOutWhatTheSceneDoesNotNeed) {
   const json result = json_of({"describe", scene_path("free.toml"), "--set", "objective.1.weight=0"});
   for (const json& variable : result["variables"])
-    EXPECT_EQ(variable["name"].get<std::string>().find("contact"), std::string::npos);
+    EXPECT_FALSE(contains_text(variable["name"].get<std::string>(), "contact"));
   // A term without weight is not even opened.
   for (const json& plugin : result["plugins"]) EXPECT_NE(plugin["name"], "actuation_effort");
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "support/contains.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::app {
@@ -183,7 +184,7 @@ TEST_P(ReadStartRefuses, WithThePlace) {
     FAIL();
   } catch (const InputError& error) {
     const std::string message = error.what();
-    EXPECT_NE(message.find(GetParam().message), std::string::npos) << message;
+    EXPECT_TRUE(contains_text(message, GetParam().message));
     EXPECT_EQ(message.rfind(file, 0), 0U) << message;
   }
 }

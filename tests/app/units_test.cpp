@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "support/contains.hpp"
+
 namespace tendril::app {
 namespace {
 
@@ -59,9 +61,9 @@ TEST_P(UnitsRefuse, WithTheReason) {
     FAIL() << "read as " << value;
   } catch (const QuantityError& error) {
     const std::string message = error.what();
-    EXPECT_NE(message.find(GetParam().reason), std::string::npos) << message;
+    EXPECT_TRUE(contains_text(message, GetParam().reason));
     EXPECT_EQ(message.rfind("found \"", 0), 0U) << message;
-    EXPECT_NE(message.find(", expected "), std::string::npos) << message;
+    EXPECT_TRUE(contains_text(message, ", expected "));
   }
 }
 

@@ -4,11 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include "common/scene_text.hpp"
 #include "common/scenes.hpp"
+#include "support/print.hpp"
 #include "tendril/plugins/components.hpp"
 
 namespace tendril::bench {
@@ -78,19 +82,87 @@ INSTANTIATE_TEST_SUITE_P(Contacts, CheckedPlan,
                            return std::string(std::get<0>(each.param).name) + "_" + std::get<1>(each.param).name;
                          });
 
-TEST(ChangedPlan, WithAnotherMomentOrContactIsFalse) {
+/// One thing that is wrong with a plan, or that its scene does not allow, two to five times as far off as may be.
+struct Wrong {
+  const char* defect;  ///< what is said of it
+  std::function<void(Scene&, Plan&)> put;
+};
+
+/// (L) The certificate's limits are 1e-9 and the check's 2e-9 (plan_check.cpp).
+constexpr double off = 5e-9;
+
+void put_wall(Scene& scene, double y) {
+  scene.obstacles.front().options["point"] = {RawValue::List{{0.0, {}}, {y, {}}}, {}};
+}
+
+std::vector<Wrong> wrongs() {
+  return {
+      {"no equilibrium", [](Scene&, Plan& p) { p.moments[0] += off; }},
+      {"a moment", [](Scene&, Plan& p) { p.moments[0] += off; }},
+      {"no equilibrium", [](Scene&, Plan& p) { p.coordinates[1] += 10.0 * off; }},
+      {"no equilibrium", [](Scene&, Plan& p) { p.contacts[0].force += 10.0 * off; }},
+      {"a contact is no closest point", [](Scene&, Plan& p) { p.coordinates[0] += 20.0 * off; }},
+      {"has a gap of", [](Scene& s, Plan&) { put_wall(s, top - off); }},
+      {"deep in", [](Scene& s, Plan&) { put_wall(s, top + off); }},
+      {"a moment", [](Scene& s, Plan&) { s.rod.actuators[0].maximum = s.rod.actuators[0].minimum = 1.5 - off; }},
+      {"a moment", [](Scene& s, Plan&) { s.rod.actuators[0].maximum = s.rod.actuators[0].minimum = 1.5 + off; }},
+      {"a force", [](Scene& s, Plan& p) { s.contact.max_force = p.contacts[0].force - off; }},
+      {"a force", [](Scene& s, Plan& p) { s.contact.min_force = p.contacts[0].force + off; }},
+      {"a force", [](Scene& s, Plan&) { s.contact.mode = ContactModeName::avoid; }},
+      {"too many contacts", [](Scene& s, Plan&) { s.contact.count = 0; }},
+      {"no contact", [](Scene&, Plan& p) { p.contacts.clear(); }},
+      {"an arc length", [](Scene&, Plan& p) { p.contacts[0].arc_length = 1.0 + off; }},
+      {"the tip is off", [](Scene&, Plan& p) { p.tip_x += off; }},
+      {"the tip is off", [](Scene&, Plan& p) { p.tip_y -= off; }},
+      {"the tip is off", [](Scene&, Plan& p) { p.tip_angle += off; }},
+      {"the backbone is off", [](Scene&, Plan& p) { p.backbone[40][1] += off; }},
+      {"the backbone is off", [](Scene&, Plan& p) { p.backbone[70][2] -= off; }},
+      {"the target is missed", [](Scene&, Plan& p) { *p.target_error += off; }},
+      {"the target is missed", [](Scene& s, Plan&) { s.target.position->x += 1e-6; }},
+  };
+}
+
+TEST(WrongPlan, IsToldFalseByName) {
   plugins::Registry registry(plugins::Catalog(plugins::search_places({})));
   const Scene scene = scene_with(obstacles[0], models[3], registry);
   Problem problem(scene, plugins::make_components(registry, scene));
   const Plan plan = problem.plan();
   ASSERT_EQ(plan.status, PlanStatus::solved) << plan.message;
   ASSERT_TRUE(check_plan(scene, plan).defects.empty());
-  Plan stronger = plan;
-  stronger.moments[0] += 1e-6;
-  EXPECT_FALSE(check_plan(scene, stronger).defects.empty());
-  Plan pressed = plan;
-  pressed.contacts[0].force += 1e-6;
-  EXPECT_FALSE(check_plan(scene, pressed).defects.empty());
+  std::size_t number = 0;
+  for (const Wrong& wrong : wrongs()) {
+    Scene other = scene;
+    Plan bad = plan;
+    wrong.put(other, bad);
+    std::string defects;
+    for (const std::string& defect : check_plan(other, bad).defects) defects += defect + '\n';
+    EXPECT_NE(defects.find(wrong.defect), std::string::npos)
+        << "number " << number << ", expected \"" << wrong.defect << "\", found:\n"
+        << defects;
+    ++number;
+  }
+}
+
+// A straight rod that stands on its base is an equilibrium under any weight, and buckles at 7.83734744 EI/L^3.
+TEST(WrongPlan, ThatIsUnstableIsToldFalse) {
+  plugins::Registry registry(plugins::Catalog(plugins::search_places({})));
+  for (const double weight : {7.8, 7.9}) {
+    const Scene scene = scene_from_text(gravity_of(1.0) + unit_rod(weight) + "[rod.base]\nangle = \"90 deg\"\n" +
+                                            target(0.0, 1.0) + weighted(1.0, 1e-6) + models[3].text,
+                                        "column", registry);
+    Plan plan;
+    plan.coordinates_name = "legendre";
+    plan.order = 6;
+    plan.coordinates.assign(6, 0.0);
+    plan.tip_y = 1.0;
+    plan.tip_angle = std::acos(0.0);
+    plan.backbone = {{0.0, 0.0, 0.0, plan.tip_angle, 0.0}, {1.0, 0.0, 1.0, plan.tip_angle, 0.0}};
+    const PlanCheck check = check_plan(scene, plan);
+    // Margin: 1 - weight / critical weight, which six functions have to 1e-6.
+    EXPECT_NEAR(check.margin, 1.0 - weight / 7.83734744, 1e-5);
+    ASSERT_EQ(check.defects.size(), weight > 7.84 ? 1U : 0U);
+    for (const std::string& defect : check.defects) EXPECT_TRUE(defect.starts_with("unstable: margin")) << defect;
+  }
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <sstream>
 
 #include "grasp_support.hpp"
+#include "support/contains.hpp"
+#include "support/print.hpp"
 #include "tendril/app/report.hpp"
 #include "tendril/app/result.hpp"
 #include "tendril/error.hpp"
@@ -43,7 +45,7 @@ std::string text_of_scene() {
 /// Every occurrence; fails the test if there is none.
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
   std::size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
+  EXPECT_TRUE(contains_text(text, from));
   for (; at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
   return text;
 }
@@ -75,7 +77,7 @@ TEST_P(GraspLimits, EveryDiameterIsHeldAtTheForceLimitWithoutForceAlongTheAxis) 
     EXPECT_NEAR(contact_force(found), limit, 1e-6);
     EXPECT_LT(std::abs(found.grasp->axial_force), 1e-6);
     EXPECT_LT(found.certificate.equilibrium, 1e-9);
-    EXPECT_NE(found.verification.find("settled from the plan's own shape"), std::string::npos) << found.verification;
+    EXPECT_TRUE(contains_text(found.verification, "settled from the plan's own shape"));
     ASSERT_TRUE(found.model_error);
     EXPECT_LT(*found.model_error, basis.model_error);
     // Neither finger crosses the axis, and neither goes through the palm.
@@ -182,8 +184,7 @@ TEST_P(GraspSolver, AWayOfTouchingThatCannotHoldCostsNoSolve) {
   ASSERT_EQ(found.modes.size(), 3U);
   EXPECT_FALSE(found.modes[0].certified);
   EXPECT_EQ(found.modes[0].solves, 0);
-  EXPECT_NE(found.modes[0].outcome.find("nothing feasible is near its starts"), std::string::npos)
-      << found.modes[0].outcome;
+  EXPECT_TRUE(contains_text(found.modes[0].outcome, "nothing feasible is near its starts"));
   EXPECT_TRUE(found.modes[1].certified);
 }
 
@@ -202,10 +203,10 @@ TEST_P(GraspSolver, LimitsOfPressureAreLimitsOfMoment) {
   // Both quantities are reported.
   const std::string json = app::plan_json(scene_from_text(with_pressure), by_pressure, {});
   const std::size_t pressures = json.find("\"pressures\"");
-  ASSERT_NE(pressures, std::string::npos);
+  ASSERT_TRUE(contains_text(json, "\"pressures\""));
   EXPECT_NEAR(std::stod(json.substr(json.find('[', pressures) + 1)), 60e3, 1e-3);
   const std::size_t moments = json.find("\"moments\"");
-  ASSERT_NE(moments, std::string::npos);
+  ASSERT_TRUE(contains_text(json, "\"moments\""));
   EXPECT_NEAR(std::stod(json.substr(json.find('[', moments) + 1)), -0.24, 1e-9);
 }
 
@@ -240,7 +241,7 @@ TEST_P(GraspSolver, WhatCannotBeHeldIsInfeasibleWithTheLimitThatBinds) {
   const auto refused = [&](const Scene& made, const std::string& reason) {
     const Plan found = planned(made);
     EXPECT_EQ(found.status, PlanStatus::infeasible) << found.message;
-    EXPECT_NE(found.message.find(reason), std::string::npos) << found.message;
+    EXPECT_TRUE(contains_text(found.message, reason));
   };
   refused(grasp_of_diameter(0.2, 3.33), "too large");
   // Within reach, but even at the least force no shape of the finger comes round it.
@@ -260,9 +261,8 @@ TEST(GraspReport, SaysWhichMomentsOpenTheFinger) {
     ASSERT_TRUE(certified(found));
     ASSERT_EQ(found.moments[1] > 0.0, opens);
     const std::string report = app::plan_report(made, found, {});
-    EXPECT_NE(report.find("1 % of moment 1 (closing)"), std::string::npos) << report;
-    EXPECT_NE(report.find(opens ? "1 % of moment 2 (opening)" : "1 % of moment 2 (closing)"), std::string::npos)
-        << report;
+    EXPECT_TRUE(contains_text(report, "1 % of moment 1 (closing)"));
+    EXPECT_TRUE(contains_text(report, opens ? "1 % of moment 2 (opening)" : "1 % of moment 2 (closing)"));
   }
 }
 
@@ -283,10 +283,10 @@ TEST(GraspClosing, EveryDiameterIsPlannedOrRefusedWithTheReason) {
           for (const double u : found.moments) EXPECT_LE(u, 1e-12);
         } else if (found.status == PlanStatus::unstable) {
           EXPECT_FALSE(found.certificate.stability > 0.0);
-          EXPECT_NE(found.message.find("the stability margin is"), std::string::npos) << found.message;
+          EXPECT_TRUE(contains_text(found.message, "the stability margin is"));
         } else {
           EXPECT_EQ(found.status, PlanStatus::infeasible) << found.message;
-          EXPECT_NE(found.message.find("at its"), std::string::npos) << found.message;
+          EXPECT_TRUE(contains_text(found.message, "at its"));
         }
       }
       // The tips hold what the segments cannot. At 10 N the smallest object would need the tips to be pulled apart.

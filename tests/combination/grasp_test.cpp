@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "grasp_support.hpp"
+#include "support/print.hpp"
 
 namespace tendril::combination {
 namespace {

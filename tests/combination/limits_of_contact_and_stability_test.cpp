@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "support.hpp"
+#include "support/print.hpp"
 #include "tendril/execute.hpp"
 #include "tendril/tolerances.hpp"
 

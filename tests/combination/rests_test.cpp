@@ -3,6 +3,8 @@
 #include <string>
 
 #include "support.hpp"
+#include "support/contains.hpp"
+#include "support/print.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril::combination {
@@ -78,11 +80,11 @@ TEST(Rests, WhatIsOnlyUnstableIsInfeasible) {
     SCOPED_TRACE(solver);
     const Plan none = plan(scene_from_text(pressed_from_behind(solver)));
     EXPECT_EQ(none.status, PlanStatus::infeasible) << none.message;
-    EXPECT_NE(none.message.find("from 5 starts"), std::string::npos) << none.message;
+    EXPECT_TRUE(contains_text(none.message, "from 5 starts"));
     // The equilibrium that there is, and is not stable, is shown where the search came by it.
     if (none.contacts.empty()) continue;
     ++shown;
-    EXPECT_NE(none.message.find("margin of stability"), std::string::npos) << none.message;
+    EXPECT_TRUE(contains_text(none.message, "margin of stability"));
     EXPECT_LE(none.certificate.equilibrium, tolerance::equilibrium);
     EXPECT_LT(none.certificate.stability, 0.0);
   }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "support.hpp"
+#include "support/print.hpp"
 #include "tendril/execute.hpp"
 
 namespace tendril::combination {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <ostream>
+
 #include "formula.hpp"
 #include "tendril/solver.hpp"
 
@@ -25,6 +27,10 @@ struct KnownProblem {
 const std::vector<KnownProblem>& hock_schittkowski();
 
 enum class MpccTreatment { penalty, scholtes };
+/// By name where a failing test shows its parameters.
+inline void PrintTo(MpccTreatment treatment, std::ostream* out) {
+  *out << (treatment == MpccTreatment::penalty ? "penalty" : "scholtes");
+}
 
 /// A program with complementarity pairs 0 <= G(x) _|_ H(x) >= 0, which a treatment with a parameter turns into an
 /// ordinary one: penalty: cost + parameter sum G H; scholtes: rows G H <= parameter.

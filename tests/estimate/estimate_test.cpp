@@ -9,6 +9,8 @@
 #include <sstream>
 
 #include "estimate/truth.hpp"
+#include "support/contains.hpp"
+#include "support/print.hpp"
 
 namespace tendril {
 namespace {
@@ -269,7 +271,7 @@ void expect_refused(const Scene& scene, const std::string& part) {
     estimate(scene);
     ADD_FAILURE() << "accepted; expected: " << part;
   } catch (const SceneError& error) {
-    EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    EXPECT_TRUE(contains_text(std::string(error.what()), part)) << error.what();
   }
 }
 

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "../app/command.hpp"
+#include "support/contains.hpp"
 #include "tendril/app/process.hpp"
 
 namespace tendril::app {
@@ -69,7 +70,7 @@ TEST(HostileOutput, OnAFullDeviceIsAnError) {
                            "' --json >/dev/full 2>'" + (directory / "err") + "'";
   const ProcessResult run = run_process("/bin/sh", {"-c", line}, directory.path(), 60.0);
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(test::read_file(directory / "err").find("cannot write to standard output"), std::string::npos);
+  EXPECT_TRUE(contains_text(test::read_file(directory / "err"), "cannot write to standard output"));
 }
 
 // A limit of the size of files stands for a full disk; it needs no mount.
@@ -79,7 +80,7 @@ TEST(HostileOutput, ThatDoesNotFitLeavesNothing) {
                            scene_path("brace.toml") + "' --output '" + (directory / "out") + "' >/dev/null";
   const ProcessResult run = run_process("/bin/sh", {"-c", line}, directory.path(), 60.0);
   EXPECT_EQ(run.exit_code, 2) << run.output;
-  EXPECT_NE(run.output.find("cannot write"), std::string::npos) << run.output;
+  EXPECT_TRUE(contains_text(run.output, "cannot write"));
   EXPECT_EQ(directory.names(), std::vector<std::string>{});
 }
 

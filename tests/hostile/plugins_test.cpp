@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "../app/command.hpp"
+#include "support/contains.hpp"
 
 namespace tendril::app {
 namespace {
@@ -32,9 +33,9 @@ void expect_blamed(const CommandRun& run, const std::string& plugin, const std::
     EXPECT_NE(result["status"], "solved");
     said = result["message"].get<std::string>();
   }
-  EXPECT_NE(said.find(plugin), std::string::npos) << said;
-  EXPECT_NE(said.find(part), std::string::npos) << said;
-  EXPECT_EQ(said.find("internal error"), std::string::npos) << said;
+  EXPECT_TRUE(contains_text(said, plugin));
+  EXPECT_TRUE(contains_text(said, part));
+  EXPECT_FALSE(contains_text(said, "internal error"));
 }
 
 std::string with_term(const std::string& term) { return brace_with("\"actuation_effort\"", '"' + term + '"'); }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "support.hpp"
+#include "support/print.hpp"
 
 namespace tendril::plugins {
 namespace {
@@ -181,6 +182,8 @@ TEST(Trust, AWorldWritableStickyDirectoryOfPluginsIsRefusedToo) {
   put_fine_plugin(directory);
   ::chmod(directory.c_str(), 01777);
   EXPECT_EQ(failure_of("fine", {directory}).failure(), Failure::untrusted);
+  // The directory itself is told, not only what is in it.
+  expect_says(catalog_of({directory}).places().at(0).problem, {"can be written by everybody"});
 }
 
 TEST(Trust, AWorldWritableLibraryIsRefused) {
@@ -215,15 +218,33 @@ TEST(Trust, TheDirectoryBehindALinkIsLookedAt) {
   expect_says(error.what(), {open.string() + " can be written by everybody"});
 }
 
-TEST(Trust, AFileOfAnotherUserIsRefused) {
+/// One of the things that may belong to somebody else: the library, its directory, or one above, of these permissions.
+struct Owned {
+  const char* what;
+  const char* path;
+  mode_t mode;
+};
+
+TEST(Trust, WhatBelongsToAnotherUserIsRefused) {
   if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
-  const TemporaryDirectory temporary;
-  const fs::path file = put_fine_plugin(temporary.path());
   constexpr uid_t nobody = 65534;
-  ASSERT_EQ(::chown(file.c_str(), nobody, nobody), 0);
-  const PluginError error = failure_of("fine", {temporary.path()});
-  EXPECT_EQ(error.failure(), Failure::untrusted);
-  expect_says(error.what(), {"belongs to user 65534"});
+  for (const Owned& owned :
+       {Owned{"library", "above/plugins/tendril-objective-fine.so", 0755}, Owned{"directory", "above/plugins", 0755},
+        Owned{"directory above", "above", 0755}, Owned{"sticky directory above", "above", 01777},
+        Owned{"sticky directory above that only its owner can write", "above", 01755}}) {
+    SCOPED_TRACE(owned.what);
+    const TemporaryDirectory temporary;
+    temporary.directory("above");
+    const fs::path directory = temporary.directory("above/plugins");
+    put_fine_plugin(directory);
+    const fs::path given = temporary.path() / owned.path;
+    ::chmod(given.c_str(), owned.mode);
+    EXPECT_NO_THROW(Registry(catalog_of({directory})).objective("fine"));
+    ASSERT_EQ(::chown(given.c_str(), nobody, nobody), 0);
+    const PluginError error = failure_of("fine", {directory});
+    EXPECT_EQ(error.failure(), Failure::untrusted);
+    expect_says(error.what(), {given.string() + " belongs to user 65534, neither to root nor to you"});
+  }
 }
 
 TEST(Trust, ARefusedFirstChoiceIsNotReplacedByALaterOne) {

@@ -1,6 +1,7 @@
 #include <fstream>
 
 #include "support.hpp"
+#include "support/print.hpp"
 #include "tendril/version.hpp"
 
 namespace tendril::plugins {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "support/contains.hpp"
 #include "tendril/plugins/registry.hpp"
 
 namespace tendril::plugins {
@@ -68,7 +69,7 @@ inline PluginError failure_of(const std::string& name, const std::vector<fs::pat
 
 inline void expect_says(const std::string& message, const std::vector<std::string>& parts) {
   for (const std::string& part : parts) {
-    EXPECT_NE(message.find(part), std::string::npos) << message << "\nlacks: " << part;
+    EXPECT_TRUE(contains_text(message, part)) << message << "\nlacks: " << part;
   }
 }
 

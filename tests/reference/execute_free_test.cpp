@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "execute_support.hpp"
+#include "support/print.hpp"
 #include "support/reference_table.hpp"
 
 namespace tendril::support {

@@ -10,6 +10,7 @@
 
 #include "execute_support.hpp"
 #include "support/link_chain.hpp"
+#include "support/print.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril::support {

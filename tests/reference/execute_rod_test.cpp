@@ -6,6 +6,7 @@
 #include <random>
 
 #include "execute_support.hpp"
+#include "support/print.hpp"
 #include "support/rod_bvp.hpp"
 
 namespace tendril::support {

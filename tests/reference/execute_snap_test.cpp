@@ -5,6 +5,7 @@
 
 #include "execute_support.hpp"
 #include "support/link_chain.hpp"
+#include "support/print.hpp"
 
 namespace tendril::support {
 namespace {

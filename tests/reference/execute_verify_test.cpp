@@ -5,6 +5,8 @@
 #include <string>
 
 #include "execute_support.hpp"
+#include "support/contains.hpp"
+#include "support/print.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril::support {
@@ -20,8 +22,8 @@ ForwardScene braced() {
 
 void expect_refused(const Plan& plan, const std::string& reason) {
   EXPECT_EQ(plan.status, PlanStatus::not_converged);
-  EXPECT_NE(plan.message.find("execution does not confirm the plan"), std::string::npos) << plan.message;
-  EXPECT_NE(plan.message.find(reason), std::string::npos) << plan.message;
+  EXPECT_TRUE(contains_text(plan.message, "execution does not confirm the plan"));
+  EXPECT_TRUE(contains_text(plan.message, reason));
 }
 
 TEST(Verify, AnExactPlanHasNoModelError) {
@@ -43,7 +45,7 @@ TEST(Verify, FromThePlansOwnShapeIsOneExecutionAndSaysSo) {
   EXPECT_NEAR(plan.model_error.value(), 0.01, 1e-8);
   EXPECT_EQ(plan.local_model_error, plan.model_error);
   EXPECT_EQ(plan.verification.find("settled from the plan's own shape"), 0U) << plan.verification;
-  EXPECT_EQ(plan.verification.find("loaded from the start"), std::string::npos) << plan.verification;
+  EXPECT_FALSE(contains_text(plan.verification, "loaded from the start"));
 }
 
 TEST(Verify, ReportsWhatACoarseBasisLeavesOut) {

@@ -1,10 +1,13 @@
+#include <fcntl.h>
+
 #include <cstdlib>
 
 #include "tendril/plugin.hpp"
 
 namespace {
 
-/// Costs nothing and takes the whole process with it where the target lies at more than 0.96 of the length.
+/// Costs nothing and takes the whole process with it where the target lies at more than 0.96 of the length. If
+/// TENDRIL_TEST_ONCE names a file: only once, when that file is not there yet.
 struct Fragile : tendril::ObjectiveBase<Fragile> {
   tendril::Reads reads() const override {
     tendril::Reads reads;
@@ -13,7 +16,10 @@ struct Fragile : tendril::ObjectiveBase<Fragile> {
   }
   template <class T>
   void operator()(const tendril::Quantities<T>& x, tendril::Contribution<T>& out) const {
-    if (x.target.position.x > 0.96) std::abort();
+    if (x.target.position.x > 0.96) {
+      const char* once = std::getenv("TENDRIL_TEST_ONCE");
+      if (once == nullptr || ::open(once, O_CREAT | O_EXCL | O_WRONLY, 0600) >= 0) std::abort();
+    }
     out.smooth(T(0.0));
   }
 };

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "support.hpp"
+#include "support/contains.hpp"
 #include "tendril/app/process.hpp"
 
 namespace tendril::app {
@@ -90,7 +91,7 @@ TEST_F(Shards, AreWrittenByOneProcessAtATime) {
   const test::CommandRun run = tendril({"study", scene_, "--output", out_, "--shard", "1/3"});
   ::close(file);
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.err.find("another process is writing"), std::string::npos) << run.err;
+  EXPECT_TRUE(contains_text(run.err, "another process is writing"));
 }
 
 TEST(GnuParallel, RunsShardsSideBySide) {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "support.hpp"
+#include "support/contains.hpp"
 
 namespace tendril::app {
 namespace {
@@ -64,8 +65,8 @@ TEST(Study, OfADistalMomentSaysWhereThePlannedOneOpensTheFinger) {
   EXPECT_EQ(closing.exit_code, 0) << closing.err;
   EXPECT_EQ(opening.exit_code, 0) << opening.err;
   const std::string sentence = "the planned moment of the last actuator is an opening one";
-  EXPECT_EQ(closing.out.find(sentence), std::string::npos) << closing.out;
-  EXPECT_NE(opening.out.find(sentence), std::string::npos) << opening.out;
+  EXPECT_FALSE(contains_text(closing.out, sentence));
+  EXPECT_TRUE(contains_text(opening.out, sentence));
 }
 
 /// Where both fingers are planned a case is carried out with both.
@@ -91,7 +92,7 @@ TEST(Study, OfTwoFingersPlannedApart) {
   const test::CommandRun swept =
       tendril({"study", directory.write("m.toml", text + "moments = [\"1 N mm\"]\n"), "--json"});
   EXPECT_EQ(swept.exit_code, 2);
-  EXPECT_NE(swept.err.find("both fingers of this scene are planned"), std::string::npos) << swept.err;
+  EXPECT_TRUE(contains_text(swept.err, "both fingers of this scene are planned"));
 }
 
 /// A study's case is what `plan` says about the same scene.
@@ -121,7 +122,7 @@ TEST(Study, LosesOnlyTheCasesThatCrash) {
   two.insert(two.end(), {directory / "two", "--jobs", "2"});
   const test::CommandRun run = tendril(two);
   EXPECT_EQ(run.exit_code, 1) << run.err;
-  EXPECT_NE(run.out.find("2 of 4"), std::string::npos) << run.out;
+  EXPECT_TRUE(contains_text(run.out, "2 of 4"));
   const auto json = nlohmann::json::parse(read_file(directory / "two/study.json"));
   int failed = 0;
   for (const auto& one : json["cases"]) {
@@ -129,13 +130,23 @@ TEST(Study, LosesOnlyTheCasesThatCrash) {
     EXPECT_EQ(one["status"], far ? "failed" : "solved");
     if (!far) continue;
     ++failed;
-    EXPECT_NE(one["message"].get<std::string>().find("ended by signal 6"), std::string::npos) << one["message"];
+    EXPECT_TRUE(contains_text(one["message"].get<std::string>(), "ended by signal 6")) << one["message"];
   }
   EXPECT_EQ(failed, 12);
   auto one = base;
   one.insert(one.end(), {directory / "one"});
   EXPECT_EQ(tendril(one).exit_code, 1);
   expect_same_files(directory / "one", directory / "two");
+}
+
+TEST(Study, TriesACaseOnceMoreWhoseWorkerDied) {
+  const TemporaryDirectory directory;
+  const std::string scene = directory.write("s.toml", small_study() + "\n[[objective]]\nplugin = \"fragile\"\n");
+  ::setenv("TENDRIL_TEST_ONCE", (directory / "died").c_str(), 1);
+  const test::CommandRun run = tendril({"study", scene, "--plugin-dir", TENDRIL_TEST_PLUGINS});
+  ::unsetenv("TENDRIL_TEST_ONCE");
+  EXPECT_EQ(run.exit_code, 0) << run.out << run.err;
+  EXPECT_TRUE(std::filesystem::exists(directory / "died"));
 }
 
 /// Ctrl-C as early as it gets, after some cases, and never.
@@ -166,7 +177,7 @@ TEST(Study, GoesOnAfterCtrlC) {
     ASSERT_TRUE(WIFEXITED(status));
     if (WEXITSTATUS(status) == 1) {
       ++interrupted;
-      EXPECT_NE(read_file(directory / "log").find("run the same command again to go on"), std::string::npos);
+      EXPECT_TRUE(contains_text(read_file(directory / "log"), "run the same command again to go on"));
       EXPECT_FALSE(std::filesystem::exists(out + "/study.json"));
     }
   }
@@ -185,7 +196,7 @@ TEST(Study, OfAnotherSceneIsNotContinued) {
   const test::CommandRun run = tendril(
       {"study", directory.write("s.toml", replaced(small_study(), "\"84 g/m\"", "\"85 g/m\"")), "--output", out});
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_NE(run.err.find("belongs to another study"), std::string::npos) << run.err;
+  EXPECT_TRUE(contains_text(run.err, "belongs to another study"));
   const test::CommandRun set =
       tendril({"study", directory.write("s.toml", small_study()), "--output", out, "--set", "rod.linear_density=0"});
   EXPECT_EQ(set.exit_code, 2);
@@ -287,12 +298,12 @@ TEST(Study, RefusesInputThatMakesNoSense) {
     const test::CommandRun run =
         tendril({"study", directory.write("s.toml", replaced(good, wrong.old_text, wrong.new_text))});
     EXPECT_EQ(run.exit_code, 2) << wrong.new_text << run.out;
-    EXPECT_NE(run.err.find(wrong.message), std::string::npos) << run.err;
-    EXPECT_NE(run.err.find("s.toml:"), std::string::npos) << run.err;
+    EXPECT_TRUE(contains_text(run.err, wrong.message));
+    EXPECT_TRUE(contains_text(run.err, "s.toml:"));
   }
   const test::CommandRun none = tendril({"study", scene_path("brace.toml")});
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_NE(none.err.find("the scene has no [study]"), std::string::npos) << none.err;
+  EXPECT_TRUE(contains_text(none.err, "the scene has no [study]"));
   const std::string scene = directory.write("s.toml", good);
   for (const auto& [words, message] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--jobs", "0"}, "--jobs"},
@@ -309,7 +320,7 @@ TEST(Study, RefusesInputThatMakesNoSense) {
     all.insert(all.begin(), {"study", scene});
     const test::CommandRun run = tendril(all);
     EXPECT_EQ(run.exit_code, 2);
-    EXPECT_NE(run.err.find(message), std::string::npos) << run.err;
+    EXPECT_TRUE(contains_text(run.err, message));
   }
 }
 

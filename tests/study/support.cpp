@@ -2,18 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include "support/contains.hpp"
+
 namespace tendril::app::test {
 
 std::string replaced(std::string text, const std::string& old_text, const std::string& new_text) {
   const auto at = text.find(old_text);
-  EXPECT_NE(at, std::string::npos) << old_text;
+  EXPECT_TRUE(contains_text(text, old_text));
   return at == std::string::npos ? text : text.replace(at, old_text.size(), new_text);
 }
 
 std::string small_study() {
   const std::string text = read_file(scene_path("paradigms.toml"));
   const std::size_t begin = text.find("targets = {");
-  EXPECT_NE(begin, std::string::npos);
+  EXPECT_TRUE(contains_text(text, "targets = {"));
   const std::string line = text.substr(begin, text.find('\n', begin) - begin);
   return replaced(replaced(text, line, "targets = [[0.092, 0.008], [0.095, 0.016], [0.097, 0.02], [0.099, 0.024]]"),
                   "modes = [\"ignore\", \"ignore_then_execute\",", "modes = [\"ignore\",");

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "support.hpp"
+#include "support/contains.hpp"
+#include "support/print.hpp"
 #include "tendril/app/session.hpp"
 
 namespace tendril::app {
@@ -112,7 +114,7 @@ TEST(Trajectory, DrawsAFigureAndATable) {
   const test::CommandRun run = tendril(
       {"plan", scene_path("trajectory.toml"), "--output", directory / "out", "--set", "trajectory.cold_starts=false"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(run.out.find("45 of 45 steps solved"), std::string::npos) << run.out;
+  EXPECT_TRUE(contains_text(run.out, "45 of 45 steps solved"));
   for (const char* name : {"result.json", "figure.svg", "figure.png", "figure.dat", "figure.gnuplot"}) {
     EXPECT_GT(read_file(directory / ("out/" + std::string(name))).size(), 1000U) << name;
   }
@@ -139,15 +141,15 @@ TEST(Trajectory, RefusesInputThatMakesNoSense) {
     const test::CommandRun run =
         tendril({"plan", directory.write("s.toml", replaced(good, wrong.old_text, wrong.new_text))});
     EXPECT_EQ(run.exit_code, 2) << run.out;
-    EXPECT_NE(run.err.find(wrong.message), std::string::npos) << run.err;
-    EXPECT_NE(run.err.find("s.toml:"), std::string::npos) << run.err;
+    EXPECT_TRUE(contains_text(run.err, wrong.message));
+    EXPECT_TRUE(contains_text(run.err, "s.toml:"));
   }
   const test::CommandRun empty =
       tendril({"plan", scene_path("brace.toml"), "--set", "problem=trajectory", "--set", "target.x=1"});
   EXPECT_EQ(empty.exit_code, 2);
   const test::CommandRun none = tendril({"plan", scene_path("brace.toml"), "--set", "problem=trajectory"});
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_NE(none.err.find("needs targets in [trajectory]"), std::string::npos) << none.err;
+  EXPECT_TRUE(contains_text(none.err, "needs targets in [trajectory]"));
 }
 
 }  // namespace

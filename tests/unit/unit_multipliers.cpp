@@ -5,6 +5,7 @@
 #include <random>
 
 #include "nlp/multipliers.hpp"
+#include "support/print.hpp"
 #include "tendril/error.hpp"
 
 namespace tendril {

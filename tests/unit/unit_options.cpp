@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "support/contains.hpp"
 #include "tendril/options.hpp"
 
 namespace tendril {
@@ -35,8 +36,7 @@ std::string refusal(const OptionSchema& schema, const RawOptions& given,
 }
 
 void expect_says(const std::string& message, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts)
-    EXPECT_NE(message.find(part), std::string::npos) << message << "\nlacks: " << part;
+  for (const std::string& part : parts) EXPECT_TRUE(contains_text(message, part)) << message << "\nlacks: " << part;
 }
 
 OptionSpec order() {

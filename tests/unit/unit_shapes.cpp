@@ -12,6 +12,7 @@
 #include "obstacle/circle.hpp"
 #include "obstacle/rounded_hull.hpp"
 #include "obstacle/wall.hpp"
+#include "support/contains.hpp"
 #include "tendril/plugins/registry.hpp"
 
 namespace tendril {
@@ -245,7 +246,7 @@ std::string refusal(const std::string& shape, const RawOptions& options) {
 
 void expect_refused(const std::string& shape, const RawOptions& options, const std::string& reason) {
   const std::string text = refusal(shape, options);
-  EXPECT_NE(text.find(reason), std::string::npos) << text;
+  EXPECT_TRUE(contains_text(text, reason));
 }
 
 TEST(ShapeOptions, AreInUnitsOfTheRod) {

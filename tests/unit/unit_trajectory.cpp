@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "support/print.hpp"
 #include "tendril/trajectory.hpp"
 
 namespace tendril {

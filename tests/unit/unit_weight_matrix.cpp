@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "support/contains.hpp"
 #include "tendril/error.hpp"
 #include "tendril/weight_matrix.hpp"
 
@@ -63,19 +64,18 @@ TEST(AddWeighted, GivesOneResidualForEachRow) {
 }
 
 TEST(WeightRoot, WrongSizesAreRefused) {
-  EXPECT_NE(refusal(square(2, {1, 0, 0, 1}), 3).find("found a matrix of 2 x 2; expected 3 x 3"), std::string::npos);
-  EXPECT_NE(refusal({1, 3, {1, 2, 3}}, 3).find("found a matrix of 1 x 3"), std::string::npos);
+  EXPECT_TRUE(contains_text(refusal(square(2, {1, 0, 0, 1}), 3), "found a matrix of 2 x 2; expected 3 x 3"));
+  EXPECT_TRUE(contains_text(refusal({1, 3, {1, 2, 3}}, 3), "found a matrix of 1 x 3"));
 }
 
 TEST(WeightRoot, AsymmetryIsRefusedWithTheEntries) {
-  EXPECT_NE(refusal(square(2, {1, 0.5, 0.25, 1}), 2).find("entry (1,2) is 0.5, entry (2,1) is 0.25"),
-            std::string::npos);
+  EXPECT_TRUE(contains_text(refusal(square(2, {1, 0.5, 0.25, 1}), 2), "entry (1,2) is 0.5, entry (2,1) is 0.25"));
 }
 
 TEST(WeightRoot, NegativeDirectionsAreRefused) {
-  EXPECT_NE(refusal(square(2, {1, 2, 2, 1}), 2).find("eigenvalue -1"), std::string::npos);
-  EXPECT_NE(refusal(square(2, {1, 0, 0, -3}), 2).find("weight -3"), std::string::npos);
-  EXPECT_NE(refusal({1, 1, {-1.0}}, 2).find("weight -1"), std::string::npos);
+  EXPECT_TRUE(contains_text(refusal(square(2, {1, 2, 2, 1}), 2), "eigenvalue -1"));
+  EXPECT_TRUE(contains_text(refusal(square(2, {1, 0, 0, -3}), 2), "weight -3"));
+  EXPECT_TRUE(contains_text(refusal({1, 1, {-1.0}}, 2), "weight -1"));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "system/output.hpp"
+#include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::app {
@@ -104,8 +105,10 @@ JournalContents read_journal(const std::filesystem::path& path) {
 }
 
 Journal::Journal(std::filesystem::path path, const JournalHeader& header) : path_(std::move(path)) {
+  const std::filesystem::path directory = path_.has_parent_path() ? path_.parent_path() : ".";
+  const std::vector<std::filesystem::path> made = missing_directories(directory);
   std::error_code error;
-  if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), error);
+  std::filesystem::create_directories(directory, error);
   file_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND, 0666);
   if (file_ < 0) throw InputError("cannot write '" + path_.string() + "': " + reason());
   const auto give_up = [&](const std::string& message) {
@@ -131,6 +134,9 @@ Journal::Journal(std::filesystem::path path, const JournalHeader& header) : path
   if (contents.header.empty()) {
     try {
       write(header.line() + '\n');
+      // Lines that are on disk are of no use in a file whose name is not.
+      synchronize(directory);
+      synchronize_entries(made);
     } catch (const InputError&) {
       ::close(file_);
       throw;

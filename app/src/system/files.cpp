@@ -34,15 +34,31 @@ class Descriptor {
   int number_;
 };
 
+}  // namespace
+
 void synchronize(const fs::path& path) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  // Some file systems cannot synchronize a directory; then there is nothing to wait for.
+  // Who may write into a directory may still be kept from reading it, and some file systems cannot synchronize one;
+  // then there is nothing to wait for.
+  if (!file.valid() && errno == EACCES) return;
   if (!file.valid() || (::fsync(file.get()) != 0 && errno != EINVAL)) {
     throw InputError("cannot write '" + path.string() + "': " + reason(errno));
   }
 }
 
-}  // namespace
+std::vector<fs::path> missing_directories(const fs::path& directory) {
+  std::vector<fs::path> missing;
+  std::error_code error;
+  for (fs::path path = directory; !path.empty() && !fs::exists(path, error); path = path.parent_path()) {
+    missing.insert(missing.begin(), path);
+    if (path == path.parent_path()) break;
+  }
+  return missing;
+}
+
+void synchronize_entries(const std::vector<fs::path>& made) {
+  for (const fs::path& path : made) synchronize(path.has_parent_path() ? path.parent_path() : fs::path("."));
+}
 
 std::string read_input(const fs::path& path, const std::string& what) {
   const std::string name = what + " '" + path.string() + "'";
@@ -100,11 +116,8 @@ void require_text(const std::string& text, const fs::path& path) {
 
 StagedFiles::StagedFiles(fs::path directory) : directory_(std::move(directory)) {
   if (directory_.empty()) directory_ = ".";
+  made_ = missing_directories(directory_);
   std::error_code error;
-  for (fs::path path = directory_; !path.empty() && !fs::exists(path, error); path = path.parent_path()) {
-    made_.insert(made_.begin(), path);
-    if (path == path.parent_path()) break;
-  }
   fs::create_directories(directory_, error);
   if (!error && !fs::is_directory(directory_, error)) error = std::make_error_code(std::errc::not_a_directory);
   if (error) {
@@ -164,6 +177,7 @@ void StagedFiles::publish() {
     moved.push_back(name);
   }
   synchronize(directory_);
+  synchronize_entries(made_);
   published_ = true;
 }
 

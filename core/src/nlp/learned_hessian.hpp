@@ -7,7 +7,7 @@ namespace tendril {
 /// Second derivatives of a function that has gradients alone, learned from these as a search moves: symmetric rank-one
 /// updates, exact along the directions that were taken. They steer steps; what is accepted rests on gradients. Nothing
 /// allocates after construction.
-class LearnedHessian {
+class TENDRIL_API LearnedHessian {
  public:
   explicit LearnedHessian(int variables);
 

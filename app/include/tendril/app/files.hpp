@@ -17,6 +17,16 @@ std::string read_input(const std::filesystem::path& path, const std::string& wha
 /// Throws InputError if `text` holds a NUL byte or is not UTF-8, naming the line.
 void require_text(const std::string& text, const std::filesystem::path& path);
 
+/// Puts the bytes of a file, or the names that a directory holds, on disk before it returns. Throws InputError if the
+/// disk refuses.
+void synchronize(const std::filesystem::path& path);
+
+/// `directory` and those above it that do not exist, outermost first.
+std::vector<std::filesystem::path> missing_directories(const std::filesystem::path& directory);
+
+/// Puts the names of directories that were made on disk: each is an entry of the one above it.
+void synchronize_entries(const std::vector<std::filesystem::path>& made);
+
 /// A set of files that appear in a directory all together, each of them whole, or not at all.
 ///
 /// They are collected in a private directory beside their destination and moved by publish(). Whatever was not
