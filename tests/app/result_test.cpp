@@ -8,6 +8,7 @@
 #include "command.hpp"
 #include "support/contains.hpp"
 #include "tendril/app/input_error.hpp"
+#include "tendril/app/report.hpp"
 
 namespace tendril::app {
 namespace {
@@ -92,6 +93,18 @@ TEST(PlanJson, KeepsTheContract) {
         "stability", "moment_balance", "contact_convexity", "quadrature", "failures"}) {
     EXPECT_TRUE(result["certificate"].contains(key)) << key;
   }
+}
+
+TEST(PlanJson, SaysThatTimeEndedTheSearchBesideTheStatus) {
+  Plan plan = simple_plan();
+  EXPECT_FALSE(json::parse(plan_json(simple_scene(), plan, {})).contains("search_cut"));
+  EXPECT_FALSE(contains_text(plan_report(simple_scene(), plan, {}), "time ended the search"));
+  plan.search_cut = true;
+  EXPECT_EQ(json::parse(plan_json(simple_scene(), plan, {}))["search_cut"], true);
+  const std::string report = plan_report(simple_scene(), plan, {});
+  const std::size_t status = report.find("\nstatus ");
+  const std::string line = report.substr(status + 1, report.find('\n', status + 1) - status - 1);
+  EXPECT_TRUE(contains_text(line, "solved, but time ended the search")) << line;
 }
 
 TEST(PlanJson, WritesNullForWhatIsNotFinite) {
