@@ -181,5 +181,30 @@ TEST(BothFingersVerification, AMomentThatIsNotThatOfTheShapeIsRefused) {
   }
 }
 
+// How far each contact is from the limit of its own finger: here the lower one's is the smaller, so it is reached.
+TEST(GraspQuality, ForceMarginsAreThoseOfEachFingersOwnLimit) {
+  const Planned planned;
+  const std::vector<double>& margins = planned.plan.grasp->quality->force_margins;
+  ASSERT_EQ(margins.size(), 2U);
+  EXPECT_NEAR(margins[0], planned.scene.contact.max_force - planned.plan.contacts[0].force, 1e-12);
+  EXPECT_NEAR(margins[0], 0.33, 1e-8);
+  EXPECT_NEAR(margins[1], 0.0, 1e-8);
+  const Plan mirrored = combination::plan(combination::scene("grasp_60mm", {"contact.max_force=\"2 N\""}));
+  ASSERT_TRUE(certified(mirrored));
+  ASSERT_EQ(mirrored.grasp->quality->force_margins.size(), 1U);
+  EXPECT_NEAR(mirrored.grasp->quality->force_margins[0], 2.0 - mirrored.contacts[0].force, 1e-12);
+}
+
+// A moment that is 0 by its limit changes nothing by a hundredth of it.
+TEST(GraspQuality, AMomentThatIsNoVariableChangesNoForce) {
+  Scene made = combination::scene("grasp_60mm", {"gripper.object_diameter=\"45 mm\"", "rod.actuator.1.limit=0"});
+  const Plan found = combination::plan(made);
+  ASSERT_TRUE(certified(found));
+  const GraspQuality& quality = *found.grasp->quality;
+  ASSERT_EQ(quality.force_by_moment.size(), 2U);
+  EXPECT_EQ(norm(quality.force_by_moment[1]), 0.0);
+  EXPECT_GT(norm(quality.force_by_moment[0]), 1e-3);
+}
+
 }  // namespace
 }  // namespace tendril::grasps
