@@ -46,6 +46,31 @@ TEST(SearchModes, ThePlanIsTheBestOfTheCertifiedOnesAndTheSumsAreThoseOfTheModes
   }
 }
 
+// A strip that a tip force of 3 EI/L^2 has buckled comes to rest on either side. Where no moment is to be chosen every
+// start is tried, and later ones end on the side that is farther from the target.
+TEST(SearchModes, ALaterPlanThatCostsMoreDoesNotReplaceABetterOne) {
+  for (const double side : {1.0, -1.0}) {
+    for (const double start : {0.5, -0.5}) {
+      SCOPED_TRACE(std::to_string(side) + " from " + std::to_string(start));
+      Scene strip =
+          scene("free", {"tip_load.force=[\"-0.147 N\", \"0 N\"]", "rod.linear_density=0", "rod.actuator.0.limit=0"});
+      strip.target.position = Vec2{0.05, 0.05 * side};
+      strip.start_tip_angle = start;
+      const Plan found = combination::plan(strip);
+      ASSERT_TRUE(certified(found));
+      EXPECT_GT(found.tip_y * side, 0.01);
+    }
+  }
+}
+
+// Of the valleys of these two fingers' effort the best one is at -5.99368, and the one that a later start ends in at
+// -5.99226.
+TEST(SearchModes, ALaterGraspThatCostsMoreDoesNotReplaceABetterOne) {
+  const Plan found = combination::plan(scene("grasp_unequal", {"gripper.object_diameter=\"40 mm\""}));
+  ASSERT_TRUE(certified(found));
+  EXPECT_NEAR(found.objective, -5.99368, 1e-5);
+}
+
 // Without the mode that won the next best one does, as it said it would.
 TEST(SearchModes, TheNextBestWinsWhereTheBestIsLeftOut) {
   for (const Scene& made : {scene("two_pegs"), scene("grasp_60mm")}) {
