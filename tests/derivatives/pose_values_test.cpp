@@ -10,6 +10,7 @@
 #include "differences.hpp"
 #include "program/pose_program.hpp"
 #include "support/sample_programs.hpp"
+#include "tendril/error.hpp"
 
 namespace tendril {
 namespace {

@@ -102,5 +102,68 @@ TEST(Trajectory, IsCutOffByAnInterruption) {
   EXPECT_FALSE(t.solved());
 }
 
+// An interruption between two targets ends the walk as one at a target does.
+TEST(Trajectory, IsCutOffByAnInterruptionOnTheWayToATarget) {
+  Strider strider;
+  int between = 0;
+  const auto plan = [&](const TargetSpec& target, const Plan* start, bool follow) {
+    Plan next = strider(target, start, follow);
+    const double x = target.position->x;
+    if (x != std::round(x) && ++between == 2) next.status = PlanStatus::interrupted;
+    return next;
+  };
+  const Trajectory t = plan_trajectory(targets_at({0.0, 3.0, 4.0}), {}, plan);
+  EXPECT_EQ(between, 2);
+  EXPECT_TRUE(t.interrupted);
+  EXPECT_FALSE(t.solved());
+  ASSERT_EQ(t.steps.size(), 1U);
+  EXPECT_EQ(t.steps[0].plan.tip_x, 0.0);
+}
+
+// The status of a step that was not reached is that of the attempt from the step before, whatever was met between.
+TEST(Trajectory, AStepThatFailsKeepsItsOwnPlan) {
+  for (const PlanStatus status : {PlanStatus::infeasible, PlanStatus::unstable, PlanStatus::time_limit,
+                                  PlanStatus::diverged, PlanStatus::failed}) {
+    SCOPED_TRACE(to_string(status));
+    const Trajectory t =
+        plan_trajectory(targets_at({0.0, 1.0, 0.5}), {}, [&](const TargetSpec& target, const Plan*, bool) {
+          Plan plan;
+          const double x = target.position->x;
+          plan.status = x <= 0.5 ? PlanStatus::solved : x == 1.0 ? status : PlanStatus::not_converged;
+          plan.tip_x = x;
+          return plan;
+        });
+    ASSERT_EQ(t.steps.size(), 3U);
+    EXPECT_FALSE(t.solved());
+    EXPECT_FALSE(t.interrupted);
+    EXPECT_EQ(t.steps[1].method, StepMethod::failed);
+    EXPECT_EQ(to_string(t.steps[1].plan.status), to_string(status));
+    EXPECT_EQ(t.steps[1].plan.tip_x, 1.0);
+    EXPECT_EQ(to_string(t.steps[2].plan.status), "solved");
+  }
+}
+
+TEST(Trajectory, ColdStartsAreCountedBesideTheStepAndStartFromNothing) {
+  int cold = 0;
+  const Trajectory t =
+      plan_trajectory(targets_at({0.0, 1.0}), {0, true}, [&](const TargetSpec&, const Plan* start, bool follow) {
+        Plan plan;
+        plan.status = PlanStatus::solved;
+        if (start == nullptr) ++cold;
+        EXPECT_TRUE(start != nullptr || !follow);
+        plan.modes.push_back({"free", "", start == nullptr ? 5 : 0, 1});
+        plan.evaluations.values = start == nullptr ? 100 : 7;
+        return plan;
+      });
+  ASSERT_EQ(t.steps.size(), 2U);
+  EXPECT_EQ(cold, 3);  // the first step itself, and one for each
+  EXPECT_EQ(t.steps[1].method, StepMethod::followed);
+  EXPECT_EQ(t.steps[1].effort.solver_calls, 0);
+  EXPECT_EQ(t.steps[1].effort.polishes, 1);
+  EXPECT_EQ(t.steps[1].effort.evaluations.values, 7);
+  EXPECT_EQ(t.steps[1].cold.solver_calls, 5);
+  EXPECT_EQ(t.steps[1].cold.evaluations.values, 100);
+}
+
 }  // namespace
 }  // namespace tendril

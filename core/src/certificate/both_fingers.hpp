@@ -11,7 +11,7 @@ namespace tendril {
 
 /// Judges points of a grasp of two fingers as Certifier does those of one rod: what concerns a finger alone is the
 /// worse of both; balance, clearance between them and stationarity are those of the whole.
-class GraspCertifier {
+class TENDRIL_API GraspCertifier {
  public:
   /// For the program to be judged; what its spec points at must outlive this.
   explicit GraspCertifier(const GraspProgram& program);

@@ -49,7 +49,9 @@ class GraspPlanner {
     Both<const Mode*> modes{};
     std::string skip;
     Best best;
-    bool deferred = false;  ///< nothing feasible was near the last start, and no solver was asked
+    bool deferred = false;      ///< nothing feasible was near the last start, and no solver was asked
+    bool left_out = false;      ///< on request: not tried, which proves nothing
+    int violations_before = 0;  ///< stationary ones, before the last start
   };
   /// What a program is made of beside its pair of modes.
   struct Assembly {
@@ -140,9 +142,10 @@ bool GraspPlanner::restore(Pair& pair, GraspProgram& program, Eigen::VectorXd& x
 }
 
 void GraspPlanner::consider(Pair& pair, const Both<StartShape>& shapes, bool only_promising) {
-  if (!pair.skip.empty() || must_stop()) return;
+  if (pair.left_out || !pair.skip.empty() || must_stop()) return;
   const double begin = now();
-  const int violations_before = pair.stationary_violations;
+  // A start that was deferred is looked at twice.
+  if (only_promising) pair.violations_before = pair.stationary_violations;
   pair.deferred = false;
   Assembly parts;
   for (std::size_t which = 0; which < 2; ++which) {
@@ -171,8 +174,7 @@ void GraspPlanner::consider(Pair& pair, const Both<StartShape>& shapes, bool onl
     if (usable || near) complete(pair, parts, x);
   }
   // One start is one piece of evidence, however many programs it led to.
-  if (!pair.deferred || only_promising)
-    pair.stationary_violations = std::min(pair.stationary_violations, violations_before + 1);
+  pair.stationary_violations = std::min(pair.stationary_violations, pair.violations_before + 1);
   pair.record.seconds += now() - begin;
   if (pair.best.certified() && pair.best.objective < best_objective() - beats) winner_ = &pair;
 }
@@ -272,7 +274,7 @@ void GraspPlanner::judge(Plan& plan, const Pair* shown) const {
   const bool infeasible = std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& p) {
     return !p.skip.empty() || (!p.best.has_point() && p.stationary_violations >= most_starts);
   });
-  const bool stopped = control_.stop != nullptr && control_.stop->load();
+  const bool stopped = steps_.deadline().interrupted();
   const bool late = steps_.deadline().cut();
   plan.search_cut = late;
   if (steps_.tally.solver_did_nothing() && (winner_ != nullptr || (!stopped && !late))) {
@@ -350,6 +352,8 @@ Plan GraspPlanner::report() {
     } else if (pair.starts_used > 0) {
       pair.record.outcome =
           "not solved: " + (pair.trouble.empty() ? std::string(to_string(pair.last.status)) : pair.trouble);
+    } else if (pair.left_out) {
+      pair.record.outcome = left_out_outcome;
     } else if (pair.record.outcome.empty()) {
       pair.record.outcome = pair.trouble.empty() ? "not tried: stopped before"
                                                  : "not solved: nothing feasible is near its starts, and there is a "
@@ -359,8 +363,12 @@ Plan GraspPlanner::report() {
   }
   if (shown != nullptr) {
     plan.solver = shown->best.solver;
-  } else if (!pairs_.empty()) {
-    plan.solver = pairs_.back().last;
+  } else {
+    // The last one that was asked; where restoration settled everything none was.
+    plan.solver.status = SolveStatus::infeasible;
+    for (const Pair& pair : pairs_) {
+      if (pair.record.solves > 0) plan.solver = pair.last;
+    }
   }
   report_tally(steps_.tally, plan);
   judge(plan, shown);
@@ -412,9 +420,7 @@ Plan GraspPlanner::run() {
   const auto excluded = [&](const Pair& pair) {
     return std::find(control_.without.begin(), control_.without.end(), pair.record.mode) != control_.without.end();
   };
-  for (Pair& pair : pairs_) {
-    if (excluded(pair)) pair.skip = "left out on request";
-  }
+  for (Pair& pair : pairs_) pair.left_out = excluded(pair);
   search();
   return report();
 }

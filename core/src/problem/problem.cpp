@@ -279,7 +279,8 @@ void Problem::follow(const TargetSpec& target, Plan& plan, const std::atomic<boo
 
 Plan Problem::plan(const PlanControl& control) {
   const double begin = now();
-  if (control.follow && control.start != nullptr && control.start->status == PlanStatus::solved) {
+  const bool follows = control.follow && control.start != nullptr && control.start->status == PlanStatus::solved;
+  if (follows && control.without.empty()) {
     Plan followed = *control.start;
     if (follow_without_solver(followed)) return followed;
   }

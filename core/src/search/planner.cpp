@@ -31,7 +31,7 @@ void Planner::consider(ModeState& state, const StartShape& shape) {
 }
 
 void Planner::consider(ModeState& state, const std::function<void()>& trial) {
-  if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty() || must_stop()) return;
+  if (state.left_out || !modes_[static_cast<std::size_t>(state.mode)].skip.empty() || must_stop()) return;
   if (best_objective() <= d_.objective_bound + beats) {
     if (state.starts_used == 0) state.record.outcome = "skipped: no plan can cost less than the one found";
     return;
@@ -58,11 +58,18 @@ std::size_t Planner::state_of(const std::vector<ContactSetup>& contacts) {
     if (same_contacts(modes_[i].contacts, contacts)) return i;
   }
   modes_.push_back(d_.mode(contacts));
-  ModeState state;
-  state.mode = static_cast<int>(modes_.size()) - 1;
-  state.record.mode = modes_.back().name;
-  states_.push_back(std::move(state));
+  states_.emplace_back();
+  name_state(modes_.size() - 1);
   return modes_.size() - 1;
+}
+
+void Planner::name_state(std::size_t i) {
+  ModeState& state = states_[i];
+  state.mode = static_cast<int>(i);
+  state.record.mode = modes_[i].name;
+  state.left_out =
+      std::find(control_.without.begin(), control_.without.end(), modes_[i].name) != control_.without.end();
+  if (state.left_out) state.record.outcome = left_out_outcome;
 }
 
 std::vector<std::size_t> Planner::parents(int contacts) const {
@@ -109,7 +116,7 @@ int Planner::follow() {
   const std::optional<FollowedPoint> from = followed_point(d_, *control_.start);
   if (!from) return -1;
   ModeState& state = states_[state_of(from->mode.contacts)];
-  if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty()) return -1;
+  if (state.left_out || !modes_[static_cast<std::size_t>(state.mode)].skip.empty()) return -1;
   std::vector<CheckPoint> checks = from->checks;
   following_ = true;
   complete(state, from->regions, checks, from->x, std::vector<Branch>(from->mode.contacts.size(), Branch::touching));
@@ -129,10 +136,7 @@ bool Planner::chooses() const {
 
 Plan Planner::run() {
   states_.resize(modes_.size());
-  for (std::size_t i = 0; i < states_.size(); ++i) {
-    states_[i].mode = static_cast<int>(i);
-    states_[i].record.mode = modes_[i].name;
-  }
+  for (std::size_t i = 0; i < states_.size(); ++i) name_state(i);
   std::vector<std::size_t> order;
   if (control_.start != nullptr) {
     // With an earlier plan the mode that won there comes first.
@@ -143,13 +147,7 @@ Plan Planner::run() {
   for (std::size_t i = 0; i < modes; ++i) {
     if (order.empty() || order.front() != i) order.push_back(i);
   }
-  const auto excluded = [&](std::size_t i) {
-    const bool out =
-        std::find(control_.without.begin(), control_.without.end(), modes_[i].name) != control_.without.end();
-    if (out) states_[i].record.outcome = "not tried: left out on request";
-    return out;
-  };
-  order.erase(std::remove_if(order.begin(), order.end(), excluded), order.end());
+  std::erase_if(order, [this](std::size_t i) { return states_[i].left_out; });
   if (control_.follow && control_.start != nullptr) winner_ = follow();
   if (winner_ >= 0) return report(states_, winner_);
   if (d_.palm && !d_.palm->balance) start_from_balance(order);

@@ -90,6 +90,7 @@ class Planner {
     Candidate spread;       ///< a point that fails because its contact spreads
     StartShape nearest;     ///< where the violation of the rows was least, as long as there is no point
     bool deferred = false;  ///< the last start was left to times without any plan
+    bool left_out = false;  ///< on request: not tried, which proves nothing
     int unheld = 0;         ///< starts that ended where the violation of the rows, stability among them, is stationary
   };
 
@@ -203,6 +204,7 @@ class Planner {
   /// Adds contacts to the best modes of each size.
   void grow();
   std::size_t state_of(const std::vector<ContactSetup>& contacts);
+  void name_state(std::size_t i);
   std::vector<std::size_t> parents(int contacts) const;
   /// Rounds of search().
   int starts() const { return most_starts + (control_.start != nullptr ? 1 : 0) + (d_.palm ? 1 : 0); }

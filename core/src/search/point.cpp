@@ -293,7 +293,7 @@ void Planner::look_for_spread() {
   if (d_.palm || !d_.scene.coordinates.split_at_contact) return;
   for (std::size_t i = 0; i < d_.modes.size(); ++i) {
     const Mode& mode = d_.modes[i];
-    if (mode.contacts.empty() || !mode.skip.empty()) continue;
+    if (mode.contacts.empty() || !mode.skip.empty() || states_[i].left_out) continue;
     std::vector<int> regions;
     for (const ContactSetup& contact : mode.contacts) regions.push_back(contact.region);
     // From where the violation was least, then from ordinary starts.

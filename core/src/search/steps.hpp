@@ -15,6 +15,9 @@ namespace tendril {
 inline constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
 inline constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
 
+/// How the record of a way of being in contact reads that the caller did not want tried.
+inline constexpr const char* left_out_outcome = "not tried: left out on request";
+
 /// What is known of the programs of one way of being in contact, for the report.
 struct Attempt {
   ModeRecord record;

@@ -110,7 +110,7 @@ Plan Planner::report(std::deque<ModeState>& states, int winner) {
   }
 
   Candidate* chosen = shown >= 0 ? &states[static_cast<std::size_t>(shown)].best : nullptr;
-  const bool stopped = control_.stop != nullptr && control_.stop->load();
+  const bool stopped = steps_.deadline().interrupted();
   const bool late = steps_.deadline().cut();
   plan.search_cut = late;
   // That the rod lies along an obstacle tells more than where the search for points ended instead.
