@@ -13,11 +13,12 @@ namespace tendril {
 namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-constexpr int few_values = 60;     ///< coordinates, up to which the rod settles in those of the plan
-constexpr int many_values = 150;   ///< coordinates of programs that led to no plan, before the rod itself is asked
-constexpr int most_exchanges = 8;  ///< rounds in which check points are added along equilibria
-constexpr int useless_rests = 6;   ///< in a row, before plans are sought in other ways
-constexpr double deepest = 1e-2;   ///< (L) of soft obstacles: a rod that is pressed in farther is not resting
+constexpr int few_values = 60;         ///< coordinates, up to which the rod settles in those of the plan
+constexpr int many_values = 150;       ///< coordinates of programs that led to no plan, before the rod itself is asked
+constexpr int most_exchanges = 8;      ///< rounds in which check points are added along equilibria
+constexpr int useless_rests = 6;       ///< in a row, before plans are sought in other ways
+constexpr double sampling_work = 2e6;  ///< (Tally::work) for all rests before the ordinary search goes on
+constexpr double deepest = 1e-2;       ///< (L) of soft obstacles: a rod that is pressed in farther is not resting
 constexpr double shares_of_bend[] = {0.9, 0.75, 0.6, 0.5,
                                      0.4, 0.25, 0.1};  ///< of a rest that coordinates cannot follow
 
@@ -31,6 +32,7 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, int lo
     Loading loading(d_.rod, d_.obstacles, d_.scene.start_tip_angle + bent, moments, stop);
     if (loading.without_side()) continue;
     const bool arrived = loading.run();
+    if (!arrived && allowance.spent()) return std::nullopt;
     Settled& end = loading.tracker().current();
     if (end.statics == nullptr) return std::nullopt;
     if (arrived) loading.tracker().refine_fully();
@@ -168,12 +170,13 @@ void Planner::start_from_rests() {
   std::vector<StartShape> from{d_.scene_start()};
   if (loaded()) from.insert(from.end(), {hanging(false), hanging(true)});
   const std::vector<std::vector<double>> samples = sampled_moments();
+  const double most_work = steps_.tally.work + sampling_work;
   std::size_t enough = samples.size();
   int useless = 0;
   bool has_plan = have_plan_;
   for (std::size_t i = 0; i < enough; ++i) {
     for (const StartShape& shape : from) {
-      if (must_stop()) return;
+      if (must_stop() || steps_.tally.work > most_work) return;
       const std::optional<Rest> rest = come_to_rest(samples[i], shape, looks_at_a_rest);
       // No contact where one is asked for, or more of them than there may be: such rests say little.
       useless = rest && contacts_of_rest(*rest) ? 0 : useless + 1;

@@ -11,7 +11,7 @@ namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
 constexpr int most_settlings = 3;         ///< executions of unstable plans, for a stable shape to start from
-constexpr int looks_at_unstable = 1600;   ///< steps that the rod may take from one of these
+constexpr int looks_at_unstable = 16000;  ///< steps that the rod may take from one of these
 constexpr double unlimited_moment = 6.3;  ///< (EI/L) stands for no limit: it bends the rod to a circle
 constexpr double towards_limit[] = {0.25, 1.0, 0.5, 0.1};  ///< of a limit, in the order in which they are tried
 constexpr std::size_t sampled_alone = 2;  ///< the first so many are tried with one actuator before several are

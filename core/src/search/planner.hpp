@@ -21,12 +21,12 @@
 namespace tendril {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-inline constexpr int most_starts = 5;        ///< per mode, before a program may be called infeasible
-inline constexpr int further_starts = 2;     ///< per mode, where all of these led to no plan
-inline constexpr int spread_starts = 5;      ///< per mode, to see whether a contact spreads
-inline constexpr double much_work = 5e6;     ///< (Tally::work) without a plan: the search hurries
-inline constexpr int looks_at_a_rest = 400;  ///< steps that the rod may take to one of them
-inline constexpr double beats = 1e-12;       ///< an objective must be lower by this to win
+inline constexpr int most_starts = 5;         ///< per mode, before a program may be called infeasible
+inline constexpr int further_starts = 2;      ///< per mode, where all of these led to no plan
+inline constexpr int spread_starts = 5;       ///< per mode, to see whether a contact spreads
+inline constexpr double much_work = 2e6;      ///< (Tally::work, some seconds) without a plan: the search hurries
+inline constexpr int looks_at_a_rest = 4000;  ///< steps that the rod may take to a rest; few need more than 400
+inline constexpr double beats = 1e-12;        ///< an objective must be lower by this to win
 
 /// A mode's best point so far and what is known about it.
 struct Candidate {

@@ -23,9 +23,13 @@ void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
   to.seconds += more.seconds;
 }
 
+/// Of many variables the linear algebra costs most.
+constexpr double cheap_algebra = 60.0;
+
 double work_of(const NonlinearProgram& program, const EvaluationCounts& asked) {
   const auto evaluations = static_cast<double>(asked.values + asked.first_derivatives + 2 * asked.hessians);
-  return evaluations * program.variable_count();
+  const double n = program.variable_count();
+  return evaluations * n * (1.0 + n * n / (cheap_algebra * cheap_algebra));
 }
 
 /// The variables that are at a limit at x.

@@ -36,7 +36,8 @@ struct Tally {
   EvaluationCounts outside_solver;  ///< that polish and restoration asked for
   int iterations = 0;
   double seconds = 0.0, seconds_evaluating = 0.0, seconds_certifying = 0.0;
-  double work = 0.0;  ///< evaluations times variables, second derivatives twice: grows as the time does, on any machine
+  double work =
+      0.0;  ///< of evaluations and the algebra between them: grows as the time does, and is the same on any machine
   /// Counts what a program was asked by a solver.
   void add_inside(const NonlinearProgram& program, const EvaluationCounts& asked);
   /// Counts what a program was asked otherwise since `before`.
