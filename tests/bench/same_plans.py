@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""same_plans.py BENCH TENDRIL SEEDS: random scenes that search far, each planned on an idle machine and then with more work
+"""same_plans.py BENCH TENDRIL SOLVER SEEDS: random scenes that search far, each planned on an idle machine and then with more work
 than the machine has cores. Everything but times has to be the same, byte for byte.
 
 SEEDS: numbers between commas."""
@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 
-bench, tendril, seeds = sys.argv[1], sys.argv[2], sys.argv[3].split(",")
+bench, tendril, solver, seeds = *sys.argv[1:4], sys.argv[4].split(",")
 cores = os.cpu_count()
 
 
@@ -24,7 +24,7 @@ def without_times(value):
 
 def plan(scene):
     # The limit is far away: what it does to a search is no part of the promise.
-    command = [tendril, "plan", str(scene), "--json", "--set", "solver.time_limit=600"]
+    command = [tendril, "plan", str(scene), "--json", "--solver", solver, "--set", "solver.time_limit=600"]
     ran = subprocess.run(command, capture_output=True, text=True, check=False)
     if ran.returncode not in (0, 1):
         raise SystemExit(f"{scene.name}: exit {ran.returncode}\n{ran.stderr}")

@@ -97,7 +97,7 @@ Execution Executor::run() {
     if (control_.start->moments.size() != last_.size()) throw Error("the result to start from has other actuators");
     std::vector<double> first;
     for (const double m : control_.start->moments) first.push_back(scale_.to_dimensionless(m, dimension::moment));
-    loading.emplace(rod_, obstacles_, earlier_state(), std::move(first), last_, stop);
+    loading.emplace(rod_, obstacles_, earlier_state(), first, last_, stop);
   }
   if (const auto o = loading->without_side()) {
     throw SceneError(control_.start != nullptr ? "obstacle[" + std::to_string(*o) + "]" : "start.tip_angle",

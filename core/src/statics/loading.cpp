@@ -63,7 +63,7 @@ Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, 
     : Loading(set_from_rest(rod, obstacles, curvature, moments), obstacles, std::move(must_stop)) {}
 
 Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, RodState earlier,
-                 std::vector<double> first, std::vector<double> last, std::function<bool()> must_stop)
+                 const std::vector<double>& first, const std::vector<double>& last, std::function<bool()> must_stop)
     : Loading({LoadPath(rod, obstacles, {first, last, false}), std::move(earlier), false, first != last}, obstacles,
               std::move(must_stop)) {}
 

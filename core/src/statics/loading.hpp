@@ -19,8 +19,8 @@ class Loading {
   Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature,
           const std::vector<double>& moments, std::function<bool()> must_stop);
   /// From an earlier state under the moments `first` and all other loads; only the moments then change.
-  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, RodState earlier, std::vector<double> first,
-          std::vector<double> last, std::function<bool()> must_stop);
+  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, RodState earlier,
+          const std::vector<double>& first, const std::vector<double>& last, std::function<bool()> must_stop);
   Loading(const Loading&) = delete;
   Loading& operator=(const Loading&) = delete;
 
