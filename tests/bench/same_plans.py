@@ -18,7 +18,7 @@ cores = os.cpu_count()
 
 def without_times(value):
     if isinstance(value, dict):
-        return {k: without_times(v) for k, v in value.items() if "seconds" not in k}
+        return {k: without_times(v) for k, v in value.items() if "seconds" not in k and "time" not in k}
     return [without_times(v) for v in value] if isinstance(value, list) else value
 
 
