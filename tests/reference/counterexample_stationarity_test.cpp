@@ -9,6 +9,7 @@
 
 #include "counterexample_support.hpp"
 #include "obstacle/circle.hpp"
+#include "tendril/error.hpp"
 
 namespace tendril::support {
 namespace {
@@ -149,12 +150,18 @@ TEST(CounterexampleStationarity, ADroppedCheckPointLeavesItsMultiplierOver) {
   EXPECT_TRUE(certified(pose.judge(pose.x)));
   const double left = slope_left(pose, pose.x);
   ASSERT_GT(left, 1e-3);
-  Certifier without(pose.spec);
-  without.set_checks({});
-  EXPECT_TRUE(refused(without.certify(*pose.program, pose.x), "stationarity", left));
+  pose.spec.checks = {};
+  pose.assemble();
+  EXPECT_TRUE(refused(pose.judge(pose.x), "stationarity", left));
   // A row of another place does not carry it.
-  without.set_checks({{0, 0.5, 0}});
-  EXPECT_TRUE(refused(without.certify(*pose.program, pose.x), "stationarity", left));
+  pose.spec.checks = {{0, 0.5, 0}};
+  pose.assemble();
+  EXPECT_TRUE(refused(pose.judge(pose.x), "stationarity", left));
+  // A judge of other rows than the program's says so.
+  Certifier other(pose.spec);
+  other.set_checks({});
+  EXPECT_THROW((void)other.certify(*pose.program, pose.x), Error);
+  pose.spec.checks = {{0, 1.0, 0}};
   // Nor would one that holds the rod to the obstacle instead of out of it.
   pose.wish.tip = {0.8, 0.1};
   pose.assemble();

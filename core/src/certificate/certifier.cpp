@@ -7,6 +7,7 @@
 #include "nlp/multipliers.hpp"
 #include "program/stability.hpp"
 #include "rod/quadrature.hpp"
+#include "tendril/error.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril {
@@ -271,6 +272,7 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
   d.coarse = judged.constraints(x);
   d.move(x);
   const Eigen::VectorXd& rows = d.rows = d.program->constraints(x);
+  if (rows.size() != d.coarse.size()) throw Error("the program to be judged has other check points than its judge");
   c.quadrature = (rows - d.coarse).cwiseAbs().maxCoeff();
   c.equilibrium = rows.head(at.coordinates).cwiseAbs().maxCoeff();
 
