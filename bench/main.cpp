@@ -10,14 +10,14 @@
 #include <utility>
 
 #include "campaign/campaign.hpp"
-#include "report/parts.hpp"
 #include "campaign/random_scene.hpp"
+#include "common/workload.hpp"
+#include "report/parts.hpp"
 #include "report/report.hpp"
+#include "report/tolerance_sweep.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/interrupt.hpp"
 #include "tendril/version.hpp"
-#include "report/tolerance_sweep.hpp"
-#include "common/workload.hpp"
 
 namespace {
 

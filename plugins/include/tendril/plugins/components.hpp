@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tendril/problem.hpp"
 #include "tendril/plugins/registry.hpp"
+#include "tendril/problem.hpp"
 
 namespace tendril::plugins {
 
