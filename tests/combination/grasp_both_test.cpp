@@ -330,7 +330,7 @@ TEST(BothFingersRefused, WithTheReason) {
   ObjectiveSpec balance;
   balance.plugin = "grasp_balance";
   unequal.objectives.push_back(balance);
-  refused(unequal, "objective[2].plugin", "no sum over the fingers");
+  refused(unequal, "objective[2].plugin", "mirror image, but both fingers are planned");
   unequal = scene("grasp_unequal");
   unequal.fingers[1].rod.actuators[0].to = 0.2;
   refused(unequal, "finger[1].actuator[0].to", "the actuator ends at 0.2 m");
