@@ -33,8 +33,8 @@ TermEvaluator::TermEvaluator(WeightedTerm term, const Target& target, int contac
       dual_(reads_, contacts, moments) {
   for (const double s : reads_.samples) {
     if (!(s >= 0.0 && s <= 1.0)) {
-      throw Error("objective '" + weighted_.name +
-                  "' asks for a backbone sample outside the rod (s/L = " + std::to_string(s) + ")");
+      throw Error("objective '" + weighted_.name + "' asks for a backbone sample outside the rod (s/L = " + shown(s) +
+                  ")");
     }
   }
   set_target(target);

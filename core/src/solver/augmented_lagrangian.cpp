@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <exception>
 
 #include "nlp/multipliers.hpp"
@@ -23,12 +22,6 @@ constexpr double largest_multiplier = 1e9;
 constexpr double least_weight = 1e-6;
 constexpr double first_weight = 1e-2;
 constexpr double largest_weight = 1e12;
-
-std::string shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
 
 }  // namespace
 
