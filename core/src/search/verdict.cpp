@@ -82,23 +82,23 @@ Plan Planner::report(std::deque<ModeState>& states, int winner) {
     plan.modes.push_back(state.record);
   }
 
-  // Without a certified plan the nearest one is shown, for what it is worth.
-  int shown = winner;
-  if (shown < 0) {
+  // Without a certified plan the nearest one is reported, for what it is worth.
+  int reported = winner;
+  if (reported < 0) {
     std::size_t fewest = std::numeric_limits<std::size_t>::max();
     for (const ModeState& state : states) {
       if (!state.best.has_point) continue;
       const std::size_t failures = state.best.certificate.failures.size();
       const bool better =
-          failures < fewest || (failures == fewest && shown >= 0 &&
-                                state.best.objective < states[static_cast<std::size_t>(shown)].best.objective);
+          failures < fewest || (failures == fewest && reported >= 0 &&
+                                state.best.objective < states[static_cast<std::size_t>(reported)].best.objective);
       if (!better) continue;
       fewest = failures;
-      shown = state.mode;
+      reported = state.mode;
     }
   }
 
-  Candidate* chosen = shown >= 0 ? &states[static_cast<std::size_t>(shown)].best : nullptr;
+  Candidate* chosen = reported >= 0 ? &states[static_cast<std::size_t>(reported)].best : nullptr;
   const bool stopped = steps_.deadline().interrupted();
   const bool late = steps_.deadline().cut();
   plan.search_cut = late;
