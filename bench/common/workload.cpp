@@ -70,6 +70,14 @@ std::string sides(const Plan& plan, const std::vector<Vec2>& references) {
   return text;
 }
 
+const ModeRecord* winning_mode(const Plan& plan) {
+  const ModeRecord* best = nullptr;
+  for (const ModeRecord& mode : plan.modes) {
+    if (mode.certified && (best == nullptr || mode.objective < best->objective)) best = &mode;
+  }
+  return best;
+}
+
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 double processor_now() {

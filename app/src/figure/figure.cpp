@@ -298,14 +298,9 @@ std::string plot_command(const FigureScene& scene, const Plan& plan, const std::
   return script + '\n';
 }
 
-std::string script_of(const FigureScene& scene, const Plan& plan, const Box& window, LengthUnit unit,
-                      const std::string& stem, const std::vector<Picture>& pictures) {
-  constexpr int width = 900;
-  const int height =
-      static_cast<int>(std::clamp(90.0 + 790.0 * window.size().y / window.size().x + 90.0, 420.0, 1300.0));
-  std::string script = "# Give this to gnuplot to draw the figure anew.\nset encoding utf8\n";
-  script += fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", window.low.x / unit.size,
-                        window.high.x / unit.size, window.low.y / unit.size, window.high.y / unit.size);
+std::string settings_of(const FigureScene& scene, const Plan& plan, const Box& window, LengthUnit unit) {
+  std::string script = fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", window.low.x / unit.size,
+                                   window.high.x / unit.size, window.low.y / unit.size, window.high.y / unit.size);
   script += fmt::format("set xlabel 'x ({0})' noenhanced\nset ylabel 'y ({0})' noenhanced\n", unit.name);
   if (!scene.title.empty()) script += "set title " + gnuplot_string(scene.title) + " noenhanced\n";
   script +=
@@ -315,10 +310,7 @@ std::string script_of(const FigureScene& scene, const Plan& plan, const Box& win
       "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\n"
       "set style fill solid 1.0 noborder\n"
       "set key outside bottom center horizontal Left reverse samplen 2.2 spacing 1.25 maxcols 3\n";
-  script += labels_of(scene, plan, window, unit);
-
-  return script +
-         drawn_to(pictures, stem, width, height, plot_command(scene, plan, gnuplot_file(stem + ".dat")), "replot\n");
+  return script + labels_of(scene, plan, window, unit);
 }
 
 /// Outline of an obstacle that reaches no further than `window`, which is dimensionless like the obstacle.
@@ -381,9 +373,11 @@ Picture picture_of(const std::filesystem::path& file) {
 void draw_figure(const FigureScene& scene, const Plan& plan, StagedFiles& files, const std::string& stem,
                  const std::vector<Picture>& pictures) {
   const LengthUnit unit = unit_for(length_of(plan));
-  files.write(stem + ".dat", data_of(scene, plan, unit).text());
-  files.write(stem + ".gnuplot", script_of(scene, plan, window_of(scene, plan), unit, stem, pictures));
-  render(files, stem, pictures);
+  const Box window = window_of(scene, plan);
+  const double height = std::clamp(90.0 + 790.0 * window.size().y / window.size().x + 90.0, 420.0, 1300.0);
+  render({data_of(scene, plan, unit).text(), settings_of(scene, plan, window, unit),
+          plot_command(scene, plan, gnuplot_file(stem + ".dat")), "replot\n", 900, static_cast<int>(height)},
+         files, stem, pictures);
 }
 
 void add_gripper(FigureScene& figure, const Scene& scene, const Plan& plan) {

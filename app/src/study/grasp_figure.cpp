@@ -13,8 +13,6 @@ namespace tendril::app {
 
 namespace {
 
-constexpr const char* colors[] = {"#1f4e8c", "#e0872b", "#2e7d32", "#7b3f98", "#8c5a2b", "#606060"};
-
 /// Cases with the same force limit, in order.
 struct Series {
   double limit = 0.0;
@@ -80,11 +78,8 @@ class GraspStudyFigure {
         "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\nset key outside bottom center horizontal "
         "Left reverse samplen 2 maxcols 2 height 1.5\n" +
         panels_ + "unset multiplot\n";
-    files.write("figure.dat", data_.text());
-    const std::vector<Picture> pictures{Picture::svg, Picture::png};
-    const std::string head = "# Give this to gnuplot to draw the figure anew.\nset encoding utf8\n";
-    files.write("figure.gnuplot", head + drawn_to(pictures, "figure", 520 * count_, 620, draw, "reset\n" + draw));
-    render(files, "figure", pictures);
+    render({data_.text(), "", draw, "reset\n" + draw, 520 * count_, 620}, files, "figure",
+           {Picture::svg, Picture::png});
   }
 
  private:
@@ -93,7 +88,6 @@ class GraspStudyFigure {
     ++count_;
   }
   char letter() const { return static_cast<char>('a' + count_); }
-  static std::string color_of(std::size_t series) { return colors[series % std::size(colors)]; }
 
   /// A force over the moment that is swept, a curve for each limit.
   void add_forces(const char* key, const std::string& name, const std::string& settings) {
@@ -104,7 +98,7 @@ class GraspStudyFigure {
       for (const Json* v : series_[s].values) {
         data_.numbers({(*v)["moments"].back().get<double>() * 1e3, (*v)[key].get<double>()});
       }
-      list.push_back({fmt::format("limit {:g} N", series_[s].limit), block, color_of(s)});
+      list.push_back({fmt::format("limit {:g} N", series_[s].limit), block, series_color(s)});
     }
     add_panel(settings, curves(file_, list));
   }
@@ -121,8 +115,8 @@ class GraspStudyFigure {
           const double value = pressures ? value_of((*v)["pressures"], a) * 1e-3 : value_of((*v)["moments"], a) * 1e3;
           data_.numbers({(*v)["diameter"].get<double>() / unit_.size, value});
         }
-        list.push_back(
-            {fmt::format("{:g} N, actuator {}", series_[s].limit, a + 1), block, color_of(s), static_cast<int>(a) + 1});
+        list.push_back({fmt::format("{:g} N, actuator {}", series_[s].limit, a + 1), block, series_color(s),
+                        static_cast<int>(a) + 1});
       }
     }
     const bool pressures = scene_.rod.actuators.empty() || scene_.rod.actuators[0].moment_per_pressure != 0.0;
