@@ -52,7 +52,8 @@ class AugmentedLagrangianSolver::Loop {
         x_(start.x),
         center_(start.x),
         multipliers_(Eigen::VectorXd::Zero(callbacks.program().row_count())),
-        bound_multipliers_(Eigen::VectorXd::Zero(start.x.size())) {
+        bound_multipliers_(Eigen::VectorXd::Zero(start.x.size())),
+        rest_gradient_(Eigen::VectorXd::Zero(start.x.size())) {
     for (int i = 0; i < x_.size(); ++i) {
       if (callbacks.program().lower()[i] < callbacks.program().upper()[i]) free_.push_back(i);
     }
@@ -121,12 +122,16 @@ class AugmentedLagrangianSolver::Loop {
   /// curvature of the rows, which Gauss and Newton leave out and without which a pressed row can make them crawl.
   void recenter() {
     const NonlinearProgram& p = program_.program();
+    const VectorView rest_gradient = program_.rest_gradient(x_);
+    // A rest need not be there at every point (a hinge is not): what counts is whether it is here. One whose gradient
+    // stayed what it was over the last step is taken to be linear: the Hessian would only bring the residuals'
+    // curvature.
+    has_rest_ = program_.rest(x_) != 0.0 || !rest_gradient.isZero(0.0);
+    if (x_ != center_) rest_curves_ = rest_gradient != rest_gradient_;
     center_ = x_;
-    rest_gradient_ = program_.rest_gradient(x_);
-    // A rest need not be there at every point (a hinge is not): what counts is whether it is here.
-    has_rest_ = program_.rest(x_) != 0.0 || !rest_gradient_.isZero(0.0);
+    rest_gradient_ = rest_gradient;
     rest_hessian_.setZero();
-    if (!curved_ && !has_rest_) return;
+    if (!curved_ && !(has_rest_ && rest_curves_)) return;
     Eigen::VectorXd pressure = Eigen::VectorXd::Zero(p.row_count());
     if (curved_) {
       const VectorView c = program_.constraints(x_);
@@ -195,7 +200,8 @@ class AugmentedLagrangianSolver::Loop {
   Eigen::VectorXd proximal_offset_;
   double penalty_ = first_penalty;
   double weight_ = first_weight;
-  bool has_rest_ = false;  ///< at the centre
+  bool has_rest_ = false;    ///< at the centre
+  bool rest_curves_ = true;  ///< as far as the last step shows
   bool curved_ = false;
   Conditions now_;
   double near_enough_ = 1e-2;  ///< for the polish to be tried
