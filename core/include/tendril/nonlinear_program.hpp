@@ -91,10 +91,10 @@ class TENDRIL_API NonlinearProgram {
   /// All bounds start open, all rows as equations c = 0; the implementation sets its own.
   NonlinearProgram(int variables, int rows, int residuals);
 
-  Eigen::VectorXd lower_;        ///< variable_count() entries
-  Eigen::VectorXd upper_;        ///< variable_count() entries
-  Eigen::VectorXd row_lower_;    ///< row_count() entries
-  Eigen::VectorXd row_upper_;    ///< row_count() entries
+  Eigen::VectorXd lower_;      ///< variable_count() entries
+  Eigen::VectorXd upper_;      ///< variable_count() entries
+  Eigen::VectorXd row_lower_;  ///< row_count() entries
+  Eigen::VectorXd row_upper_;  ///< row_count() entries
 
   /// What an implementation writes into. Cost and gradient are those of the whole objective.
   struct Workspace {
