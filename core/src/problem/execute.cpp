@@ -52,8 +52,12 @@ class Executor {
  private:
   bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
   RodState earlier_state() const;
+  /// Where the start lies inside of obstacles; empty if it does not.
+  std::string overlaps(const Loading& loading) const;
   void report(Tracker& tracker, bool arrived, Execution& out);
-  void report(const Loading::Lying& lying, LoadPath& path, Execution& out);
+  /// The part of a report that concerns the shape alone.
+  void report_shape(const PoseProgram& program, const Eigen::VectorXd& coordinates, Execution& out);
+  void report(const Loading::Lying& lying, const LoadPath& path, Execution& out);
   Snap to_si(TrackedSnap& snap, const LoadPath& path) const;
 
   const Scene& scene_;
@@ -110,6 +114,10 @@ Execution Executor::run() {
   if (!arrived) {
     if (const auto lying = loading->lie()) report(*lying, loading->path(), out);
   }
+  if (const std::string inside = overlaps(*loading); !inside.empty()) {
+    std::string& message = out.result.message;
+    message = inside + (message.empty() ? ", which takes its place as the loads grow" : ": " + message);
+  }
   out.result.start_backbone = control_.start != nullptr
                                   ? control_.start->backbone
                                   : outline(constant_curvature(scene_.start_tip_angle), rod_, scale_.length);
@@ -117,7 +125,32 @@ Execution Executor::run() {
   return out;
 }
 
-void Executor::report(const Loading::Lying& lying, LoadPath& path, Execution& out) {
+std::string Executor::overlaps(const Loading& loading) const {
+  std::string all;
+  for (const Loading::Overlap& o : loading.overlaps()) {
+    char depth[32];
+    std::snprintf(depth, sizeof depth, "%.4g mm", 1e3 * scale_.to_si(o.depth, dimension::length));
+    all +=
+        (all.empty() ? "the start shape lies " : " and ") + std::string(depth) + " inside '" + names_[o.obstacle] + "'";
+  }
+  return all;
+}
+
+void Executor::report_shape(const PoseProgram& program, const Eigen::VectorXd& coordinates, Execution& out) {
+  Plan& plan = out.result;
+  plan.order = program.chain().functions();
+  out.pieces = program.chain().piece_count();
+  plan.coordinates.assign(coordinates.data(), coordinates.data() + program.layout().coordinates);
+  const Vec2 tip = program.backbone().tip();
+  plan.tip_x = tip.x * scale_.length;
+  plan.tip_y = tip.y * scale_.length;
+  plan.tip_angle = program.backbone().tip_angle();
+  if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
+  plan.backbone = sampled_backbone(program, scale_.length);
+  plan.self_overlap = self_overlap(plan.backbone);
+}
+
+void Executor::report(const Loading::Lying& lying, const LoadPath& path, Execution& out) {
   const Descent& down = lying.down;
   Statics statics(path, down.basis, {}, suggested_nodes(down.basis->function_count(), 4.0));
   const Eigen::VectorXd z = statics.point({[&shape = down.shape](double s) { return shape.curvature(s); }, {}, 1.0});
@@ -161,17 +194,8 @@ void Executor::report(const Loading::Lying& lying, LoadPath& path, Execution& ou
     plan.certificate.penetration = std::max(plan.certificate.penetration, certified_depth(curve, *o));
   }
   plan.certificate.failures = {plan.message};
-  plan.order = program.chain().functions();
-  out.pieces = program.chain().piece_count();
   out.load = 1.0;
-  plan.coordinates.assign(z.data(), z.data() + statics.coordinates());
-  const Vec2 tip = program.backbone().tip();
-  plan.tip_x = tip.x * scale_.length;
-  plan.tip_y = tip.y * scale_.length;
-  plan.tip_angle = program.backbone().tip_angle();
-  if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
-  plan.backbone = sampled_backbone(program, scale_.length);
-  plan.self_overlap = self_overlap(plan.backbone);
+  report_shape(program, z, out);
 }
 
 Snap Executor::to_si(TrackedSnap& snap, const LoadPath& path) const {
@@ -238,19 +262,9 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
     plan.status = PlanStatus::not_converged;
   }
   const PoseProgram& program = statics.at(end.z);
-  const Chain& chain = program.chain();
-  plan.order = chain.functions();
-  out.pieces = chain.piece_count();
-  plan.coordinates.assign(end.z.data(), end.z.data() + statics.coordinates());
-  const Vec2 tip = program.backbone().tip();
-  plan.tip_x = tip.x * scale_.length;
-  plan.tip_y = tip.y * scale_.length;
-  plan.tip_angle = program.backbone().tip_angle();
-  if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
+  report_shape(program, end.z, out);
   plan.contacts = planned_contacts(program, names_, scale_);
   std::erase_if(plan.contacts, [&](const PlannedContact& c) { return !(c.force > tolerance::force * scale_.force()); });
-  plan.backbone = sampled_backbone(program, scale_.length);
-  plan.self_overlap = self_overlap(plan.backbone);
 }
 
 }  // namespace

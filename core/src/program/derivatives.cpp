@@ -105,7 +105,7 @@ void PoseProgram::Data::equilibrium_jacobian(ConstVectorRef x, Eigen::MatrixXd& 
   (void)x;
   const BasisTable& table = chain.table();
   const double* weight = table.weight.data();
-  const Vec2 g = spec.rod->gravity;
+  const Vec2 g = loads.gravity;
   jacobian.topRows(q_count).setZero();
 
   // Turning of the transmitted force with the shape.
@@ -183,6 +183,12 @@ void PoseProgram::Data::equilibrium_jacobian(ConstVectorRef x, Eigen::MatrixXd& 
     for (int i = 0; i < x_count; ++i) along[i] = tau.x * rx[i] + tau.y * ry[i];
     double* by_force = jacobian.col(layout.first_force + static_cast<Eigen::Index>(k)).data();
     for (int i = 0; i < q_count; ++i) by_force[i] = normal.x * rx[i] + normal.y * ry[i];
+    if (spec.contacts[k].obstacle < 0) {
+      // The force turns with the rod.
+      const Eigen::Map<const Eigen::RowVectorXd> angle(rows.row(p.angle).data(), x_count);
+      jacobian.topRows(q_count).noalias() += c.force * Eigen::Map<const Eigen::VectorXd>(along, q_count) * angle;
+      continue;
+    }
     const double factor = c.force * c.surface.curvature;
     if (factor == 0.0) continue;
     for (int column = 0; column < x_count; ++column) {

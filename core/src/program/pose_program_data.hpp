@@ -28,6 +28,7 @@ struct PoseProgram::Data {
   explicit Data(PoseProgramSpec s);
 
   PoseProgramSpec spec;
+  Loads loads;
   Layout layout;
   Chain chain;
   Backbone backbone;
@@ -87,6 +88,12 @@ struct PoseProgram::Data {
   Eigen::VectorXd third;
 
   double length(int j) const { return backbone.length(j); }
+  SurfacePoint surface(int obstacle, Vec2 point) const {
+    const auto o = static_cast<std::size_t>(obstacle);
+    SurfacePoint at = spec.obstacles[o]->at(point);
+    at.distance += loads.shrink[o];
+    return at;
+  }
   double start_distance(const StartShape& shape, const std::vector<Vec2>& points, ConstVectorRef lower,
                         ConstVectorRef upper) const;
   void evaluate_shape(ConstVectorRef x);

@@ -45,11 +45,10 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, int lo
 
 std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from, int looks) const {
   if (d_.coordinate_count({}) > few_values) return executed(moments, looks);
-  LoadPath path(d_.rod, d_.obstacles, {moments, moments, false});
-  path.apply(1.0);
+  const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false});
   Allowance allowance(steps_.deadline(), looks);
   const Descent down =
-      descend_in(*d_.components.coordinates, path, from.curvature, [&allowance] { return allowance.spent(); });
+      descend_in(*d_.components.coordinates, path, 1.0, from.curvature, [&allowance] { return allowance.spent(); });
   if (!down.converged) return std::nullopt;
   Rest rest{[shape = down.shape](double s) { return shape.curvature(s); }, moments, {}};
   for (const PressedRun& run : down.runs) {

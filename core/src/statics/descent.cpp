@@ -24,15 +24,16 @@ constexpr int most_rounds = 40;         ///< of multipliers
 
 class Valley {
  public:
-  Valley(const LoadPath& path, std::shared_ptr<const CoordinateModel> basis)
-      : path_(path), basis_(std::move(basis)), program_(std::make_unique<PoseProgram>(spec())) {
+  Valley(const LoadPath& path, double load, std::shared_ptr<const CoordinateModel> basis)
+      : path_(path), basis_(std::move(basis)), program_(std::make_unique<PoseProgram>(spec(load))) {
+    program_->set_loads(path.loads(load));
     const Chain& chain = program_->chain();
     const int functions = chain.functions();
     n_ = chain.coordinate_count();
     held_ = Eigen::VectorXd::Zero(program_->layout().checks);
     x_ = Eigen::VectorXd::Zero(program_->variable_count());
     for (int a = 0; a < static_cast<int>(path.rod().actuators.size()); ++a) {
-      x_[program_->moment_variable(a)] = path.moment(static_cast<std::size_t>(a), path.load());
+      x_[program_->moment_variable(a)] = path.moment(static_cast<std::size_t>(a), load);
     }
     const Eigen::LLT<Eigen::MatrixXd> llt(chain.table().stiffness);
     const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(functions, functions);
@@ -46,15 +47,7 @@ class Valley {
   }
 
   void start(const std::function<double(double)>& curvature) {
-    const Chain& chain = program_->chain();
-    std::vector<double> scaled(static_cast<std::size_t>(chain.nodes()));
-    for (int j = 0; j < chain.piece_count(); ++j) {
-      for (int g = 0; g < chain.nodes(); ++g) {
-        scaled[static_cast<std::size_t>(g)] =
-            chain.length0()[j] * curvature(chain.start0()[j] + chain.length0()[j] * chain.table().sigma[g]);
-      }
-      x_.segment(j * chain.functions(), chain.functions()) = chain.project(scaled);
-    }
+    x_.head(n_) = program_->chain().coordinates_of(curvature, {});
   }
 
   /// Energy with the penalty at the coordinates kept, moved by `step` in scaled coordinates.
@@ -173,7 +166,7 @@ class Valley {
   }
 
  private:
-  PoseProgramSpec spec() const {
+  PoseProgramSpec spec(double load) const {
     PoseProgramSpec s;
     s.rod = &path_.rod();
     s.model = basis_.get();
@@ -181,11 +174,11 @@ class Valley {
     s.nodes = suggested_nodes(basis_->function_count(), 4.0);
     const Chain chain(path_.rod(), *basis_, {}, 1);
     for (int o = 0; o < static_cast<int>(s.obstacles.size()); ++o) {
-      if (s.obstacles[static_cast<std::size_t>(o)]->at(path_.rod().base).distance > 1.0) continue;
+      const auto at = static_cast<std::size_t>(o);
+      if (s.obstacles[at]->at(path_.rod().base).distance > 1.0) continue;
       for (int j = 0; j < chain.piece_count(); ++j) {
         const double wanted =
-            chain.length0()[j] *
-            std::max<double>(checks_per_rod, 2.0 / s.obstacles[static_cast<std::size_t>(o)]->smallest_radius());
+            chain.length0()[j] * std::max<double>(checks_per_rod, 2.0 / path_.smallest_radius(at, load));
         const int count = std::clamp(static_cast<int>(std::ceil(wanted)), 2, 200);
         for (int i = 1; i <= count; ++i) s.checks.push_back({j, static_cast<double>(i) / count, o});
       }
@@ -195,11 +188,11 @@ class Valley {
 
   /// Pi (model.md section 3), up to a constant, of the point computed last.
   double potential(const Eigen::VectorXd& x) {
-    const Rod& rod = path_.rod();
+    const Loads& loads = program_->loads();
     const Chain& chain = program_->chain();
     const Backbone& shape = program_->backbone();
-    double sum = -dot(rod.tip_force, shape.tip());
-    double mass = rod.payload;
+    double sum = -dot(loads.tip_force, shape.tip());
+    double mass = path_.rod().payload;
     for (int j = chain.piece_count() - 1; j >= 0; --j) {
       const Chain::Piece& piece = chain.piece(j);
       const double h = shape.length(j);
@@ -209,11 +202,11 @@ class Valley {
         if (chain.actuated(a, j)) moment += x[program_->moment_variable(a)];
       }
       sum += 0.5 * piece.stiffness / h * q.dot(chain.table().stiffness * q) - moment * chain.table().end.dot(q);
-      if (rod.gravity == Vec2{}) continue;
+      if (loads.gravity == Vec2{}) continue;
       for (int g = 0; g < chain.nodes(); ++g) {
         const double beyond = mass + piece.weight * h * (1.0 - chain.table().sigma[g]);
         const Vec2 tangent{shape.cosines(j)[g], shape.sines(j)[g]};
-        sum -= h * chain.table().weight[g] * beyond * dot(rod.gravity, tangent);
+        sum -= h * chain.table().weight[g] * beyond * dot(loads.gravity, tangent);
       }
       mass += piece.weight * h;
     }
@@ -320,21 +313,21 @@ Descent go_down(Valley& valley, const std::function<bool()>& must_stop, bool rig
 
 }  // namespace
 
-Descent descend(const LoadPath& path, const std::function<double(double)>& curvature,
+Descent descend(const LoadPath& path, double load, const std::function<double(double)>& curvature,
                 const std::function<bool()>& must_stop, bool rigid) {
   const auto stretches = static_cast<int>(path.rod().fixed_knots().size()) - 1;
   const auto basis =
       std::make_shared<const LegendreBasis>(fine_order, std::max(1, (pieces_per_rod + stretches - 1) / stretches));
-  Valley valley(path, basis);
+  Valley valley(path, load, basis);
   valley.start(curvature);
   Descent result = go_down(valley, must_stop, rigid);
   result.basis = basis;
   return result;
 }
 
-Descent descend_in(const CoordinateModel& model, const LoadPath& path, const std::function<double(double)>& curvature,
-                   const std::function<bool()>& must_stop) {
-  Valley valley(path, {std::shared_ptr<const CoordinateModel>(), &model});
+Descent descend_in(const CoordinateModel& model, const LoadPath& path, double load,
+                   const std::function<double(double)>& curvature, const std::function<bool()>& must_stop) {
+  Valley valley(path, load, {std::shared_ptr<const CoordinateModel>(), &model});
   valley.start(curvature);
   return go_down(valley, must_stop, false);
 }

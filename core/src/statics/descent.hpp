@@ -38,16 +38,16 @@ struct Descent {
   double gradient = 0.0;                       ///< of the Lagrangian, in the metric of the bending energy
 };
 
-/// Walks downhill from a shape that is no stable equilibrium to one that is, at the loads of `path` as they stand:
-/// minimizes Pi plus an exterior penalty for d(P(s)) >= 0 by a trust-region Newton method whose steps are short, so
-/// that the valley found is the one below the start. The penalty stiffens in rounds; what is left of its softness is
-/// for Newton's method on point contacts to remove, or, with `rigid`, for an augmented Lagrangian: then the check
-/// points stay outside, and their multipliers are the force that is distributed along the rod.
-Descent descend(const LoadPath& path, const std::function<double(double)>& curvature,
+/// Walks downhill from a shape that is no stable equilibrium to one that is, at a load
+/// fraction of `path`: minimizes Pi plus an exterior penalty for d(P(s)) >= 0 by a trust-region Newton method whose
+/// steps are short, so that the valley found is the one below the start. The penalty stiffens in rounds; what is left
+/// of its softness is for Newton's method on point contacts to remove, or, with `rigid`, for an augmented Lagrangian:
+/// then the check points stay outside, and their multipliers are the force that is distributed along the rod.
+Descent descend(const LoadPath& path, double load, const std::function<double(double)>& curvature,
                 const std::function<bool()>& must_stop, bool rigid = false);
 
 /// The same in the coordinates of a model, not split at contacts, with soft obstacles. `model` must outlive the result.
-Descent descend_in(const CoordinateModel& model, const LoadPath& path, const std::function<double(double)>& curvature,
-                   const std::function<bool()>& must_stop);
+Descent descend_in(const CoordinateModel& model, const LoadPath& path, double load,
+                   const std::function<double(double)>& curvature, const std::function<bool()>& must_stop);
 
 }  // namespace tendril

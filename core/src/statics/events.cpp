@@ -210,7 +210,7 @@ bool Tracker::passes_through(const Step& step, const Eigen::VectorXd& tangent, d
   std::vector<double> fine(closed.size());
   std::vector<double> deep(closed.size());
   for (std::size_t o = 0; o < closed.size(); ++o) {
-    const double radius = path_.obstacles()[o]->smallest_radius();
+    const double radius = path_.smallest_radius(o, now_.z[s.size()]);
     fine[o] = std::clamp(glancing_share * radius, least_share, glancing);
     deep[o] = std::clamp(interpolation_share * radius, least_share, interpolation);
   }

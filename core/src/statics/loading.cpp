@@ -78,7 +78,6 @@ Loading::Loading(Set set, const std::vector<const Obstacle*>& obstacles, std::fu
 }
 
 void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
-  path_.apply(1.0);
   Statics free(path_, std::make_shared<LegendreBasis>(12, 4), {}, suggested_nodes(12, 4.0));
   const Eigen::VectorXd z = free.point({start_.curvature, {}, 1.0});
   Curve curve(free.at(z).chain().curve_tables());
@@ -95,7 +94,7 @@ void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
     const bool touched = std::any_of(start_.contacts.begin(), start_.contacts.end(),
                                      [&](const PointContact& c) { return c.setup.obstacle == static_cast<int>(o); });
     if (!(deepest < (touched ? -0.02 : -tolerance::penetration))) continue;
-    grows_ = true;
+    overlaps_.push_back({o, -deepest});
     if (!std::isfinite(obstacle.smallest_radius())) {
       path_.grow(o, -deepest);
       continue;
@@ -106,13 +105,13 @@ void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
     }
     path_.grow(o, obstacle.rounding());
   }
-  if (!grows_) return;
+  if (overlaps_.empty()) return;
   std::erase_if(start_.contacts, [&](const PointContact& c) { return path_.distance_rate(c.setup.obstacle) != 0.0; });
 }
 
 bool Loading::run() {
   if (!tracker_.begin(start_, exact_)) return false;
-  if (moves_ || grows_) return tracker_.follow();
+  if (moves_ || !overlaps_.empty()) return tracker_.follow();
   // Nothing changes along this path: its beginning is its end.
   Settled& s = tracker_.current();
   s.z[s.statics->size()] = 1.0;
@@ -131,8 +130,8 @@ std::optional<Loading::Lying> Loading::lie() {
   std::function<double(double)> curvature = end.statics->state(end.z).curvature;
   Lying found;
   for (int i = 1; i <= steps; ++i) {
-    path_.apply(i == steps ? 1.0 : from + (1.0 - from) * i / steps);
-    found.down = descend(path_, curvature, must_stop_, i == steps);
+    const double load = i == steps ? 1.0 : from + (1.0 - from) * i / steps;
+    found.down = descend(path_, load, curvature, must_stop_, i == steps);
     if (!found.down.converged) return std::nullopt;
     curvature = [shape = found.down.shape](double s) { return shape.curvature(s); };
   }

@@ -26,6 +26,12 @@ class Loading {
 
   /// The obstacle whose core the start runs through, so that it lies on neither side: nothing can be said then.
   std::optional<std::size_t> without_side() const { return without_side_; }
+  /// Obstacles that the start lies inside of by more than rounding: they grow, or a wall comes up, with the loads.
+  struct Overlap {
+    std::size_t obstacle = 0;
+    double depth = 0.0;  ///< L
+  };
+  const std::vector<Overlap>& overlaps() const { return overlaps_; }
   /// Follows the path; whether the final loads were reached.
   bool run();
 
@@ -39,7 +45,7 @@ class Loading {
   std::optional<Lying> lie();
 
   Tracker& tracker() { return tracker_; }
-  LoadPath& path() { return path_; }
+  const LoadPath& path() const { return path_; }
 
  private:
   struct Set {
@@ -55,7 +61,8 @@ class Loading {
 
   LoadPath path_;
   RodState start_;
-  bool exact_, moves_, grows_ = false;
+  bool exact_, moves_;
+  std::vector<Overlap> overlaps_;
   std::optional<std::size_t> without_side_;
   std::function<bool()> must_stop_;
   Tracker tracker_;

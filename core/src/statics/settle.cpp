@@ -100,7 +100,6 @@ bool Tracker::coarse() const { return now_.statics->moment_balance(now_.z) > coa
 void Tracker::refine_fully() { resolve(fine_balance); }
 
 bool Tracker::begin(const RodState& guess, bool exact) {
-  path_.apply(0.0);
   std::optional<Settled> near = settle(guess, 0.0);
   const auto stable = [](Settled& s) { return s.statics->margin(s.z) > tolerance::stability; };
   if (near && !exact && stable(*near)) {
@@ -137,7 +136,6 @@ bool Tracker::begin(const RodState& guess, bool exact) {
 }
 
 std::optional<Settled> Tracker::settle(RodState guess, double load) {
-  path_.apply(load);
   guess.load = load;
   const std::vector<double> knots = path_.rod().fixed_knots();
   const auto stretch_of = [&](double s) {
@@ -252,8 +250,7 @@ bool Tracker::spreads(double least) {
 
 std::optional<Settled> Tracker::fall(const std::function<double(double)>& curvature, double load, double extra,
                                      double& energy) {
-  path_.apply(load + extra);
-  const Descent down = descend(path_, curvature, must_stop_);
+  const Descent down = descend(path_, load + extra, curvature, must_stop_);
   if (!down.converged) {
     trouble_ = down.reason;
     return std::nullopt;

@@ -45,7 +45,8 @@ struct RodState {
 class Statics {
  public:
   /// `contacts` in any order; they are sorted along the rod.
-  Statics(LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std::vector<PointContact> contacts, int nodes);
+  Statics(const LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std::vector<PointContact> contacts,
+          int nodes);
 
   int size() const { return size_; }  ///< of y
   int coordinates() const { return program_->layout().coordinates; }
@@ -102,11 +103,16 @@ class Statics {
   /// Room of contact k's arc length downward and upward.
   std::pair<double, double> bounds(const Eigen::VectorXd& z, int k) const;
 
-  LoadPath& path_;
+  void place(const Eigen::VectorXd& z);  ///< x_, without evaluating anything
+  void set_load(double load);            ///< of the program
+
+  const LoadPath& path_;
   std::shared_ptr<const LegendreBasis> basis_;
   std::unique_ptr<PoseProgram> program_;
   std::unique_ptr<Certifier> certifier_;
   std::vector<int> rows_, columns_;  ///< of the program
+  double load_ = 1.0;                ///< of the program, and of the certifier
+  double certified_load_ = 1.0;
   int size_ = 0;
   Eigen::VectorXd x_, residual_;
   Eigen::MatrixXd jacobian_;  ///< size x (size + 1)

@@ -35,7 +35,7 @@ struct TrackedSnap {
 /// as its unknown, and the first along the path is taken.
 class Tracker {
  public:
-  Tracker(LoadPath& path, std::function<bool()> must_stop) : path_(path), must_stop_(std::move(must_stop)) {}
+  Tracker(const LoadPath& path, std::function<bool()> must_stop) : path_(path), must_stop_(std::move(must_stop)) {}
 
   /// Sets out from a guess at load 0. `exact`: the guess is the equilibrium itself. False: `trouble()` says why.
   bool begin(const RodState& guess, bool exact);
@@ -106,7 +106,7 @@ class Tracker {
   /// Two obstacles leave the rod no room: `trouble_` says where.
   bool pinched();
 
-  LoadPath& path_;
+  const LoadPath& path_;
   std::function<bool()> must_stop_;
   Settled now_;
   std::vector<TrackedSnap> snaps_;
