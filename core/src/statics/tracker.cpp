@@ -11,7 +11,6 @@ namespace {
 
 constexpr double longest_step = 0.15;  ///< along the path, in the metric of bending energy and load
 constexpr double shortest_step = 1e-8;
-constexpr double straightness = 0.9;          ///< cosine between the tangents at both ends of a step
 constexpr double deviation = 0.25;            ///< of the corrected from the predicted point, per step length
 constexpr double beyond_bifurcation = 1e-3;   ///< load fraction; see Snap
 constexpr double not_critical = 1e-3;         ///< margin that a fold of the equilibrium cannot have

@@ -15,6 +15,8 @@ namespace tendril {
 
 /// Where a contact is handed over to the next stretch or the tip (L).
 inline constexpr double knot_distance = 1e-6;
+/// Cosine between the tangents at both ends of a step, and with that at an event in between.
+inline constexpr double straightness = 0.9;
 
 /// A state together with the system that it solves.
 struct Settled {
