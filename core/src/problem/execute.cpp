@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "base/clock.hpp"
+#include "base/deadline.hpp"
 #include "certificate/clearance.hpp"
 #include "rod/self_overlap.hpp"
 #include "scene/make_rod.hpp"
@@ -21,7 +21,7 @@ class Executor {
  public:
   Executor(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
            const std::vector<double>& moments, const ExecuteControl& control)
-      : scene_(scene), moments_(moments), control_(control), deadline_(now() + control.time_limit) {
+      : scene_(scene), moments_(moments), control_(control), deadline_(control.stop, control.time_limit) {
     validate(scene);
     scale_ = scale_of(scene);
     names_ = obstacle_names(scene);
@@ -50,8 +50,7 @@ class Executor {
   Execution run();
 
  private:
-  bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
-  RodState earlier_state() const;
+  State earlier_state() const;
   /// Where the start lies inside of obstacles; empty if it does not.
   std::string overlaps(const Loading& loading) const;
   void report(Tracker& tracker, bool arrived, Execution& out);
@@ -63,7 +62,7 @@ class Executor {
   const Scene& scene_;
   const std::vector<double>& moments_;
   const ExecuteControl& control_;
-  double deadline_;
+  Deadline deadline_;
   Scale scale_;
   Rod rod_;
   std::vector<std::string> names_;
@@ -71,8 +70,8 @@ class Executor {
   std::vector<double> last_;
 };
 
-RodState Executor::earlier_state() const {
-  RodState state;
+State Executor::earlier_state() const {
+  State state;
   state.curvature = curvature_of(*control_.start, scale_.length);
   if (!control_.with_obstacles) return state;
   for (const PlannedContact& c : control_.start->contacts) {
@@ -92,7 +91,7 @@ RodState Executor::earlier_state() const {
 Execution Executor::run() {
   Execution out;
   const double begin = now();
-  const auto stop = [this] { return must_stop(); };
+  const auto stop = [this] { return deadline_.over(); };
   std::optional<Loading> loading;
   if (control_.start == nullptr) {
     loading.emplace(rod_, obstacles_, scene_.start_tip_angle, last_, stop);
@@ -153,30 +152,28 @@ void Executor::report_shape(const PoseProgram& program, const Eigen::VectorXd& c
 void Executor::report(const Loading::Lying& lying, const LoadPath& path, Execution& out) {
   const Descent& down = lying.down;
   Statics statics(path, down.basis, {}, suggested_nodes(down.basis->function_count(), 4.0));
-  const Eigen::VectorXd z = statics.point({[&shape = down.shape](double s) { return shape.curvature(s); }, {}, 1.0});
+  const Eigen::VectorXd z = statics.point({down.state.curvature, {}, 1.0});
   const PoseProgram& program = statics.at(z);
   Curve curve(program.chain().curve_tables());
   curve.follow(program.backbone());
-  const std::vector<PressedPoint>& points = down.points;
   std::vector<PlannedContact> contacts;
   const std::span<const double> no_knots;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const PressedPoint& p = points[i];
-    const auto o = static_cast<std::size_t>(p.obstacle);
-    const int j = p.at_tip ? program.chain().piece_count() - 1 : program.chain().piece_at(p.s, no_knots);
+  for (const PointContact& p : down.state.contacts) {
+    const auto o = static_cast<std::size_t>(p.setup.obstacle);
+    const int j = p.setup.at_tip ? program.chain().piece_count() - 1 : program.chain().piece_at(p.s, no_knots);
     const double from_start = p.s - program.chain().start(j, no_knots);
     const Vec2 point = curve.position(j, std::clamp(from_start / program.chain().length(j, no_knots), 0.0, 1.0));
     const SurfacePoint surface = path.obstacles()[o]->at(point);
     PlannedContact c;
-    c.obstacle = p.obstacle;
+    c.obstacle = p.setup.obstacle;
     c.obstacle_name = names_[o];
-    c.at_tip = p.at_tip;
+    c.at_tip = p.setup.at_tip;
     c.arc_length = p.s * scale_.length;
     c.point = scale_.length * point;
     c.normal = surface.normal;
     c.force = p.force * scale_.force();
     c.gap = surface.distance * scale_.length;
-    c.extended = lies(points, i);
+    c.extended = p.extended;
     contacts.push_back(c);
   }
   char text[240];
@@ -225,12 +222,12 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   plan.solver.iterations = tracker.steps();
   plan.moments = moments_;
   plan.message = tracker.trouble();
-  const bool stopped = control_.stop != nullptr && control_.stop->load();
+  const bool stopped = deadline_.interrupted();
   Settled& end = tracker.current();
   if (end.statics == nullptr) {
-    plan.status = stopped             ? PlanStatus::interrupted
-                  : now() > deadline_ ? PlanStatus::time_limit
-                                      : PlanStatus::not_converged;
+    plan.status = stopped            ? PlanStatus::interrupted
+                  : deadline_.over() ? PlanStatus::time_limit
+                                     : PlanStatus::not_converged;
     return;
   }
   if (arrived) tracker.refine_fully();
@@ -254,7 +251,7 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   } else if (stopped) {
     plan.status = PlanStatus::interrupted;
     plan.message = "interrupted before the final loads were reached";
-  } else if (now() > deadline_) {
+  } else if (deadline_.over()) {
     plan.status = PlanStatus::time_limit;
     plan.message =
         "the time limit of " + std::to_string(control_.time_limit) + " s was reached before the final loads were";

@@ -84,21 +84,11 @@ bool Tracker::add_touches(const Step& step, std::vector<Event>& found) {
   Statics& s = *now_.statics;
   const std::vector<double> knots = path_.rod().fixed_knots();
   for (const Certifier::Approach& valley : s.penetrations(step.z)) {
-    RodState state = s.state(step.z);
+    State state = s.state(step.z);
     PointContact c;
     c.setup.obstacle = valley.obstacle;
-    c.s = valley.at.arc_length;
-    c.setup.at_tip = c.s > 1.0 - knot_distance;
-    if (c.setup.at_tip) {
-      c.s = 1.0;
-    } else {
-      while (c.setup.region + 2 < static_cast<int>(knots.size()) &&
-             c.s >= knots[static_cast<std::size_t>(c.setup.region) + 1]) {
-        ++c.setup.region;
-      }
-      const auto r = static_cast<std::size_t>(c.setup.region);
-      c.s = std::clamp(c.s, knots[r] + 2.0 * knot_distance, knots[r + 1] - 2.0 * knot_distance);
-    }
+    c.setup.at_tip = valley.at.arc_length > 1.0 - knot_distance;
+    if (!c.setup.at_tip) place_inside(c, valley.at.arc_length, knots, 2.0 * knot_distance);
     for (const PointContact& other : state.contacts) {
       if (other.setup.obstacle == c.setup.obstacle && std::abs(other.s - c.s) < 1e-3) return false;
     }
@@ -116,7 +106,7 @@ bool Tracker::add_touches(const Step& step, std::vector<Event>& found) {
     row[e.statics->force_index(e.contact)] = 1.0;
     if (!e.statics->solve(e.z, row, 0.0, 1e-9).converged) return false;
     // The new contact has no force yet: without it this is a point of the current system.
-    RodState before = e.statics->state(e.z);
+    State before = e.statics->state(e.z);
     before.contacts.erase(before.contacts.begin() + e.contact);
     const Eigen::VectorXd here = s.point(before);
     e.tau = step.row.dot(here - now_.z);

@@ -62,7 +62,7 @@ Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, 
                  const std::vector<double>& moments, std::function<bool()> must_stop)
     : Loading(set_from_rest(rod, obstacles, curvature, moments), obstacles, std::move(must_stop)) {}
 
-Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, RodState earlier,
+Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, State earlier,
                  const std::vector<double>& first, const std::vector<double>& last, std::function<bool()> must_stop)
     : Loading({LoadPath(rod, obstacles, {first, last, false}), std::move(earlier), false, first != last}, obstacles,
               std::move(must_stop)) {}
@@ -118,27 +118,23 @@ bool Loading::run() {
   return true;
 }
 
-bool lies(const std::vector<PressedPoint>& points, std::size_t i) {
-  return points[i].joined || (i + 1 < points.size() && points[i + 1].joined);
-}
-
 std::optional<Loading::Lying> Loading::lie() {
   Settled& end = tracker_.current();
   if (!tracker_.spread() || end.statics == nullptr || must_stop_()) return std::nullopt;
   const double from = end.z[end.statics->size()];
   const int steps = std::max(1, static_cast<int>(std::ceil((1.0 - from) / longest_load_step)));
-  std::function<double(double)> curvature = end.statics->state(end.z).curvature;
+  Curvature curvature = end.statics->curvature(end.z, end.z);
   Lying found;
   for (int i = 1; i <= steps; ++i) {
     const double load = i == steps ? 1.0 : from + (1.0 - from) * i / steps;
     found.down = descend(path_, load, curvature, must_stop_, i == steps);
     if (!found.down.converged) return std::nullopt;
-    curvature = [shape = found.down.shape](double s) { return shape.curvature(s); };
+    curvature = found.down.state.curvature;
   }
-  for (std::size_t i = 0; i < found.down.points.size(); ++i) {
-    if (!lies(found.down.points, i)) continue;
-    found.first = std::min(found.first, found.down.points[i].s);
-    found.last = std::max(found.last, found.down.points[i].s);
+  for (const PointContact& c : found.down.state.contacts) {
+    if (!c.extended) continue;
+    found.first = std::min(found.first, c.s);
+    found.last = std::max(found.last, c.s);
   }
   if (!(found.last > found.first)) return std::nullopt;
   return found;

@@ -19,7 +19,7 @@ class Loading {
   Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature,
           const std::vector<double>& moments, std::function<bool()> must_stop);
   /// From an earlier state under the moments `first` and all other loads; only the moments then change.
-  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, RodState earlier,
+  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, State earlier,
           const std::vector<double>& first, const std::vector<double>& last, std::function<bool()> must_stop);
   Loading(const Loading&) = delete;
   Loading& operator=(const Loading&) = delete;
@@ -50,7 +50,7 @@ class Loading {
  private:
   struct Set {
     LoadPath path;
-    RodState start;
+    State start;
     bool exact = false;  ///< the start is the equilibrium itself
     bool moves = true;   ///< something changes along the path
   };
@@ -60,15 +60,12 @@ class Loading {
   void grow_overlapped(const std::vector<const Obstacle*>& obstacles);
 
   LoadPath path_;
-  RodState start_;
+  State start_;
   bool exact_, moves_;
   std::vector<Overlap> overlaps_;
   std::optional<std::size_t> without_side_;
   std::function<bool()> must_stop_;
   Tracker tracker_;
 };
-
-/// Whether a pressing point belongs to a stretch along which the rod lies.
-bool lies(const std::vector<PressedPoint>& points, std::size_t i);
 
 }  // namespace tendril

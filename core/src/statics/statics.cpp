@@ -18,39 +18,6 @@ constexpr double newton_step = 1e-9;      ///< likewise for the last step in the
 
 }  // namespace
 
-Shape::Shape(std::shared_ptr<const CoordinateModel> basis, const Backbone& backbone, ConstVectorRef coordinates)
-    : basis_(std::move(basis)) {
-  const Chain& chain = backbone.chain();
-  for (int j = 0; j < chain.piece_count(); ++j) {
-    starts_.push_back(backbone.start(j));
-    lengths_.push_back(backbone.length(j));
-  }
-  coordinates_ = Eigen::Map<const Eigen::MatrixXd>(coordinates.data(), chain.functions(), chain.piece_count());
-}
-
-double Shape::curvature(double s) const {
-  std::size_t j = 0;
-  while (j + 1 < starts_.size() && s >= starts_[j + 1]) ++j;
-  const double sigma[1] = {std::clamp((s - starts_[j]) / lengths_[j], 0.0, 1.0)};
-  const auto n = coordinates_.rows();
-  Eigen::MatrixXd value(1, n);
-  Eigen::MatrixXd first(1, n);
-  Eigen::MatrixXd second(1, n);
-  basis_->evaluate(sigma, value, first, second);
-  return first.row(0).dot(coordinates_.col(static_cast<Eigen::Index>(j))) / lengths_[j];
-}
-
-std::function<double(double)> Shape::plus(double factor, const Shape& other) const {
-  return [one = *this, factor, other](double s) { return one.curvature(s) + factor * other.curvature(s); };
-}
-
-void sort_contacts(std::vector<PointContact>& contacts) {
-  std::stable_sort(contacts.begin(), contacts.end(), [](const PointContact& a, const PointContact& b) {
-    if (a.setup.at_tip != b.setup.at_tip) return b.setup.at_tip;
-    return !a.setup.at_tip && a.s < b.s;
-  });
-}
-
 Statics::Statics(const LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std::vector<PointContact> contacts,
                  int nodes)
     : path_(path), basis_(std::move(basis)) {
@@ -133,7 +100,7 @@ void Statics::evaluate(const Eigen::VectorXd& z) {
   }
 }
 
-Eigen::VectorXd Statics::point(const RodState& state) const {
+Eigen::VectorXd Statics::point(const State& state) const {
   std::vector<PointContact> contacts = state.contacts;
   sort_contacts(contacts);
   Eigen::VectorXd z = Eigen::VectorXd::Zero(size_ + 1);
@@ -149,15 +116,13 @@ Eigen::VectorXd Statics::point(const RodState& state) const {
   return z;
 }
 
-Shape Statics::shape(const Eigen::VectorXd& z) { return {basis_, at(z).backbone(), z.head(coordinates())}; }
-
-Shape Statics::direction(const Eigen::VectorXd& z, const Eigen::VectorXd& dz) {
-  return {basis_, at(z).backbone(), dz.head(coordinates())};
+Curvature Statics::curvature(const Eigen::VectorXd& z, const Eigen::VectorXd& direction) {
+  return curvature_of(basis_, at(z).backbone(), direction.head(coordinates()));
 }
 
-RodState Statics::state(const Eigen::VectorXd& z) {
-  RodState s;
-  s.curvature = [shape = shape(z)](double at) { return shape.curvature(at); };
+State Statics::state(const Eigen::VectorXd& z) {
+  State s;
+  s.curvature = curvature(z, z);
   for (int k = 0; k < contact_count(); ++k) {
     const int index = arc_length_index(k);
     s.contacts.push_back({contact(k), index < 0 ? 1.0 : z[index], z[force_index(k)]});
