@@ -16,7 +16,7 @@ constexpr double step_floor = 1e-13;
 /// Without noise the sum of squares ends at rounding; its root, in L.
 constexpr double least_deviation = 1e-12;
 constexpr int most_search_steps = 40;
-constexpr double longest_slide = 0.1;  // of a place in one step, in L
+constexpr double longest_shift = 0.1;  // of a place in one step, in L
 
 /// Whether a place may not follow its gradient any further.
 bool blocked(const std::vector<NormalForce>& forces, std::size_t k, double direction) {
@@ -130,13 +130,13 @@ ShapeFit fit_shape(const LoadedRod& rod, const MeasuredShape& measured, const Lo
     while (!accepted && damping < 1e12 && !deadline.over()) {
       Eigen::MatrixXd damped = wanted.normal;
       damped.diagonal() += damping * weights;
-      const Eigen::VectorXd slide = -Eigen::LDLT<Eigen::MatrixXd>(damped).solve(wanted.gradient);
-      if (!(slide.lpNorm<Eigen::Infinity>() <= longest_slide)) {
+      const Eigen::VectorXd shift = -Eigen::LDLT<Eigen::MatrixXd>(damped).solve(wanted.gradient);
+      if (!(shift.lpNorm<Eigen::Infinity>() <= longest_shift)) {
         damping = std::max(1e-9, 4.0 * damping);
         continue;
       }
       std::vector<NormalForce> moved = fit.shape.forces;
-      for (std::size_t k = 0; k < moved.size(); ++k) moved[k].arc_length += slide[static_cast<Eigen::Index>(k)];
+      for (std::size_t k = 0; k < moved.size(); ++k) moved[k].arc_length += shift[static_cast<Eigen::Index>(k)];
       keep_order(moved);
       set_best_forces(rod, measured, fit, moved);
       // The predictor lets Newton start from where the shape will be.

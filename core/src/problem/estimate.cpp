@@ -183,9 +183,9 @@ const ShapeFit* rival_of(const std::vector<ShapeFit>& fits, const Eigen::MatrixX
     if (other.sum - fits.front().sum > equally_good * variance) break;
     for (std::size_t k = 0; k < best.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(2 * k);
-      const double slide = std::abs(other.shape.forces[k].arc_length - best[k].arc_length);
+      const double shift = std::abs(other.shape.forces[k].arc_length - best[k].arc_length);
       const double error = std::sqrt(covariance(i + 1, i + 1));
-      if (slide > 0.02 && slide > 3.0 * error) return &other;
+      if (shift > 0.02 && shift > 3.0 * error) return &other;
     }
   }
   return nullptr;
