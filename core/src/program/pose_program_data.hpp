@@ -88,12 +88,6 @@ struct PoseProgram::Data {
   Eigen::VectorXd third;
 
   double length(int j) const { return backbone.length(j); }
-  SurfacePoint surface(int obstacle, Vec2 point) const {
-    const auto o = static_cast<std::size_t>(obstacle);
-    SurfacePoint at = spec.obstacles[o]->at(point);
-    at.distance += loads.shrink[o];
-    return at;
-  }
   double start_distance(const StartShape& shape, const std::vector<Vec2>& points, ConstVectorRef lower,
                         ConstVectorRef upper) const;
   void evaluate_shape(ConstVectorRef x);

@@ -45,7 +45,12 @@ void PoseProgram::Data::evaluate_shape(ConstVectorRef x) {
       c.arc_length = spec.contacts[k].at_tip ? 1.0 : s[variable];
     }
     const int obstacle = spec.contacts[k].obstacle;
-    c.surface = obstacle < 0 ? SurfacePoint{0.0, turned(c.tangent)} : surface(obstacle, c.point);
+    if (obstacle < 0) {
+      c.surface = {0.0, turned(c.tangent)};
+    } else {
+      c.surface = spec.obstacles[static_cast<std::size_t>(obstacle)]->at(c.point);
+      c.surface.distance += loads.shrink[static_cast<std::size_t>(obstacle)];
+    }
     values.surfaces[k] = c.surface;
   }
   for (int j = 0; j < pieces; ++j) {
@@ -64,7 +69,8 @@ void PoseProgram::Data::evaluate_shape(ConstVectorRef x) {
       check_point[row] = start + h * Vec2{at.chord_x[i], at.chord_y[i]};
       const int obstacle = spec.checks[row].obstacle;
       const Vec2 seen = carried(obstacle) ? check_point[row] - shift : check_point[row];
-      check_surface[row] = surface(obstacle, seen);
+      check_surface[row] = spec.obstacles[static_cast<std::size_t>(obstacle)]->at(seen);
+      check_surface[row].distance += loads.shrink[static_cast<std::size_t>(obstacle)];
     }
   }
 }
