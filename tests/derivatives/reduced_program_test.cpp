@@ -215,6 +215,24 @@ TEST_F(BuckledStrip, NeverTakesAnEquilibriumBeyondAFoldForItsOwn) {
   }
 }
 
+TEST_F(BuckledStrip, AnswersTheSameWhateverWasAskedBefore) {
+  StartShape bent = constant_curvature(1.5);
+  bent.moments = {0.0};
+  const FeasibilityReport f = restore_feasibility(*program, program->start_from(bent), 1e-10);
+  ASSERT_TRUE(f.feasible);
+  ReducedProgram one(*program, f.x);
+  ReducedProgram other(*program, f.x);
+  const auto ask = [&](ReducedProgram& reduced, double more) {
+    return Eigen::VectorXd(reduced.full(one.start() + Eigen::VectorXd::Constant(1, more)));
+  };
+  for (const double more : {3.0, 0.1, -40.0, 1.3, -0.2, 2.9}) ask(other, more);
+  for (const double more : {0.1, 0.3, 1.4, 6.0}) {
+    const Eigen::VectorXd first = ask(one, more);
+    ASSERT_TRUE(first.allFinite()) << more;
+    EXPECT_EQ(first, ask(other, more)) << more;
+  }
+}
+
 TEST_F(BuckledStrip, HasNothingToChooseWhereMomentsAreFixed) {
   rod.actuators[0].minimum = rod.actuators[0].maximum = 0.5;
   const PoseProgram fixed(spec);

@@ -105,7 +105,7 @@ void PoseProgram::Data::equilibrium_jacobian(ConstVectorRef x, Eigen::MatrixXd& 
   (void)x;
   const BasisTable& table = chain.table();
   const double* weight = table.weight.data();
-  const Vec2 g = spec.rod->gravity;
+  const Vec2 g = loads.gravity;
   jacobian.topRows(q_count).setZero();
 
   // Turning of the transmitted force with the shape.
@@ -183,10 +183,13 @@ void PoseProgram::Data::equilibrium_jacobian(ConstVectorRef x, Eigen::MatrixXd& 
     for (int i = 0; i < x_count; ++i) along[i] = tau.x * rx[i] + tau.y * ry[i];
     double* by_force = jacobian.col(layout.first_force + static_cast<Eigen::Index>(k)).data();
     for (int i = 0; i < q_count; ++i) by_force[i] = normal.x * rx[i] + normal.y * ry[i];
-    const double factor = c.force * c.surface.curvature;
+    // Along a surface it is that which bends the normal, else the rod itself turns it.
+    const bool turns_with_rod = spec.contacts[k].obstacle < 0;
+    const double* turning = turns_with_rod ? rows.row(p.angle).data() : along;
+    const double factor = turns_with_rod ? c.force : c.force * c.surface.curvature;
     if (factor == 0.0) continue;
     for (int column = 0; column < x_count; ++column) {
-      const double scaled = factor * along[column];
+      const double scaled = factor * turning[column];
       if (scaled == 0.0) continue;
       double* out = jacobian.col(column).data();
       for (int i = 0; i < q_count; ++i) out[i] += scaled * along[i];

@@ -229,12 +229,12 @@ void PoseProgram::Data::add_inner_second(ConstVectorRef x, double sigma, ConstVe
   (void)sigma;
   const BasisTable& table = chain.table();
   const double* lambda = multipliers.data();
-  const Vec2 g = spec.rod->gravity;
+  const Vec2 g = loads.gravity;
   const int s0 = layout.first_arc_length;
 
   // Adjoints of points beyond each piece, of their virtual displacements, and of check points.
   Vec2 c_sum{};
-  Vec2 v_sum = spec.rod->tip_force;
+  Vec2 v_sum = loads.tip_force;
   if (index.tip.x >= 0) c_sum += {base_gradient[index.tip.x], base_gradient[index.tip.y]};
   const std::size_t first_sample = moving.size() - index.samples.size();
   gram_sums.set_zero();

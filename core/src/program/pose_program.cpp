@@ -33,6 +33,7 @@ int interior_count(const PoseProgramSpec& spec) {
 
 PoseProgram::Data::Data(PoseProgramSpec s)
     : spec(std::move(s)),
+      loads{spec.rod->gravity, spec.rod->tip_force, std::vector<double>(spec.obstacles.size(), 0.0)},
       chain(*spec.rod, *spec.model, knot_stretches(spec), spec.nodes, spec.tables.get()),
       backbone(chain, spec.rod->base, spec.rod->base_angle),
       terms(weighted_terms(spec), spec.target, static_cast<int>(spec.contacts.size()),
@@ -155,7 +156,8 @@ PoseProgram::Data::Data(PoseProgramSpec s)
   values.base.setZero(index.count);
   values.surfaces.resize(spec.contacts.size());
   for (const ContactSetup& c : spec.contacts) {
-    values.references.push_back(spec.obstacles[static_cast<std::size_t>(c.obstacle)]->reference_point());
+    values.references.push_back(
+        c.obstacle < 0 ? Vec2{} : spec.obstacles[static_cast<std::size_t>(c.obstacle)]->reference_point());
   }
   delta_row = dense_count;
   rows.setZero(dense_count + 2 * contact_count, x_count);
@@ -318,6 +320,14 @@ void PoseProgram::set_target(const Target& target) {
   data_->terms.set_target(target);
   invalidate();
 }
+
+void PoseProgram::set_loads(const Loads& loads) {
+  data_->loads = loads;
+  if (data_->margin) data_->margin->set_loads(loads);
+  invalidate();
+}
+
+const Loads& PoseProgram::loads() const { return data_->loads; }
 
 std::string PoseProgram::row_name(int row) const {
   const Layout& at = data_->layout;

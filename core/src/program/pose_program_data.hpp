@@ -28,6 +28,7 @@ struct PoseProgram::Data {
   explicit Data(PoseProgramSpec s);
 
   PoseProgramSpec spec;
+  Loads loads;
   Layout layout;
   Chain chain;
   Backbone backbone;

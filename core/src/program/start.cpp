@@ -140,15 +140,7 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
 
   const std::span<const double> knots(x.data() + at.first_arc_length,
                                       d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
-  std::vector<double> scaled(static_cast<std::size_t>(d.nodes));
-  for (int j = 0; j < d.pieces; ++j) {
-    const double from = d.chain.start(j, knots);
-    const double length = d.chain.length(j, knots);
-    for (int g = 0; g < d.nodes; ++g) {
-      scaled[static_cast<std::size_t>(g)] = length * shape.curvature(from + length * d.chain.table().sigma[g]);
-    }
-    x.segment(j * d.n, d.n) = d.chain.project(scaled);
-  }
+  x.head(d.q_count) = d.chain.coordinates_of(shape.curvature, knots);
   return x;
 }
 

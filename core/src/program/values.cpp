@@ -44,7 +44,13 @@ void PoseProgram::Data::evaluate_shape(ConstVectorRef x) {
       c.tangent = {std::cos(c.angle), std::sin(c.angle)};
       c.arc_length = spec.contacts[k].at_tip ? 1.0 : s[variable];
     }
-    c.surface = spec.obstacles[static_cast<std::size_t>(spec.contacts[k].obstacle)]->at(c.point);
+    const int obstacle = spec.contacts[k].obstacle;
+    if (obstacle < 0) {
+      c.surface = {0.0, turned(c.tangent)};
+    } else {
+      c.surface = spec.obstacles[static_cast<std::size_t>(obstacle)]->at(c.point);
+      c.surface.distance += loads.shrink[static_cast<std::size_t>(obstacle)];
+    }
     values.surfaces[k] = c.surface;
   }
   for (int j = 0; j < pieces; ++j) {
@@ -64,6 +70,7 @@ void PoseProgram::Data::evaluate_shape(ConstVectorRef x) {
       const int obstacle = spec.checks[row].obstacle;
       const Vec2 seen = carried(obstacle) ? check_point[row] - shift : check_point[row];
       check_surface[row] = spec.obstacles[static_cast<std::size_t>(obstacle)]->at(seen);
+      check_surface[row].distance += loads.shrink[static_cast<std::size_t>(obstacle)];
     }
   }
 }
@@ -72,8 +79,8 @@ void PoseProgram::Data::evaluate_forces(ConstVectorRef x) {
   const BasisTable& table = chain.table();
   const double* weight = table.weight.data();
   const double* sigma = table.sigma.data();
-  const Vec2 g = spec.rod->gravity;
-  Vec2 transmitted = spec.rod->tip_force;
+  const Vec2 g = loads.gravity;
+  Vec2 transmitted = loads.tip_force;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     if (spec.contacts[k].at_tip) transmitted += contacts[k].force * contacts[k].surface.normal;
   }

@@ -187,6 +187,21 @@ Eigen::VectorXd Chain::project(std::span<const double> scaled_curvature) const {
   return table().stiffness.ldlt().solve(rhs);
 }
 
+Eigen::VectorXd Chain::coordinates_of(const std::function<double(double)>& curvature,
+                                      std::span<const double> knots) const {
+  Eigen::VectorXd q(coordinate_count());
+  std::vector<double> scaled(static_cast<std::size_t>(nodes()));
+  for (int j = 0; j < piece_count(); ++j) {
+    const double from = start(j, knots);
+    const double h = length(j, knots);
+    for (int g = 0; g < nodes(); ++g) {
+      scaled[static_cast<std::size_t>(g)] = h * curvature(from + h * table().sigma[g]);
+    }
+    q.segment(static_cast<Eigen::Index>(j) * functions(), functions()) = project(scaled);
+  }
+  return q;
+}
+
 int Chain::piece_at(double s, std::span<const double> knots) const {
   for (int j = 0; j + 1 < piece_count(); ++j) {
     if (s <= start(j + 1, knots)) return j;

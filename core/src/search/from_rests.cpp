@@ -36,26 +36,24 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, int lo
     Settled& end = loading.tracker().current();
     if (end.statics == nullptr) return std::nullopt;
     if (arrived) loading.tracker().refine_fully();
-    const RodState state = end.statics->state(end.z);
+    const State state = end.statics->state(end.z);
     const auto lying = arrived ? std::nullopt : loading.lie();
-    return lying ? rest_of(d_, moments, lying->down) : rest_of(d_, moments, state);
+    return lying ? rest_of(d_, moments, lying->down.state) : rest_of(d_, moments, state);
   }
   return std::nullopt;
 }
 
 std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from, int looks) const {
   if (d_.coordinate_count({}) > few_values) return executed(moments, looks);
-  LoadPath path(d_.rod, d_.obstacles, {moments, moments, false});
-  path.apply(1.0);
+  const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false});
   Allowance allowance(steps_.deadline(), looks);
   const Descent down =
-      descend_in(*d_.components.coordinates, path, from.curvature, [&allowance] { return allowance.spent(); });
+      descend_in(*d_.components.coordinates, path, 1.0, from.curvature, [&allowance] { return allowance.spent(); });
   if (!down.converged) return std::nullopt;
-  Rest rest{[shape = down.shape](double s) { return shape.curvature(s); }, moments, {}};
-  for (const PressedRun& run : down.runs) {
+  Rest rest{down.state.curvature, moments, {}};
+  for (PointContact c : down.state.contacts) {
     // Held between obstacles that leave no room it rests nowhere.
-    if (run.contact.force > deepest * down.stiffness) return std::nullopt;
-    PointContact c = run.contact;
+    if (c.force > deepest * down.stiffness) return std::nullopt;
     if (c.setup.at_tip) c.s = 1.0;
     c.setup.region = c.setup.at_tip ? 0 : stretch_at(d_.rod, c.s);
     rest.contacts.push_back(c);

@@ -12,10 +12,10 @@
 #include "base/clock.hpp"
 #include "certificate/certifier.hpp"
 #include "nlp/feasibility.hpp"
+#include "obstacle/shrunk.hpp"
 #include "search/rest.hpp"
 #include "search/steps.hpp"
 #include "search/task.hpp"
-#include "statics/load_path.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril {
