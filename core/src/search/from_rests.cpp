@@ -2,8 +2,10 @@
 #include <cmath>
 
 #include "certificate/check_points.hpp"
+#include "nlp/multipliers.hpp"
 #include "program/reduced_program.hpp"
 #include "search/contacts.hpp"
+#include "search/parameters.hpp"
 #include "search/planner.hpp"
 #include "search/task.hpp"
 #include "statics/loading.hpp"
@@ -96,53 +98,99 @@ bool Planner::come_to_point(ModeState& state, PoseProgram& program, Eigen::Vecto
   return true;
 }
 
-void Planner::start_from_rest(ModeState& state, const Rest& rest) {
-  ++state.starts_used;
+std::vector<int> Planner::regions_near(const Mode& mode, const StartShape& shape) const {
+  std::vector<double> places = shape.arc_lengths;
+  if (!d_.scene.coordinates.split_at_contact && places.empty() && !mode.contacts.empty()) {
+    // With stretches for regions, only to place the contacts where the shape comes nearest.
+    std::vector<int> stretches;
+    for (const ContactSetup& c : mode.contacts) stretches.push_back(c.region);
+    PoseProgramSpec whole = d_.spec(mode, stretches, d_.nodes);
+    whole.split = true;
+    const PoseProgram placer(whole);
+    const Eigen::VectorXd placed = placer.start_from(shape);
+    for (std::size_t k = 0; k < mode.contacts.size(); ++k) {
+      const int variable = placer.arc_length_variable(static_cast<int>(k));
+      places.push_back(variable >= 0 ? placed[variable] : 1.0);
+    }
+  }
+  return d_.regions_of(mode, places);
+}
+
+Eigen::VectorXd Planner::feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape) {
+  FeasibilityReport f = steps_.look(program, program.start_from(shape));
+  // What few coordinates leave of a sharp bend can lie on the wrong side of all that is near: less of it may do.
+  for (const double share : shares_of_bend) {
+    if (f.feasible || must_stop() || have_plan_) break;
+    StartShape less = shape;
+    less.curvature = [&shape, share](double s) { return share * shape.curvature(s); };
+    const FeasibilityReport again = steps_.look(program, program.start_from(less));
+    if (again.feasible) f = again;
+  }
+  if (f.feasible) return f.x;
+  const double least = state.violation;
+  ProgramSearch::note(state, program, f);
+  keep_nearest(state, program, f, least);
+  return {};
+}
+
+void Planner::refine(ModeState& state, const StartShape& shape) {
   const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
-  std::vector<double> places;
-  for (const PointContact& c : rest.contacts) places.push_back(c.s);
-  const std::vector<int> regions = d_.regions_of(mode, places);
-  const StartShape shape = shape_of(rest, mode);
+  ++state.starts_used;
+  const std::vector<int> regions = regions_near(mode, shape);
   PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
-  PoseProgramSpec resting = spec;  // it is stable where it rests
-  resting.least_margin.reset();
-  resting.least_convexity.reset();
   std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
-  const std::vector<Branch> touching(mode.contacts.size(), Branch::touching);
-  Eigen::VectorXd at_rest;
+  spec.checks = checks;
+  PoseProgramSpec unheld = spec;  // rows that hold a plan back are for the way to better moments
+  unheld.least_margin.reset();
+  unheld.least_convexity.reset();
+  PoseProgram program(unheld);
+  close_contacts(program);
+  const Eigen::VectorXd feasible = feasible_near(state, program, shape);
+  if (feasible.size() == 0) return;
+  if (!slides(mode)) {
+    PoseProgram held(spec);
+    close_contacts(held);
+    FeasibilityReport f;
+    if (spec.least_margin) f = steps_.look(held, feasible);
+    const OptimalityReport r = solve(state, held, f.feasible ? f.x : feasible);
+    const bool usable = r.x.size() == feasible.size() && r.x.allFinite() && r.infeasibility <= nearly_feasible;
+    if (usable && finish(state, held, regions, checks, r.x)) return;
+  }
+  // What the backend cannot do with all variables it may do with the moments alone.
+  Eigen::VectorXd x = feasible;
   for (int round = 0; round <= most_exchanges && !must_stop(); ++round) {
     spec.checks = checks;
-    PoseProgram program(spec);
-    if (round == 0) {
-      resting.checks = checks;
-      PoseProgram rests(resting);
-      close_contacts(rests);
-      at_rest = rests.start_from(shape);
-      FeasibilityReport f = steps_.look(rests, at_rest);
-      // What few coordinates leave of a sharp bend can lie on the wrong side of all that is near: less of it may do.
-      for (const double share : shares_of_bend) {
-        if (f.feasible || must_stop()) break;
-        StartShape less = shape;
-        less.curvature = [&shape, share](double s) { return share * shape.curvature(s); };
-        const FeasibilityReport again = steps_.look(rests, rests.start_from(less));
-        if (again.feasible) f = again;
-      }
-      at_rest = f.x;
-    }
-    Eigen::VectorXd x = at_rest;
-    if (!come_to_point(state, program, x)) return;
+    PoseProgram along(spec);
+    if (!come_to_point(state, along, x)) return;
     // Where the way to better moments went through an obstacle, it is watched there, and begins anew.
     Certifier certifier(spec);
     std::vector<CheckPoint> more = checks;
     const bool through = !d_.obstacles.empty() && d_.scene.contact.check_points == 0 && round < most_exchanges &&
-                         exchange_checks(program, x, certifier, more, violation_level, true);
-    if (through) {
-      checks = std::move(more);
-      continue;
+                         exchange_checks(along, x, certifier, more, violation_level, true);
+    if (!through) {
+      const double reached = along.cost(x);
+      if (!finish(state, along, regions, checks, x) && std::isfinite(state.unstable_objective) && !spec.least_margin) {
+        // Equilibria were stable up to here: a plan that is held at the limit is near.
+        state.unstable = along.shape_of(x);
+        state.unstable_objective = reached;
+      }
+      return;
     }
-    complete(state, regions, checks, x, touching);
-    return;
+    checks = std::move(more);
   }
+}
+
+bool Planner::finish(ModeState& state, PoseProgram& program, const std::vector<int>& regions,
+                     std::vector<CheckPoint>& checks, const Eigen::VectorXd& x) {
+  // Clearance that is still to be added makes nothing cheaper.
+  const double cost = program.cost(x);
+  if (have_plan_ && cost > best_objective() + search_parameters().dearer && infeasibility(program, x) <= restored) {
+    state.dearer = std::min(state.dearer, cost);
+    return true;
+  }
+  certified_ = false;
+  complete(state, regions, checks, x, branches_of(program));
+  return certified_;
 }
 
 void Planner::consider_rest(const Rest& rest) {
@@ -152,11 +200,11 @@ void Planner::consider_rest(const Rest& rest) {
   // From a stable shape the plan is wanted that is still stable, and the way there ends where stability does.
   // Eigenvalues of many coordinates take long: there they are looked at only where the way led too far.
   if (d_.coordinate_count({}) > many_values) {
-    consider(states_[i], [&] { start_from_rest(states_[i], rest); });
+    consider(states_[i], [&] { refine(states_[i], shape_of(rest, modes_[i])); });
     if (states_[i].best.certified() || must_stop()) return;
   }
   const HeldStable held(d_);
-  consider(states_[i], [&] { start_from_rest(states_[i], rest); });
+  consider(states_[i], [&] { refine(states_[i], shape_of(rest, modes_[i])); });
 }
 
 bool Planner::rest_is_due(const Mode& mode) {

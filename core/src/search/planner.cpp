@@ -8,6 +8,8 @@
 #include "search/contacts.hpp"
 #include "search/earlier_plan.hpp"
 #include "search/follower.hpp"
+#include "search/parameters.hpp"
+#include "search/sides.hpp"
 #include "search/task.hpp"
 
 namespace tendril {
@@ -152,6 +154,7 @@ Plan Planner::run() {
   if (winner_ >= 0) return report(states_, winner_);
   if (d_.palm && !d_.palm->balance) start_from_balance(order);
   search(order);
+  if (winner_ >= 0 || d_.palm) hold_cheaper();
   search_further(starts(), order);
   settle(order);
   look_for_stable(order);
@@ -163,6 +166,7 @@ Plan Planner::run() {
 
 void Planner::search(const std::vector<std::size_t>& order) {
   const int earlier = control_.start != nullptr ? 1 : 0;
+  search_sides(order);
   for (int round = 0; round < starts() && !must_stop(); ++round) {
     // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
     // families with several valleys of the effort; what follows its own starts is no equilibrium.
@@ -178,13 +182,72 @@ void Planner::search(const std::vector<std::size_t>& order) {
     deferring_ = balanced_by_row();
     for (const std::size_t i : order) {
       states_[i].deferred = false;
-      consider(states_[i], start_shape(round, modes_[i]));
+      const StartShape shape = start_shape(round, modes_[i]);
+      if (!looked_at(states_[i])) consider(states_[i], shape);
     }
     deferring_ = false;
     for (const std::size_t i : order) {
       if (states_[i].deferred && winner_ < 0) consider(states_[i], start_shape(round, modes_[i]));
     }
     if (!d_.enumerated) grow();
+  }
+}
+
+void Planner::search_sides(const std::vector<std::size_t>& order) {
+  if (d_.palm || !search_parameters().sides) return;
+  const std::vector<SideStart> starts = starts_by_sides(d_);
+  if (starts.size() < 2) return;
+  const SideStart own = start_by_sides(d_, d_.scene_start());
+  struct Trial {
+    double merit;
+    std::size_t way;
+    const SideStart* start;
+  };
+  std::vector<Trial> trials;
+  for (const std::size_t i : order) {
+    std::vector<Trial> of_way;
+    for (const SideStart& start : starts) {
+      double merit = start.merit;
+      for (const ContactSetup& c : modes_[i].contacts) {
+        merit += search_parameters().cost_of_distance * std::abs(start.distances[static_cast<std::size_t>(c.obstacle)]);
+      }
+      of_way.push_back({merit, i, &start});
+    }
+    std::stable_sort(of_way.begin(), of_way.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
+    if (of_way.size() > static_cast<std::size_t>(search_parameters().most_sides)) {
+      of_way.resize(static_cast<std::size_t>(search_parameters().most_sides));
+    }
+    // The scene's own start comes before all others.
+    trials.push_back({0.0, i, &own});
+    trials.insert(trials.end(), of_way.begin(), of_way.end());
+  }
+  std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
+  for (const Trial& trial : trials) {
+    ModeState& state = states_[trial.way];
+    if (must_stop()) return;
+    // A plan from another side may lie on this one.
+    if (state.best.has_point && sides_of(d_, state.best.program->shape_of(state.best.x)) == trial.start->sides)
+      continue;
+    state.sided = true;
+    consider(state, [&] { refine(state, trial.start->shape); });
+  }
+}
+
+bool Planner::looked_at(const ModeState& state) const { return have_plan_ && state.sided; }
+
+void Planner::hold_cheaper() {
+  if (!search_parameters().hold_cheaper) return;
+  std::vector<std::pair<double, std::size_t>> cheaper;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    if (states_[i].unstable_objective < best_objective() - beats) {
+      cheaper.emplace_back(states_[i].unstable_objective, i);
+    }
+  }
+  std::sort(cheaper.begin(), cheaper.end());
+  const HeldStable held(d_);
+  for (const auto& [objective, i] : cheaper) {
+    if (must_stop() || !(objective < best_objective() - beats)) continue;
+    consider(states_[i], [&] { refine(states_[i], states_[i].unstable); });
   }
 }
 

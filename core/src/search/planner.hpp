@@ -13,6 +13,7 @@
 #include "certificate/certifier.hpp"
 #include "nlp/feasibility.hpp"
 #include "search/rest.hpp"
+#include "search/sides.hpp"
 #include "search/steps.hpp"
 #include "search/task.hpp"
 #include "statics/load_path.hpp"
@@ -87,11 +88,15 @@ class Planner {
   struct ModeState : Attempt {
     int mode = 0;
     Candidate best;
-    Candidate spread;       ///< a point that fails because its contact spreads
-    StartShape nearest;     ///< where the violation of the rows was least, as long as there is no point
-    bool deferred = false;  ///< the last start was left to times without any plan
-    bool left_out = false;  ///< on request: not tried, which proves nothing
-    int unheld = 0;         ///< starts that ended where the violation of the rows, stability among them, is stationary
+    Candidate spread;     ///< a point that fails because its contact spreads
+    StartShape nearest;   ///< where the violation of the rows was least, as long as there is no point
+    StartShape unstable;  ///< of the cheapest point that is unstable, or whose contact spreads
+    double unstable_objective = infinity;
+    bool deferred = false;     ///< the last start was left to times without any plan
+    bool left_out = false;     ///< on request: not tried, which proves nothing
+    bool sided = false;        ///< it was started from every side
+    double dearer = infinity;  ///< least objective of points that cost more than the plan and were not completed
+    int unheld = 0;  ///< starts that ended where the violation of the rows, stability among them, is stationary
   };
 
   bool must_stop() const { return steps_.must_stop(); }
@@ -139,7 +144,6 @@ class Planner {
   std::optional<std::vector<ContactSetup>> contacts_of_rest(const Rest& rest) const;
   /// A plan from a rest, touching what it touches: the moments are chosen along stable equilibria.
   void consider_rest(const Rest& rest);
-  void start_from_rest(ModeState& state, const Rest& rest);
   /// Along the equilibria that x belongs to, to the best moments near: the solver sees these alone.
   void slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
   /// Whether the programs of a mode are so large that they are solved along equilibria alone.
@@ -157,6 +161,23 @@ class Planner {
   StartShape held(double tip_angle, const Mode& mode) const;
   /// Looks for plans from every start that there is for the modes in `order`.
   void search(const std::vector<std::size_t>& order);
+  /// From shapes on further sides of obstacles than those that the first starts led to.
+  void search_sides(const std::vector<std::size_t>& order);
+  /// Where there is a plan: starts on sides have shown already what an ordinary one can lead to.
+  bool looked_at(const ModeState& state) const;
+  /// From a shape to a feasible point near, where every contact touches, and from there to the best one near: with
+  /// all variables, else along equilibria with the moments alone.
+  void refine(ModeState& state, const StartShape& shape);
+  /// The regions of contacts where the shape has them, or comes nearest to their obstacles.
+  std::vector<int> regions_near(const Mode& mode, const StartShape& shape) const;
+  /// Empty: there is none.
+  Eigen::VectorXd feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape);
+  /// complete(), unless x costs more than the plan. False: x led to nothing.
+  bool finish(ModeState& state, PoseProgram& program, const std::vector<int>& regions, std::vector<CheckPoint>& checks,
+              const Eigen::VectorXd& x);
+  /// Points that cost less than the plan and fail because they are unstable, or their contact spreads: held at that
+  /// limit they may still be better.
+  void hold_cheaper();
   /// A grasp whose balance is left to an objective: the plan with the balance as a row is the first start. Without
   /// that row the objective has valleys where the object is pushed along the axis, and ordinary starts end in them.
   void start_from_balance(const std::vector<std::size_t>& order);
@@ -230,6 +251,7 @@ class Planner {
   ProgramSearch steps_;
   std::deque<ModeState> states_;  ///< one per mode; stay where they are as modes are added
   int winner_ = -1;
+  bool certified_ = false;                ///< the point that complete() judged last
   bool have_plan_ = false;                ///< some mode is certified
   bool following_ = false;                ///< only Newton may move points
   double balanced_objective_ = infinity;  ///< scaled, of start_from_balance()

@@ -222,6 +222,13 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
     }
   }
   if (!c.has_point) return true;
+  certified_ = c.certified();
+  const bool unstable = !c.certified() && (!(c.certificate.stability > tolerance::stability) ||
+                                           !(c.certificate.contact_convexity > tolerance::convexity));
+  if (unstable && !c.program->spec().least_margin && c.objective < state.unstable_objective) {
+    state.unstable = c.program->shape_of(c.x);
+    state.unstable_objective = c.objective;
+  }
   const bool better = !state.best.has_point || (c.certified() && !state.best.certified()) ||
                       (c.certified() == state.best.certified() && c.objective < state.best.objective - beats);
   if (better) state.best = std::move(c);

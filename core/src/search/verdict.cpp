@@ -84,6 +84,10 @@ Plan Planner::report(std::deque<ModeState>& states, int winner) {
       }
     } else if (state.spread.has_point) {
       state.record.outcome += "not certified: " + state.spread.certificate.failures.back();
+    } else if (std::isfinite(state.dearer)) {
+      char text[80];
+      std::snprintf(text, sizeof text, "costs more: objective %.6g", state.dearer * d_.objective_scale);
+      state.record.outcome += text;
     } else if (state.starts_used > 0) {
       state.record.outcome +=
           "not solved: " + (state.trouble.empty() ? std::string(to_string(state.last.status)) : state.trouble);
