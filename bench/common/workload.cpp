@@ -60,10 +60,10 @@ std::string sides(const Plan& plan, const std::vector<Vec2>& references) {
     double nearest = infinity;
     double side = 0.0;
     for (const BackbonePoint& p : plan.backbone) {
-      const Vec2 away = Vec2{p[1], p[2]} - reference;
+      const Vec2 away = p.position() - reference;
       if (norm(away) >= nearest) continue;
       nearest = norm(away);
-      side = cross({std::cos(p[3]), std::sin(p[3])}, away);
+      side = cross({std::cos(p.angle), std::sin(p.angle)}, away);
     }
     text += side >= 0.0 ? '+' : '-';
   }

@@ -50,8 +50,8 @@ void expect_same_finger(const FingerPlan& found, const FingerPlan& expected, dou
   EXPECT_LT(norm(found.contacts[0].point - map(expected.contacts[0].point)), tolerance);
   ASSERT_EQ(found.backbone.size(), expected.backbone.size());
   for (std::size_t i = 0; i < found.backbone.size(); ++i) {
-    const Vec2 there = map({expected.backbone[i][1], expected.backbone[i][2]});
-    EXPECT_LT(norm(there - Vec2{found.backbone[i][1], found.backbone[i][2]}), tolerance);
+    const Vec2 there = map(expected.backbone[i].position());
+    EXPECT_LT(norm(there - found.backbone[i].position()), tolerance);
   }
   EXPECT_LT(norm(Vec2{found.tip_x, found.tip_y} - map({expected.tip_x, expected.tip_y})), tolerance);
 }
@@ -150,13 +150,13 @@ TEST_P(BothFingers, PressAtTheSmallerLimitWithoutNetForceAndWithoutTouchingEachO
   for (const PlannedContact& c : {found.contacts[0], lower.contacts[0]})
     EXPECT_NEAR(norm(c.point - found.grasp->object_center), found.grasp->object_radius, 1e-10);
   for (const BackbonePoint& p : found.backbone) {
-    for (const BackbonePoint& q : lower.backbone) EXPECT_GT(std::hypot(p[1] - q[1], p[2] - q[2]), 1e-3);
+    for (const BackbonePoint& q : lower.backbone) EXPECT_GT(std::hypot(p.x - q.x, p.y - q.y), 1e-3);
   }
   // Lengths are their own, bases stand on one palm. Data are rounded to twelve digits.
-  EXPECT_NEAR(found.backbone.back()[0], 0.12, 1e-12);
-  EXPECT_NEAR(lower.backbone.back()[0], 0.09, 1e-12);
-  EXPECT_NEAR(found.backbone.front()[2], 0.02, 1e-12);
-  EXPECT_NEAR(lower.backbone.front()[2], -0.02, 1e-12);
+  EXPECT_NEAR(found.backbone.back().s, 0.12, 1e-12);
+  EXPECT_NEAR(lower.backbone.back().s, 0.09, 1e-12);
+  EXPECT_NEAR(found.backbone.front().y, 0.02, 1e-12);
+  EXPECT_NEAR(lower.backbone.front().y, -0.02, 1e-12);
 }
 
 TEST_P(BothFingers, TurnedByAnyAngleAreTheSamePlan) {
@@ -223,7 +223,7 @@ TEST_P(BothFingers, KeepUnequalOnesFromCrossing) {
   EXPECT_FALSE(meeting_of(found.backbone, lower.backbone));
   double nearest = infinity;
   for (const BackbonePoint& p : found.backbone) {
-    for (const BackbonePoint& q : lower.backbone) nearest = std::min(nearest, std::hypot(p[1] - q[1], p[2] - q[2]));
+    for (const BackbonePoint& q : lower.backbone) nearest = std::min(nearest, std::hypot(p.x - q.x, p.y - q.y));
   }
   // As near as samples a millimetre apart can tell: the row that keeps them apart does something.
   EXPECT_LT(nearest, 5e-4);
@@ -330,7 +330,7 @@ TEST(BothFingersRefused, WithTheReason) {
   ObjectiveSpec balance;
   balance.plugin = "grasp_balance";
   unequal.objectives.push_back(balance);
-  refused(unequal, "objective[2].plugin", "no sum over the fingers");
+  refused(unequal, "objective[2].plugin", "mirror image, but both fingers are planned");
   unequal = scene("grasp_unequal");
   unequal.fingers[1].rod.actuators[0].to = 0.2;
   refused(unequal, "finger[1].actuator[0].to", "the actuator ends at 0.2 m");

@@ -98,8 +98,8 @@ class Raised : public ObjectiveBase<Raised> {
   double lower_bound() const override { return bound_; }
   template <class T>
   void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    out.linear(T(base_));
-    for (const T& u : x.fingers.front().moments) out.residual(u);
+    out.smooth(T(base_));
+    for (const T& u : x.moments) out.residual(u);
   }
 
  private:

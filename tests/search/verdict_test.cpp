@@ -126,9 +126,7 @@ class NoNumber : public ObjectiveBase<NoNumber> {
   Reads reads() const override { return {.moments = true}; }
   template <class T>
   void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    for (const FingerQuantities<T>& finger : x.fingers) {
-      for (const T& u : finger.moments) out.smooth(u * std::nan(""));
-    }
+    for (const T& u : x.moments) out.smooth(u * std::nan(""));
   }
 };
 

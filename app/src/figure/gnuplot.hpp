@@ -27,8 +27,9 @@ class DataFile {
     text_ += fmt::format("\n\n# {}\n# {}\n", name, columns);
   }
   void points(const std::vector<BackbonePoint>& backbone) {
-    for (const BackbonePoint& p : backbone) row({p[1], p[2]});
+    for (const BackbonePoint& p : backbone) row(p.position());
   }
+  void row(Vec2 point) { row({point.x, point.y}); }
   void row(std::initializer_list<double> lengths) {
     for (const double value : lengths) text_ += fmt::format("{:.9g} ", value / unit_.size);
     text_ += '\n';

@@ -286,12 +286,12 @@ DataFile data_of(const std::vector<std::vector<ShapePanel>>& rows, const std::ve
       ++number;
       for (std::size_t i = 0; i < panel.obstacles.size(); ++i) {
         data.block(fmt::format("obstacle {} {}", number, i + 1), "x y");
-        for (const Vec2 p : panel.obstacles[i].outline) data.row({p.x, p.y});
+        for (const Vec2 p : panel.obstacles[i].outline) data.row(p);
       }
       add_clamp(data, panel.base, panel.base_angle, length, fmt::format("clamp {}", number));
       for (std::size_t i = 0; i < panel.rods.size(); ++i) {
         data.block(fmt::format("rod {} {}", number, i + 1), "x y");
-        for (const Vec2 p : panel.rods[i]) data.row({p.x, p.y});
+        for (const Vec2 p : panel.rods[i]) data.row(p);
       }
       for (std::size_t i = 0; i < panel.targets.size(); ++i) {
         data.block(fmt::format("target {} {}", number, i + 1), "x y");
@@ -299,7 +299,7 @@ DataFile data_of(const std::vector<std::vector<ShapePanel>>& rows, const std::ve
       }
       if (panel.contacts.empty()) continue;
       data.block(fmt::format("contacts {}", number), "x y");
-      for (const Vec2 p : panel.contacts) data.row({p.x, p.y});
+      for (const Vec2 p : panel.contacts) data.row(p);
     }
   }
   for (std::size_t i = 0; i < bars.size(); ++i) {
@@ -354,7 +354,7 @@ ShapePanel shape_panel(const FigureScene& figure) {
 std::vector<Vec2> line_of(const std::vector<BackbonePoint>& backbone) {
   std::vector<Vec2> line;
   line.reserve(backbone.size());
-  for (const BackbonePoint& p : backbone) line.push_back({p[1], p[2]});
+  for (const BackbonePoint& p : backbone) line.push_back(p.position());
   return line;
 }
 

@@ -111,15 +111,14 @@ std::string estimate_json(const Scene& scene, const Estimate& estimate, const Ru
   json["model_error"] = number(estimate.model_error);
   json["starts"] = estimate.starts;
   json["solves"] = estimate.solves;
-  const bool has_shape = !estimate.backbone.empty();
-  const auto tip = [&](std::size_t i) { return has_shape ? number(estimate.backbone.back()[i]) : Json(nullptr); };
-  json["tip"] = {{"x", tip(1)}, {"y", tip(2)}, {"angle", tip(3)}};
+  // Without a shape there is no tip: nulls.
+  const BackbonePoint nowhere{infinity, infinity, infinity, infinity, infinity};
+  const BackbonePoint& tip = estimate.backbone.empty() ? nowhere : estimate.backbone.back();
+  json["tip"] = {{"x", number(tip.x)}, {"y", number(tip.y)}, {"angle", number(tip.angle)}};
   json["left_out"] = left_out_json(estimate.left_out);
   json["seconds"] = {
       {"read", number(run.seconds_read)}, {"open", number(run.seconds_open)}, {"solve", number(estimate.seconds)}};
-  json["backbone"] = Json::array();
-  for (const BackbonePoint& point : estimate.backbone)
-    json["backbone"].push_back(numbers({point.begin(), point.end()}));
+  json["backbone"] = backbone_json(estimate.backbone);
   json["plugins"] = components_json(run.components);
   json["versions"] = versions_json();
   return written(json);

@@ -226,7 +226,7 @@ std::string execution_report(const Scene& scene, const Execution& execution, con
       std::string moments;
       for (const double m : snap.moments) moments += (moments.empty() ? "" : ", ") + units.moment(m);
       const auto tip = [&](const std::vector<BackbonePoint>& shape) {
-        return shape.empty() ? std::string("-") : units.point({shape.back()[1], shape.back()[2]});
+        return shape.empty() ? std::string("-") : units.point(shape.back().position());
       };
       snaps.row({std::string(to_string(snap.kind)), fmt::format("{:.9g}", snap.load), moments, tip(snap.before),
                  tip(snap.after), fmt::format("{:.3g}", snap.stability_after)});

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "nlp/multipliers.hpp"
 #include "program/stability.hpp"
@@ -14,9 +13,7 @@ namespace tendril {
 namespace {
 
 std::string defect(const char* what, double value, double limit) {
-  char text[160];
-  std::snprintf(text, sizeof text, "%s %.2e is above %.0e", what, value, limit);
-  return text;
+  return what + (' ' + shown_with_exponent(value)) + " is above " + shown_with_exponent(limit, 1);
 }
 
 /// Somewhere the rod lies along an obstacle instead of touching it at a point.
@@ -356,9 +353,7 @@ void list_failures(Certificate& c) {
   if (spreads(c)) {
     c.failures.emplace_back("contact spreads: the rod lies along the obstacle, a point contact does not hold it");
   } else if (!(c.stability > tolerance::stability)) {
-    char text[120];
-    std::snprintf(text, sizeof text, "unstable: the stability margin is %.3e", c.stability);
-    c.failures.push_back(text);
+    c.failures.push_back("unstable: the stability margin is " + shown_with_exponent(c.stability, 4));
   }
 }
 

@@ -76,7 +76,7 @@ class GraspPlanner {
   /// Exchange and certificate; keeps the point if it is better than the pair's best.
   void complete(Pair& pair, Assembly parts, Eigen::VectorXd x);
   void search();
-  void judge(Plan& plan, const Pair* shown) const;
+  void judge(Plan& plan, const Pair* reported) const;
   Plan report();
   /// The shape, moments and contacts of one finger, in the world of its own scene.
   Plan finger_plan(int which, Best& best) const;
@@ -269,7 +269,7 @@ Plan GraspPlanner::finger_plan(int which, Best& best) const {
   return plan;
 }
 
-void GraspPlanner::judge(Plan& plan, const Pair* shown) const {
+void GraspPlanner::judge(Plan& plan, const Pair* reported) const {
   const bool by_bound = std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& p) { return !p.skip.empty(); });
   const bool infeasible = std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& p) {
     return !p.skip.empty() || (!p.best.has_point() && p.stationary_violations >= most_starts);
@@ -287,8 +287,8 @@ void GraspPlanner::judge(Plan& plan, const Pair* shown) const {
     plan.message = "interrupted before a plan was certified";
   } else if (late) {
     plan.status = PlanStatus::time_limit;
-    plan.message = "the time limit of " + std::to_string(upper().scene.solver.time_limit) +
-                   " s was reached before a plan was certified";
+    plan.message =
+        "the time limit of " + shown(upper().scene.solver.time_limit) + " s was reached before a plan was certified";
   } else if (by_bound) {
     plan.status = PlanStatus::infeasible;
     plan.message = "infeasible by a bound: " + pairs_.back().skip;
@@ -300,8 +300,8 @@ void GraspPlanner::judge(Plan& plan, const Pair* shown) const {
     const auto least = std::min_element(pairs_.begin(), pairs_.end(),
                                         [](const Pair& a, const Pair& b) { return a.violation < b.violation; });
     plan.message += told_failure(*least);
-  } else if (shown != nullptr) {
-    const Certificate& c = shown->best.certificate;
+  } else if (reported != nullptr) {
+    const Certificate& c = reported->best.certificate;
     const bool only_unstable =
         c.failures.size() == 1 && c.contact_convexity > tolerance::convexity && !(c.stability > tolerance::stability);
     plan.status = only_unstable ? PlanStatus::unstable : PlanStatus::not_converged;
@@ -328,12 +328,12 @@ Plan GraspPlanner::report() {
   plan.split_at_contact = d.scene.coordinates.split_at_contact;
   plan.left_out = d.left_out;
   plan.solver_name = d.scene.solver.plugin;
-  // Without a certified plan the nearest one is shown, for what it is worth.
-  Pair* shown = winner_;
+  // Without a certified plan the nearest one is reported, for what it is worth.
+  Pair* reported = winner_;
   for (Pair& pair : pairs_) {
     if (winner_ != nullptr || !pair.best.has_point()) continue;
     const auto rank = [](const Pair& p) { return std::pair(p.best.certificate.failures.size(), p.best.objective); };
-    if (shown == nullptr || rank(pair) < rank(*shown)) shown = &pair;
+    if (reported == nullptr || rank(pair) < rank(*reported)) reported = &pair;
   }
   for (Pair& pair : pairs_) {
     if (!pair.skip.empty()) {
@@ -341,10 +341,8 @@ Plan GraspPlanner::report() {
     } else if (pair.best.has_point()) {
       pair.record.certified = pair.best.certified();
       pair.record.objective = pair.best.objective * d.objective_scale;
-      char text[80];
-      std::snprintf(text, sizeof text, "%s, objective %.6g", pair.best.certified() ? "certified" : "not certified",
-                    pair.best.objective * d.objective_scale);
-      pair.record.outcome = text;
+      pair.record.outcome = (pair.best.certified() ? "certified, objective " : "not certified, objective ") +
+                            shown(pair.record.objective);
       if (!pair.best.certified()) {
         pair.record.outcome += ": " + pair.best.certificate.failures.front();
         if (!pair.trouble.empty()) pair.record.outcome += "; " + pair.trouble;
@@ -361,8 +359,8 @@ Plan GraspPlanner::report() {
     }
     plan.modes.push_back(pair.record);
   }
-  if (shown != nullptr) {
-    plan.solver = shown->best.solver;
+  if (reported != nullptr) {
+    plan.solver = reported->best.solver;
   } else {
     // The last one that was asked; where restoration settled everything none was.
     plan.solver.status = SolveStatus::infeasible;
@@ -371,10 +369,10 @@ Plan GraspPlanner::report() {
     }
   }
   report_tally(steps_.tally, plan);
-  judge(plan, shown);
-  if (shown == nullptr) return plan;
+  judge(plan, reported);
+  if (reported == nullptr) return plan;
 
-  Best& best = shown->best;
+  Best& best = reported->best;
   best.program->cost(best.x);
   plan.certificate = best.certificate;
   plan.objective = best.objective * d.objective_scale;

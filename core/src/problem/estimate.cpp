@@ -27,11 +27,7 @@ constexpr int orders[] = {12, 18, 26, 38};
 constexpr double order_tolerance = 1e-10;
 constexpr int most_refining_steps = 200;
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", value);
-  return buffer;
-}
+std::string text(double value) { return shown(value, 3); }
 
 /// The scene made dimensionless.
 struct Input {

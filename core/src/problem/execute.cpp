@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/clock.hpp"
 #include "certificate/clearance.hpp"
@@ -11,6 +10,7 @@
 #include "scene/plan_report.hpp"
 #include "statics/loading.hpp"
 #include "tendril/coordinate_model.hpp"
+#include "tendril/numbers.hpp"
 #include "tendril/scale.hpp"
 #include "tendril/tolerances.hpp"
 
@@ -31,7 +31,7 @@ class Executor {
                   std::to_string(moments.size()));
     }
     for (const double m : moments) {
-      if (!std::isfinite(m)) throw Error("expected finite moments, found " + std::to_string(m));
+      if (!std::isfinite(m)) throw Error("expected finite moments, found " + shown(m));
       last_.push_back(scale_.to_dimensionless(m, dimension::moment));
     }
     if (!control.with_obstacles) return;
@@ -40,10 +40,9 @@ class Executor {
       obstacles_.push_back(obstacles[i].get());
       const double distance = obstacles_.back()->at(rod_.base).distance;
       if (distance >= 0.0) continue;
-      char text[64];
-      std::snprintf(text, sizeof text, "%.6g m", -scale_.to_si(distance, dimension::length));
-      throw SceneError("obstacle[" + std::to_string(i) + "]",
-                       names_[i] + " lies around the rod's base (" + text + " deep): no shape is free of it");
+      throw SceneError("obstacle[" + std::to_string(i) + "]", names_[i] + " lies around the rod's base (" +
+                                                                  shown(-scale_.to_si(distance, dimension::length)) +
+                                                                  " m deep): no shape is free of it");
     }
   }
 
@@ -146,14 +145,11 @@ void Executor::report(const Loading::Lying& lying, LoadPath& path, Execution& ou
     c.extended = lies(points, i);
     contacts.push_back(c);
   }
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "; carried on to the final loads: between %.4f L and %.4f L the rod lies on check points, a run of "
-                "contacts that stands for a distributed force",
-                lying.first, lying.last);
   Plan& plan = out.result;
   plan.contacts = std::move(contacts);
-  plan.message += text;
+  plan.message += "; carried on to the final loads: between " + shown(lying.first, 4) + " L and " +
+                  shown(lying.last, 4) +
+                  " L the rod lies on check points, a run of contacts that stands for a distributed force";
   plan.certificate = {};
   plan.certificate.equilibrium = down.gradient;
   plan.certificate.penetration = 0.0;
@@ -214,10 +210,8 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   Statics& statics = *end.statics;
   plan.certificate = statics.certify(end.z);
   if (!(plan.certificate.moment_balance <= tolerance::moment_balance)) {
-    char text[96];
-    std::snprintf(text, sizeof text, "local moment balance %.2e is above %.0e", plan.certificate.moment_balance,
-                  tolerance::moment_balance);
-    plan.certificate.failures.emplace_back(text);
+    plan.certificate.failures.push_back("local moment balance " + shown_with_exponent(plan.certificate.moment_balance) +
+                                        " is above " + shown_with_exponent(tolerance::moment_balance, 1));
   }
   plan.seconds_certify = now() - begin;
   out.load = end.z[statics.size()];
@@ -232,8 +226,7 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
     plan.message = "interrupted before the final loads were reached";
   } else if (now() > deadline_) {
     plan.status = PlanStatus::time_limit;
-    plan.message =
-        "the time limit of " + std::to_string(control_.time_limit) + " s was reached before the final loads were";
+    plan.message = "the time limit of " + shown(control_.time_limit) + " s was reached before the final loads were";
   } else {
     plan.status = PlanStatus::not_converged;
   }

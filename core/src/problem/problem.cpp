@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "base/clock.hpp"
@@ -57,10 +56,9 @@ Problem::Problem(const Scene& scene, Components components) : task_(std::make_un
       const Obstacle& o = *d.components.obstacles[i];
       d.obstacles.push_back(&o);
       if (const double distance = o.at(d.rod.base).distance; !(distance >= 0.0)) {
-        char text[64];
-        std::snprintf(text, sizeof text, "%.6g m", -d.scale.to_si(distance, dimension::length));
         throw SceneError("obstacle[" + std::to_string(i) + "]", d.obstacle_names[i] + " lies around the rod's base (" +
-                                                                    text + " deep): no shape is free of it");
+                                                                    shown(-d.scale.to_si(distance, dimension::length)) +
+                                                                    " m deep): no shape is free of it");
       }
     }
   }

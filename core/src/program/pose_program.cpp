@@ -228,8 +228,6 @@ PoseProgram::PoseProgram(std::unique_ptr<Data> data)
       data_(std::move(data)) {
   const Layout& at = data_->layout;
   const PoseProgramSpec& s = data_->spec;
-  has_rest_ = data_->terms.has_rest();
-  rest_is_linear_ = data_->terms.rest_is_linear();
   lower_.setConstant(-infinity);
   upper_.setConstant(infinity);
   for (std::size_t a = 0; a < s.rod->actuators.size(); ++a) {

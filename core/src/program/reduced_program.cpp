@@ -65,8 +65,6 @@ ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts par
   const auto following = static_cast<Eigen::Index>(parts_.following.size());
   for (int k = 0; k < program.layout().forces; ++k) equations_.set_branch(k, program.branch(k));
   reached_at_ = Eigen::VectorXd::Constant(chosen, std::numeric_limits<double>::quiet_NaN());
-  has_rest_ = program.has_rest();
-  rest_is_linear_ = !program.has_rest();
   start_.resize(chosen);
   for (int j = 0; j < chosen; ++j) {
     const int i = parts_.chosen[static_cast<std::size_t>(j)];

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace tendril {
@@ -153,13 +152,12 @@ std::vector<Extension> extensions(const Task& problem, const std::vector<Contact
 LeftOut search_note(const Task& problem) {
   const int stretches = static_cast<int>(problem.rod.fixed_knots().size()) - 1;
   const double count = assignment_count(stretches, problem.contact_obstacles, problem.scene.contact.count);
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "%.0f ways of assigning up to %d contacts are too many: a heuristic search tries every single contact, "
-                "then gives the %zu best plans of each size one more contact at each of the %zu obstacles that their "
-                "rod comes nearest to, in the order in which the rod meets them",
-                count, problem.scene.contact.count, beam_width, most_extensions);
-  return {"other contact assignments", text};
+  return {"other contact assignments",
+          shown(count, 15) + " ways of assigning up to " + std::to_string(problem.scene.contact.count) +
+              " contacts are too many: a heuristic search tries every single contact, then gives the " +
+              std::to_string(beam_width) + " best plans of each size one more contact at each of the " +
+              std::to_string(most_extensions) +
+              " obstacles that their rod comes nearest to, in the order in which the rod meets them"};
 }
 
 }  // namespace tendril

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "nlp/polish.hpp"
 #include "tendril/tolerances.hpp"
@@ -61,9 +60,7 @@ void Tally::add_outside(const NonlinearProgram& program, const EvaluationCounts&
 
 std::string told_failure(const Attempt& nearest) {
   if (!std::isfinite(nearest.violation)) return "";
-  char text[48];
-  std::snprintf(text, sizeof text, "%.2e", nearest.violation);
-  return "; the nearest (" + nearest.record.mode + ") violates them by " + text +
+  return "; the nearest (" + nearest.record.mode + ") violates them by " + shown_with_exponent(nearest.violation) +
          (nearest.limits.empty() ? ", with no variable at a limit" : ", with " + nearest.limits);
 }
 
@@ -166,10 +163,8 @@ void ProgramSearch::note(Attempt& attempt, const NonlinearProgram& program, cons
     attempt.violation = f.infeasibility;
     attempt.limits = limits_at(program, f.x);
   }
-  char text[96];
-  std::snprintf(text, sizeof text, "no feasible point near: violation %.2e%s", f.infeasibility,
-                f.stationary_violation ? ", stationary" : "");
-  attempt.trouble = text;
+  attempt.trouble = "no feasible point near: violation " + shown_with_exponent(f.infeasibility) +
+                    (f.stationary_violation ? ", stationary" : "");
 }
 
 }  // namespace tendril

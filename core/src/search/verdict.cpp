@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "rod/self_overlap.hpp"
@@ -19,14 +18,11 @@ std::string Planner::nearest_failure(const std::deque<ModeState>& states) const 
 
 std::string Planner::told_infeasibility(const std::deque<ModeState>& states) const {
   const bool some = std::any_of(states.begin(), states.end(), [](const ModeState& s) { return s.best.has_point; });
-  char kept[160];
-  std::snprintf(
-      kept, sizeof kept,
-      "; a margin of stability of %g and contact at points are among these: without them there are equilibria",
-      tolerance::held_margin);
+  const std::string kept = "; a margin of stability of " + shown(tolerance::held_margin) +
+                           " and contact at points are among these: without them there are equilibria";
   return "infeasible: from " + std::to_string(most_starts) +
          " starts per mode every search ended where no change of the plan reduces the violation of its constraints" +
-         (some ? kept : "") + nearest_failure(states);
+         (some ? kept : std::string()) + nearest_failure(states);
 }
 
 Plan Planner::report(std::deque<ModeState>& states, int winner) {
@@ -37,25 +33,20 @@ Plan Planner::report(std::deque<ModeState>& states, int winner) {
   plan.left_out = d_.left_out;
   plan.solver_name = d_.scene.solver.plugin;
   if (winner >= 0 && balanced_objective_ < best_objective() - beats) {
-    char text[160];
-    std::snprintf(
-        text, sizeof text,
-        "it costs less (%.6g), but is no minimum of this objective, which falls from there to where no plan is "
-        "certified",
-        balanced_objective_ * d_.objective_scale);
-    plan.left_out.push_back({"the grasp with the balance as a row", text});
+    plan.left_out.push_back({"the grasp with the balance as a row",
+                             "it costs less (" + shown(balanced_objective_ * d_.objective_scale) +
+                                 "), but is no minimum of this objective, which falls from there to where no plan is "
+                                 "certified"});
   }
   if (winner >= 0) {
     const Candidate& best = states[static_cast<std::size_t>(winner)].best;
     const PoseProgram::Layout& at = best.program->layout();
     if (at.margins > 0 &&
         best.program->constraints(best.x)[at.first_margin] <= tolerance::held_margin + tolerance::bounds) {
-      char text[200];
-      std::snprintf(text, sizeof text,
-                    "held at the limit of stability: the objective falls along stable equilibria up to where they end; "
-                    "the plan keeps a margin of %g",
-                    tolerance::held_margin);
-      plan.left_out.push_back({"plans that cost less", text});
+      plan.left_out.push_back({"plans that cost less",
+                               "held at the limit of stability: the objective falls along stable equilibria up to "
+                               "where they end; the plan keeps a margin of " +
+                                   shown(tolerance::held_margin)});
     }
     for (int i = 0; i < at.convexities; ++i) {
       const int row = at.first_convexity + i;
@@ -74,10 +65,8 @@ Plan Planner::report(std::deque<ModeState>& states, int winner) {
     } else if (state.best.has_point) {
       state.record.certified = state.best.certified();
       state.record.objective = state.best.objective * d_.objective_scale;
-      char text[80];
-      std::snprintf(text, sizeof text, "%s, objective %.6g", state.best.certified() ? "certified" : "not certified",
-                    state.best.objective * d_.objective_scale);
-      state.record.outcome += text;
+      state.record.outcome += (state.best.certified() ? "certified, objective " : "not certified, objective ") +
+                              shown(state.best.objective * d_.objective_scale);
       if (!state.best.certified()) {
         state.record.outcome += ": " + state.best.certificate.failures.front();
         if (!state.trouble.empty()) state.record.outcome += "; " + state.trouble;
@@ -97,23 +86,23 @@ Plan Planner::report(std::deque<ModeState>& states, int winner) {
     plan.modes.push_back(state.record);
   }
 
-  // Without a certified plan the nearest one is shown, for what it is worth.
-  int shown = winner;
-  if (shown < 0) {
+  // Without a certified plan the nearest one is reported, for what it is worth.
+  int reported = winner;
+  if (reported < 0) {
     std::size_t fewest = std::numeric_limits<std::size_t>::max();
     for (const ModeState& state : states) {
       if (!state.best.has_point) continue;
       const std::size_t failures = state.best.certificate.failures.size();
       const bool better =
-          failures < fewest || (failures == fewest && shown >= 0 &&
-                                state.best.objective < states[static_cast<std::size_t>(shown)].best.objective);
+          failures < fewest || (failures == fewest && reported >= 0 &&
+                                state.best.objective < states[static_cast<std::size_t>(reported)].best.objective);
       if (!better) continue;
       fewest = failures;
-      shown = state.mode;
+      reported = state.mode;
     }
   }
 
-  Candidate* chosen = shown >= 0 ? &states[static_cast<std::size_t>(shown)].best : nullptr;
+  Candidate* chosen = reported >= 0 ? &states[static_cast<std::size_t>(reported)].best : nullptr;
   const bool stopped = steps_.deadline().interrupted();
   const bool late = steps_.deadline().cut();
   plan.search_cut = late;
@@ -147,8 +136,8 @@ Plan Planner::report(std::deque<ModeState>& states, int winner) {
     plan.message = "interrupted before a plan was certified";
   } else if (late) {
     plan.status = PlanStatus::time_limit;
-    plan.message = "the time limit of " + std::to_string(d_.scene.solver.time_limit) +
-                   " s was reached before a plan was certified";
+    plan.message =
+        "the time limit of " + shown(d_.scene.solver.time_limit) + " s was reached before a plan was certified";
   } else if (spreads) {
     plan.status = PlanStatus::not_converged;
     plan.message = chosen->certificate.failures.back();

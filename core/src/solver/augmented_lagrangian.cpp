@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <exception>
 
 #include "nlp/multipliers.hpp"
@@ -23,12 +22,6 @@ constexpr double largest_multiplier = 1e9;
 constexpr double least_weight = 1e-6;
 constexpr double first_weight = 1e-2;
 constexpr double largest_weight = 1e12;
-
-std::string shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
 
 }  // namespace
 
@@ -94,9 +87,11 @@ struct State {
   void recenter() {
     const NonlinearProgram& p = program.program();
     center = x;
-    if (p.has_rest()) rest_gradient = program.rest_gradient(x);
+    rest_gradient = program.rest_gradient(x);
+    // A rest need not be there at every point (a hinge is not): what counts is whether it is here.
+    has_rest = program.rest(x) != 0.0 || !rest_gradient.isZero(0.0);
     rest_hessian.setZero();
-    if (!curved && (!p.has_rest() || p.rest_is_linear())) return;
+    if (!curved && !has_rest) return;
     Eigen::VectorXd pressure = Eigen::VectorXd::Zero(p.row_count());
     if (curved) {
       const VectorView c = program.constraints(x);
@@ -186,6 +181,7 @@ struct State {
   Eigen::VectorXd proximal_offset;
   double penalty = first_penalty;
   double weight = first_weight;
+  bool has_rest = false;  ///< at the centre
   bool curved = false;
 };
 
@@ -345,7 +341,7 @@ AugmentedLagrangianSolver::Outcome AugmentedLagrangianSolver::do_solve(Callbacks
     loop.expand(reduced.data(), loop.x);
 
     // The rest was taken as its model: if the true function does not follow, ask for a shorter step.
-    const bool has_model = callbacks.program().has_rest() && !callbacks.program().rest_is_linear();
+    const bool has_model = loop.has_rest || callbacks.rest(loop.x) != 0.0;
     if (has_model && loop.merit(loop.x) > before + 1e-10 * (1.0 + std::abs(before))) {
       loop.x = from;
       loop.weight = std::max(10.0 * loop.weight, 1e-2);

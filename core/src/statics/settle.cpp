@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "statics/tracker.hpp"
 #include "tendril/tolerances.hpp"
@@ -23,12 +22,6 @@ struct Push {
   double along, extra;
 };
 constexpr Push pushes[] = {{0.03, 0.0}, {0.1, 0.0}, {0.1, 1e-3}, {0.3, 1e-3}, {0.3, 1e-2}, {0.3, 3e-2}};
-
-std::string text_of(const char* format, double a, double b = 0.0) {
-  char text[200];
-  std::snprintf(text, sizeof text, format, a, b);
-  return text;
-}
 
 }  // namespace
 
@@ -214,8 +207,8 @@ std::optional<Settled> Tracker::settle(RodState guess, double load) {
       });
       if (own) {
         spread_ = true;
-        trouble_ = text_of("contact spreads: beside the contact at %.4f L the rod lies along the obstacle",
-                           worst.at.arc_length);
+        trouble_ = "contact spreads: beside the contact at " + shown(worst.at.arc_length, 4) +
+                   " L the rod lies along the obstacle";
         return std::nullopt;
       }
       PointContact c;
@@ -241,10 +234,9 @@ bool Tracker::spreads(double least) {
     if (!(now_.z[now_.statics->force_index(k)] > tolerance::force)) continue;
     if (now_.statics->convexity(now_.z, k) > least) continue;
     spread_ = true;
-    trouble_ = text_of(
-        "contact spreads at load fraction %.6f: from the point at %.4f L on the rod lies along the obstacle, a point "
-        "contact does not hold it",
-        now_.z[now_.statics->size()], now_.statics->state(now_.z).contacts[static_cast<std::size_t>(k)].s);
+    trouble_ = "contact spreads at load fraction " + shown(now_.z[now_.statics->size()]) + ": from the point at " +
+               shown(now_.statics->state(now_.z).contacts[static_cast<std::size_t>(k)].s, 4) +
+               " L on the rod lies along the obstacle, a point contact does not hold it";
     return true;
   }
   return false;
@@ -311,7 +303,7 @@ bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::
   jump.before = {make(before.contacts), {}};
   jump.before.z = jump.before.statics->point(before);
   if (!best) {
-    trouble_ = text_of("the rod snaps at load fraction %.9f, and the state after that was not found", jump.load) +
+    trouble_ = "the rod snaps at load fraction " + shown(jump.load, 9) + ", and the state after that was not found" +
                (reason.empty() ? "" : ": " + reason);
     jump.after = {make(before.contacts), jump.before.z};
     jump.margin = 0.0;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "tendril/tolerances.hpp"
 
@@ -88,10 +87,7 @@ bool Tracker::advance() {
     if (length < shortest_step || must_stop_()) {
       // Where d_ss vanishes the contact has no place of its own.
       if (!must_stop_() && spreads(vanishing_convexity)) return false;
-      char text[120];
-      std::snprintf(text, sizeof text, "the path could not be followed beyond load fraction %.9f",
-                    now_.z[now_.statics->size()]);
-      trouble_ = text;
+      trouble_ = "the path could not be followed beyond load fraction " + shown(now_.z[now_.statics->size()], 9);
       return false;
     }
     const std::optional<Step> step = try_step(tangent, length);
@@ -277,11 +273,8 @@ bool Tracker::pinched() {
     const PointContact& a = contacts[k];
     const PointContact& b = contacts[k + 1];
     if (!(std::abs(a.s - b.s) < pinched_length && std::min(a.force, b.force) > pinching_force)) continue;
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "two obstacles close on the rod at %.4f L and load fraction %.6f: there is no room between them", a.s,
-                  now_.z[now_.statics->size()]);
-    trouble_ = text;
+    trouble_ = "two obstacles close on the rod at " + shown(a.s, 4) + " L and load fraction " +
+               shown(now_.z[now_.statics->size()]) + ": there is no room between them";
     return true;
   }
   return false;
