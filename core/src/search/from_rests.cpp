@@ -15,12 +15,6 @@ namespace tendril {
 namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-constexpr int few_values = 60;         ///< coordinates, up to which the rod settles in those of the plan
-constexpr int many_values = 150;       ///< coordinates of programs that led to no plan, before the rod itself is asked
-constexpr int most_exchanges = 8;      ///< rounds in which check points are added along equilibria
-constexpr int useless_rests = 6;       ///< in a row, before plans are sought in other ways
-constexpr double sampling_work = 2e6;  ///< (Tally::work) for all rests before the ordinary search goes on
-constexpr double deepest = 1e-2;       ///< (L) of soft obstacles: a rod that is pressed in farther is not resting
 constexpr double shares_of_bend[] = {0.9, 0.75, 0.6, 0.5,
                                      0.4, 0.25, 0.1};  ///< of a rest that coordinates cannot follow
 
@@ -46,7 +40,7 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, int lo
 }
 
 std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from, int looks) const {
-  if (d_.coordinate_count({}) > few_values) return executed(moments, looks);
+  if (d_.coordinate_count({}) > search_parameters().few_values) return executed(moments, looks);
   LoadPath path(d_.rod, d_.obstacles, {moments, moments, false});
   path.apply(1.0);
   Allowance allowance(steps_.deadline(), looks);
@@ -56,7 +50,7 @@ std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, co
   Rest rest{[shape = down.shape](double s) { return shape.curvature(s); }, moments, {}};
   for (const PressedRun& run : down.runs) {
     // Held between obstacles that leave no room it rests nowhere.
-    if (run.contact.force > deepest * down.stiffness) return std::nullopt;
+    if (run.contact.force > search_parameters().deepest * down.stiffness) return std::nullopt;
     PointContact c = run.contact;
     if (c.setup.at_tip) c.s = 1.0;
     c.setup.region = c.setup.at_tip ? 0 : stretch_at(d_.rod, c.s);
@@ -83,7 +77,9 @@ void Planner::slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) 
   if (const Eigen::VectorXd& reached = reduced.full(r.x); reached.allFinite()) x = reached;
 }
 
-bool Planner::slides(const Mode& mode) const { return !d_.palm && d_.coordinate_count(mode) > many_values; }
+bool Planner::slides(const Mode& mode) const {
+  return search_parameters().reduce_large && !d_.palm && d_.coordinate_count(mode) > search_parameters().many_values;
+}
 
 bool Planner::come_to_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
   close_contacts(program);
@@ -153,19 +149,21 @@ void Planner::refine(ModeState& state, const StartShape& shape) {
     FeasibilityReport f;
     if (spec.least_margin) f = steps_.look(held, feasible);
     const OptimalityReport r = solve(state, held, f.feasible ? f.x : feasible);
-    const bool usable = r.x.size() == feasible.size() && r.x.allFinite() && r.infeasibility <= nearly_feasible;
+    const bool usable =
+        r.x.size() == feasible.size() && r.x.allFinite() && r.infeasibility <= search_parameters().nearly_feasible;
     if (usable && finish(state, held, regions, checks, r.x)) return;
   }
   // What the backend cannot do with all variables it may do with the moments alone.
   Eigen::VectorXd x = feasible;
-  for (int round = 0; round <= most_exchanges && !must_stop(); ++round) {
+  for (int round = 0; round <= search_parameters().exchanges_along && !must_stop(); ++round) {
     spec.checks = checks;
     PoseProgram along(spec);
     if (!come_to_point(state, along, x)) return;
     // Where the way to better moments went through an obstacle, it is watched there, and begins anew.
     Certifier certifier(spec);
     std::vector<CheckPoint> more = checks;
-    const bool through = !d_.obstacles.empty() && d_.scene.contact.check_points == 0 && round < most_exchanges &&
+    const bool through = !d_.obstacles.empty() && d_.scene.contact.check_points == 0 &&
+                         round < search_parameters().exchanges_along &&
                          exchange_checks(along, x, certifier, more, violation_level, true);
     if (!through) {
       const double reached = along.cost(x);
@@ -199,7 +197,7 @@ void Planner::consider_rest(const Rest& rest) {
   const std::size_t i = state_of(*contacts);
   // From a stable shape the plan is wanted that is still stable, and the way there ends where stability does.
   // Eigenvalues of many coordinates take long: there they are looked at only where the way led too far.
-  if (d_.coordinate_count({}) > many_values) {
+  if (d_.coordinate_count({}) > search_parameters().many_values) {
     consider(states_[i], [&] { refine(states_[i], shape_of(rest, modes_[i])); });
     if (states_[i].best.certified() || must_stop()) return;
   }
@@ -208,9 +206,11 @@ void Planner::consider_rest(const Rest& rest) {
 }
 
 bool Planner::rest_is_due(const Mode& mode) {
-  if (rested_ || d_.palm || have_plan_ || following_ || must_stop() || !mode.skip.empty()) return false;
+  if (!search_parameters().ask_rests || rested_ || d_.palm || have_plan_ || following_ || must_stop() ||
+      !mode.skip.empty())
+    return false;
   values_tried_ += d_.coordinate_count({});
-  return values_tried_ > many_values;
+  return values_tried_ > search_parameters().many_values;
 }
 
 void Planner::start_from_rests() {
@@ -218,17 +218,17 @@ void Planner::start_from_rests() {
   std::vector<StartShape> from{d_.scene_start()};
   if (loaded()) from.insert(from.end(), {hanging(false), hanging(true)});
   const std::vector<std::vector<double>> samples = sampled_moments();
-  const double most_work = steps_.tally.work + sampling_work;
+  const double most_work = steps_.tally.work + search_parameters().sampling_work;
   std::size_t enough = samples.size();
   int useless = 0;
   bool has_plan = have_plan_;
   for (std::size_t i = 0; i < enough; ++i) {
     for (const StartShape& shape : from) {
       if (must_stop() || steps_.tally.work > most_work) return;
-      const std::optional<Rest> rest = come_to_rest(samples[i], shape, looks_at_a_rest);
+      const std::optional<Rest> rest = come_to_rest(samples[i], shape, search_parameters().looks_at_a_rest);
       // No contact where one is asked for, or more of them than there may be: such rests say little.
       useless = rest && contacts_of_rest(*rest) ? 0 : useless + 1;
-      if (useless > useless_rests) return;
+      if (useless > search_parameters().useless_rests) return;
       if (rest) consider_rest(*rest);
       // The first plan is seldom the best: as many samples as led to it may follow.
       if (have_plan_ && !has_plan) enough = std::min(enough, 2 * (i + 1));

@@ -20,8 +20,9 @@ void Planner::consider(ModeState& state, const StartShape& shape) {
     // Where nothing presses, a plan of another mode nearly belongs to this one too: what costs more lies on another
     // side of an obstacle, and the better side is worth a start. The contacts of a grasp always press, but where its
     // balance is left to an objective, that has as many sides.
-    if (balanced_by_row() || winner_ < 0 || winner_ == state.mode || !state.best.certified() || must_stop() ||
-        !(state.best.objective > best_objective() + beats)) {
+    if (!search_parameters().other_side || balanced_by_row() || winner_ < 0 || winner_ == state.mode ||
+        !state.best.certified() || must_stop() ||
+        !(state.best.objective > best_objective() + search_parameters().beats)) {
       return;
     }
     const Candidate& better = states_[static_cast<std::size_t>(winner_)].best;
@@ -34,7 +35,7 @@ void Planner::consider(ModeState& state, const StartShape& shape) {
 
 void Planner::consider(ModeState& state, const std::function<void()>& trial) {
   if (state.left_out || !modes_[static_cast<std::size_t>(state.mode)].skip.empty() || must_stop()) return;
-  if (best_objective() <= d_.objective_bound + beats) {
+  if (best_objective() <= d_.objective_bound + search_parameters().beats) {
     if (state.starts_used == 0) state.record.outcome = "skipped: no plan can cost less than the one found";
     return;
   }
@@ -51,7 +52,8 @@ void Planner::consider(ModeState& state, const std::function<void()>& trial) {
   // A grown mode whose new contact does not press is the smaller one with one more knot: no better a plan.
   const bool grown = static_cast<std::size_t>(state.mode) >= d_.modes.size();
   const bool repeats = grown && winner_ >= 0 && state.best.has_point && !all_press(state);
-  if (state.best.certified() && !repeats && state.best.objective < best_objective() - beats) winner_ = state.mode;
+  if (state.best.certified() && !repeats && state.best.objective < best_objective() - search_parameters().beats)
+    winner_ = state.mode;
   have_plan_ = winner_ >= 0;
 }
 
@@ -69,6 +71,7 @@ void Planner::name_state(std::size_t i) {
   ModeState& state = states_[i];
   state.mode = static_cast<int>(i);
   state.record.mode = modes_[i].name;
+  state.skip = modes_[i].skip;
   state.left_out =
       std::find(control_.without.begin(), control_.without.end(), modes_[i].name) != control_.without.end();
   if (state.left_out) state.record.outcome = left_out_outcome;
@@ -90,7 +93,7 @@ std::vector<std::size_t> Planner::parents(int contacts) const {
     return std::tuple(best.certified() ? 0 : best.has_point ? 1 : 2, value);
   };
   std::stable_sort(found.begin(), found.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
-  if (found.size() > beam_width) found.resize(beam_width);
+  if (found.size() > search_parameters().beam_width) found.resize(search_parameters().beam_width);
   return found;
 }
 
@@ -101,7 +104,7 @@ void Planner::grow() {
       const StartShape shape = from.best.has_point ? from.best.program->shape_of(from.best.x) : from.nearest;
       std::size_t added = 0;
       for (const Extension& extension : extensions(d_, modes_[parent].contacts, shape)) {
-        if (added == most_extensions || must_stop()) break;
+        if (added == search_parameters().most_extensions || must_stop()) break;
         if (!d_.mode(extension.contacts).skip.empty()) continue;
         ++added;
         const std::size_t known = states_.size();
@@ -151,17 +154,17 @@ Plan Planner::run() {
   }
   std::erase_if(order, [this](std::size_t i) { return states_[i].left_out; });
   if (control_.follow && control_.start != nullptr) winner_ = follow();
-  if (winner_ >= 0) return report(states_, winner_);
-  if (d_.palm && !d_.palm->balance) start_from_balance(order);
+  if (winner_ >= 0) return report();
+  if (search_parameters().balance_first && d_.palm && !d_.palm->balance) start_from_balance(order);
   search(order);
   if (winner_ >= 0 || d_.palm) hold_cheaper();
   search_further(starts(), order);
-  settle(order);
-  look_for_stable(order);
+  if (search_parameters().settle) settle(order);
+  if (search_parameters().prove) look_for_stable(order);
   // Where moments can be chosen and every search ended stationary, there is no plan; where none can, what the rod does
   // is worth telling.
-  if (winner_ < 0 && !(chooses() && all_infeasible())) look_for_spread();
-  return report(states_, winner_);
+  if (search_parameters().tell_spread && winner_ < 0 && !(chooses() && all_infeasible())) look_for_spread();
+  return report();
 }
 
 void Planner::search(const std::vector<std::size_t>& order) {
@@ -175,7 +178,7 @@ void Planner::search(const std::vector<std::size_t>& order) {
       break;
     round_ = round;
     // Before the second start per mode the rod itself shows where it can be.
-    if (round > 0 && !d_.palm && !rested_ && winner_ < 0) {
+    if (search_parameters().ask_rests && round > 0 && !d_.palm && !rested_ && winner_ < 0) {
       start_from_rests();
       if (winner_ >= 0 && chooses()) break;
     }
@@ -189,7 +192,7 @@ void Planner::search(const std::vector<std::size_t>& order) {
     for (const std::size_t i : order) {
       if (states_[i].deferred && winner_ < 0) consider(states_[i], start_shape(round, modes_[i]));
     }
-    if (!d_.enumerated) grow();
+    if (!d_.enumerated && search_parameters().grow_contacts) grow();
   }
 }
 
@@ -239,14 +242,14 @@ void Planner::hold_cheaper() {
   if (!search_parameters().hold_cheaper) return;
   std::vector<std::pair<double, std::size_t>> cheaper;
   for (std::size_t i = 0; i < states_.size(); ++i) {
-    if (states_[i].unstable_objective < best_objective() - beats) {
+    if (states_[i].unstable_objective < best_objective() - search_parameters().beats) {
       cheaper.emplace_back(states_[i].unstable_objective, i);
     }
   }
   std::sort(cheaper.begin(), cheaper.end());
   const HeldStable held(d_);
   for (const auto& [objective, i] : cheaper) {
-    if (must_stop() || !(objective < best_objective() - beats)) continue;
+    if (must_stop() || !(objective < best_objective() - search_parameters().beats)) continue;
     consider(states_[i], [&] { refine(states_[i], states_[i].unstable); });
   }
 }
@@ -280,24 +283,16 @@ void Planner::start_from_balance(const std::vector<std::size_t>& order) {
   consider(states_[static_cast<std::size_t>(mode)], shape);
 }
 
-bool Planner::without_stable_plan(const ModeState& state) const {
-  if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty()) return true;
-  if (state.best.certified()) return false;
-  // Rows that have no common point have none with stability either.
-  const int without = state.best.has_point ? 0 : state.stationary_violations;
-  return without + state.unheld >= most_starts;
-}
-
 bool Planner::all_infeasible() const {
-  return std::all_of(states_.begin(), states_.end(),
-                     [this](const ModeState& state) { return without_stable_plan(state); });
+  return std::all_of(states_.begin(), states_.end(), [](const ModeState& state) { return state.infeasible(); });
 }
 
 void Planner::search_further(int starts, const std::vector<std::size_t>& order) {
   if (d_.palm) return;
-  for (int round = starts; round < starts + further_starts && winner_ < 0 && !all_infeasible(); ++round) {
+  for (int round = starts; round < starts + search_parameters().further_starts && winner_ < 0 && !all_infeasible();
+       ++round) {
     for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
-    if (!d_.enumerated) grow();
+    if (!d_.enumerated && search_parameters().grow_contacts) grow();
   }
   if (d_.enumerated || winner_ >= 0) return;
   std::vector<ContactSetup> slots =
@@ -306,9 +301,9 @@ void Planner::search_further(int starts, const std::vector<std::size_t>& order) 
   slots.erase(std::remove_if(slots.begin(), slots.end(),
                              [this](const ContactSetup& slot) { return !d_.mode({slot}).skip.empty(); }),
               slots.end());
-  const auto every = every_assignment(slots, d_.scene.contact.count, most_enumerated_at_last);
+  const auto every = every_assignment(slots, d_.scene.contact.count, search_parameters().most_enumerated_at_last);
   if (!every) return;
-  for (int round = 0; round < most_starts && winner_ < 0 && !must_stop(); ++round) {
+  for (int round = 0; round < search_parameters().most_starts && winner_ < 0 && !must_stop(); ++round) {
     for (const std::vector<ContactSetup>& contacts : *every) {
       ModeState& state = states_[state_of(contacts)];
       if (state.starts_used <= round) consider(state, start_shape(round, modes_[static_cast<std::size_t>(state.mode)]));
