@@ -33,7 +33,8 @@ const SearchParameters& search_parameters() { return in_force(); }
 
 std::vector<SearchParameter> list_search_parameters() {
   std::vector<SearchParameter> all;
-#define TENDRIL_LIST(type, name, value, meaning) all.push_back({#name, told(in_force().name), meaning});
+#define TENDRIL_LIST(type, name, value, meaning) \
+  all.push_back({#name, told(in_force().name), meaning, std::is_same_v<type, bool>});
   TENDRIL_SEARCH_PARAMETERS(TENDRIL_LIST)
 #undef TENDRIL_LIST
   return all;

@@ -15,6 +15,7 @@
   X(double, much_work, 2e6, "work without a plan: the search hurries")                                               \
   X(int, looks_at_a_rest, 4000, "steps that the rod may take to a rest; few need more than 400")                     \
   X(bool, sides, true, "starts on every side of every obstacle")                                                     \
+  X(std::size_t, most_trials, 40, "starts on sides for all ways together, the most promising ones")                  \
   X(std::size_t, most_sides, 6, "starts on further sides for one way of being in contact")                           \
   X(int, outline_steps, 40, "points of a shape that is only looked at")                                              \
   X(int, arcs_of_one, 33, "shapes of one arc")                                                                       \
@@ -92,6 +93,7 @@ TENDRIL_API const SearchParameters& search_parameters();
 /// One of them, in words.
 struct SearchParameter {
   std::string name, value, meaning;
+  bool strategy = false;  ///< it can be left out
 };
 /// All of them as they are.
 TENDRIL_API std::vector<SearchParameter> list_search_parameters();

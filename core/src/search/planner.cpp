@@ -225,6 +225,7 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
     trials.insert(trials.end(), of_way.begin(), of_way.end());
   }
   std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
+  if (trials.size() > search_parameters().most_trials) trials.resize(search_parameters().most_trials);
   for (const Trial& trial : trials) {
     ModeState& state = states_[trial.way];
     if (must_stop()) return;
