@@ -9,12 +9,14 @@
 #include <tuple>
 #include <utility>
 
+#include "campaign/ablation.hpp"
 #include "campaign/campaign.hpp"
 #include "campaign/random_scene.hpp"
 #include "common/workload.hpp"
 #include "report/parts.hpp"
 #include "report/report.hpp"
 #include "report/tolerance_sweep.hpp"
+#include "search/parameters.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/interrupt.hpp"
 #include "tendril/version.hpp"
@@ -24,14 +26,14 @@ namespace {
 using namespace tendril;
 
 struct Arguments {
-  std::vector<std::string> limits, solvers, plugin_directories, settings;
+  std::vector<std::string> limits, solvers, plugin_directories, settings, search;
   std::string targets_x, targets_y, output, report, against;
   int starts = 0;
   bool treatments = false;
   std::string seeds = "1:1000";
   int jobs = 1;
   double time_limit = bench::CampaignSetup{}.time_limit, share = 0.995;
-  bool one = false, print_scene = false;
+  bool one = false, print_scene = false, ablation = false, list_search = false;
   bench::Extent extent;
 };
 
@@ -134,6 +136,15 @@ std::pair<std::uint64_t, std::uint64_t> read_seeds(const std::string& text) {
 }
 
 int campaign(const Arguments& arguments) {
+  for (const std::string& setting : arguments.search) {
+    const std::size_t equals = std::min(setting.find('='), setting.size());
+    set_search_parameter(setting.substr(0, equals), setting.substr(std::min(equals + 1, setting.size())));
+  }
+  if (arguments.list_search) {
+    for (const SearchParameter& p : list_search_parameters())
+      fmt::print("{:<24}{:>8}  {}\n", p.name, p.value, p.meaning);
+    return 0;
+  }
   bench::CampaignSetup setup;
   std::tie(setup.first, setup.last) = read_seeds(arguments.seeds);
   setup.solvers = arguments.solvers.empty() ? registry_of(arguments).names(ComponentKind::solver) : arguments.solvers;
@@ -156,6 +167,8 @@ int campaign(const Arguments& arguments) {
   setup.share = arguments.share;
   setup.plugin_directories = arguments.plugin_directories;
   setup.stop = arguments.extent.stop;
+  if (arguments.ablation) return show(arguments, {bench::ablation_section(setup, arguments.search)});
+  setup.search = arguments.search;
   const std::vector<bench::CampaignCase> cases = bench::run_campaign(setup);
   const int shown = show(arguments, {bench::campaign_section(setup, cases)});
   return shown != 0 || !bench::acceptable(setup, cases) ? 1 : 0;
@@ -215,6 +228,10 @@ CLI::App* add_campaign(CLI::App& program, Arguments& arguments) {
   command->add_option("--time-limit", arguments.time_limit, "Seconds for one plan")->check(CLI::Range(1e-3, 1e6));
   command->add_option("--share", arguments.share, "Share of the cases that have to be met")
       ->check(CLI::Range(0.0, 1.0));
+  add_list(command, "--search", arguments.search, "Sets a number that steers the search: NAME=VALUE; may be repeated");
+  command->add_flag("--list-search", arguments.list_search, "Lists these numbers instead of planning");
+  command->add_flag("--ablation", arguments.ablation,
+                    "What each strategy of the search, or each --search, is worth, one at a time");
   command->add_flag("--one", arguments.one, "Plans the first seed in this process: one line of JSON");
   command->add_flag("--print-scene", arguments.print_scene, "Prints the scenes instead of planning them");
   return command;

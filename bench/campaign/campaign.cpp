@@ -43,6 +43,7 @@ CampaignCase run_case(const CampaignSetup& setup, const std::set<std::string>& p
   for (const std::string& directory : setup.plugin_directories) {
     arguments.insert(arguments.end(), {"--plugin-dir", directory});
   }
+  for (const std::string& setting : setup.search) arguments.insert(arguments.end(), {"--search", setting});
   const double most = patience * setup.time_limit + 10.0;
   const app::ProcessResult run = app::run_process(plugins::executable_path().string(), arguments, "/", most);
   const std::size_t at = run.output.rfind(mark);

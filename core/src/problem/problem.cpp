@@ -8,6 +8,7 @@
 #include "grasp/frames.hpp"
 #include "scene/make_rod.hpp"
 #include "scene/plan_report.hpp"
+#include "search/parameters.hpp"
 #include "search/contacts.hpp"
 #include "search/follower.hpp"
 #include "search/planner.hpp"
@@ -170,7 +171,7 @@ Problem::Problem(const Scene& scene, Components components) : task_(std::make_un
     const int obstacles = d.contact_obstacles;
     const int count = scene.contact.count;
     const std::vector<ContactSetup> slots = contact_slots(static_cast<int>(stretches), obstacles);
-    const auto few = every_assignment(slots, count, most_enumerated);
+    const auto few = every_assignment(slots, count, search_parameters().most_enumerated);
     d.enumerated = few.has_value() || count == 1;
     for (const std::vector<ContactSetup>& contacts : few ? *few : *every_assignment(slots, 1, slots.size())) {
       d.modes.push_back(d.mode(contacts));
@@ -201,7 +202,7 @@ Description Problem::describe() const {
   std::size_t largest = 0;
   int most = -1;
   std::vector<Mode> shown(d.modes.begin(),
-                          d.modes.begin() + static_cast<std::ptrdiff_t>(std::min(d.modes.size(), most_enumerated + 1)));
+                          d.modes.begin() + static_cast<std::ptrdiff_t>(std::min(d.modes.size(), search_parameters().most_enumerated + 1)));
   if (shown.size() < d.modes.size()) {
     out.left_out.push_back(
         {"programs of " + std::to_string(d.modes.size() - shown.size()) + " ways of being in contact",

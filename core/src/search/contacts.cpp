@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "search/parameters.hpp"
+
 namespace tendril {
 namespace {
 
@@ -155,8 +157,9 @@ LeftOut search_note(const Task& problem) {
   return {"other contact assignments",
           shown(count, 15) + " ways of assigning up to " + std::to_string(problem.scene.contact.count) +
               " contacts are too many: a heuristic search tries every single contact, then gives the " +
-              std::to_string(beam_width) + " best plans of each size one more contact at each of the " +
-              std::to_string(most_extensions) +
+              std::to_string(search_parameters().beam_width) +
+              " best plans of each size one more contact at each of the " +
+              std::to_string(search_parameters().most_extensions) +
               " obstacles that their rod comes nearest to, in the order in which the rod meets them"};
 }
 
