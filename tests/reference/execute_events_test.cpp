@@ -72,7 +72,7 @@ TEST(ExecuteEvents, AStartInsideAWallIsToldInWords) {
     const Execution e = s.run({moment});
     EXPECT_EQ(e.result.message.rfind("the start shape lies 333.3 mm inside 'right wall'", 0), 0U)
         << moment << ": " << e.result.message;
-    EXPECT_EQ(e.result.message.find("beyond load fraction 0.0") != std::string::npos, moment == 0.6);
+    EXPECT_EQ(e.result.message.find("beyond load fraction ") != std::string::npos, moment == 0.6);
   }
 }
 

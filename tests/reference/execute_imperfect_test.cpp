@@ -36,8 +36,8 @@ void expect_mirrored(const Execution& left, const Execution& right) {
   EXPECT_EQ(left.steps, right.steps);
   ASSERT_EQ(left.result.backbone.size(), right.result.backbone.size());
   for (std::size_t i = 0; i < left.result.backbone.size(); ++i) {
-    EXPECT_EQ(left.result.backbone[i][1], right.result.backbone[i][1]);
-    EXPECT_EQ(left.result.backbone[i][2], -right.result.backbone[i][2]);
+    EXPECT_EQ(left.result.backbone[i].x, right.result.backbone[i].x);
+    EXPECT_EQ(left.result.backbone[i].y, -right.result.backbone[i].y);
   }
 }
 

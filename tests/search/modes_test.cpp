@@ -136,7 +136,9 @@ TEST(SearchModes, WhatCannotCostLessThanThePlanFoundIsSkipped) {
     for (const std::size_t other : {1, 2}) {
       const ModeRecord& mode = found.modes[other];
       EXPECT_EQ(mode.outcome == "skipped: no plan can cost less than the one found", known.skipped) << mode.outcome;
-      EXPECT_EQ(mode.solves == 0, known.skipped) << mode.mode;
+      // Without a feasible point near any start no solver is asked either.
+      const bool out_of_reach = mode.outcome.find("no feasible point near") != std::string::npos;
+      EXPECT_EQ(mode.solves == 0, known.skipped || out_of_reach) << mode.mode << ": " << mode.outcome;
     }
   }
 }

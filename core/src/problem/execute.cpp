@@ -126,10 +126,9 @@ Execution Executor::run() {
 std::string Executor::overlaps(const Loading& loading) const {
   std::string all;
   for (const Loading::Overlap& o : loading.overlaps()) {
-    char depth[32];
-    std::snprintf(depth, sizeof depth, "%.4g mm", 1e3 * scale_.to_si(o.depth, dimension::length));
+    const double depth = 1e3 * scale_.to_si(o.depth, dimension::length);
     all +=
-        (all.empty() ? "the start shape lies " : " and ") + std::string(depth) + " inside '" + names_[o.obstacle] + "'";
+        (all.empty() ? "the start shape lies " : " and ") + shown(depth, 4) + " mm inside '" + names_[o.obstacle] + "'";
   }
   return all;
 }

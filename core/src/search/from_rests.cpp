@@ -110,11 +110,11 @@ std::vector<int> Planner::regions_near(const Mode& mode, const StartShape& shape
   return d_.regions_of(mode, places);
 }
 
-Eigen::VectorXd Planner::feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape) {
+Eigen::VectorXd Planner::feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape, bool rests) {
   FeasibilityReport f = steps_.look(program, program.start_from(shape));
   // What few coordinates leave of a sharp bend can lie on the wrong side of all that is near: less of it may do.
   for (const double share : shares_of_bend) {
-    if (f.feasible || must_stop() || have_plan_) break;
+    if (f.feasible || must_stop() || !rests) break;
     StartShape less = shape;
     less.curvature = [&shape, share](double s) { return share * shape.curvature(s); };
     const FeasibilityReport again = steps_.look(program, program.start_from(less));
@@ -127,7 +127,7 @@ Eigen::VectorXd Planner::feasible_near(ModeState& state, PoseProgram& program, c
   return {};
 }
 
-void Planner::refine(ModeState& state, const StartShape& shape) {
+void Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
   const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
   ++state.starts_used;
   const std::vector<int> regions = regions_near(mode, shape);
@@ -139,7 +139,7 @@ void Planner::refine(ModeState& state, const StartShape& shape) {
   unheld.least_convexity.reset();
   PoseProgram program(unheld);
   close_contacts(program);
-  const Eigen::VectorXd feasible = feasible_near(state, program, shape);
+  const Eigen::VectorXd feasible = feasible_near(state, program, shape, rests);
   if (feasible.size() == 0) return;
   if (!slides(mode)) {
     PoseProgram held(spec);
@@ -147,8 +147,11 @@ void Planner::refine(ModeState& state, const StartShape& shape) {
     FeasibilityReport f;
     if (spec.least_margin) f = steps_.look(held, feasible);
     const OptimalityReport r = solve(state, held, f.feasible ? f.x : feasible);
-    const bool usable =
-        r.x.size() == feasible.size() && r.x.allFinite() && r.infeasibility <= search_parameters().nearly_feasible;
+    // What breaks its promises is no part of any plan.
+    const bool broken = r.status == SolveStatus::failed || r.status == SolveStatus::unsupported ||
+                        r.status == SolveStatus::not_finite || r.x.size() != feasible.size();
+    if (broken) return;
+    const bool usable = r.x.allFinite() && r.infeasibility <= search_parameters().nearly_feasible;
     if (usable && finish(state, held, regions, checks, r.x)) return;
   }
   // What the backend cannot do with all variables it may do with the moments alone.
@@ -180,7 +183,8 @@ bool Planner::finish(ModeState& state, PoseProgram& program, const std::vector<i
                      std::vector<CheckPoint>& checks, const Eigen::VectorXd& x) {
   // Clearance that is still to be added makes nothing cheaper.
   const double cost = program.cost(x);
-  if (have_plan_ && cost > best_objective() + search_parameters().dearer && infeasibility(program, x) <= restored) {
+  if (have_plan_ && d_.enumerated && cost > best_objective() + search_parameters().dearer &&
+      infeasibility(program, x) <= restored) {
     state.dearer = std::min(state.dearer, cost);
     return true;
   }
@@ -196,11 +200,11 @@ void Planner::consider_rest(const Rest& rest) {
   // From a stable shape the plan is wanted that is still stable, and the way there ends where stability does.
   // Eigenvalues of many coordinates take long: there they are looked at only where the way led too far.
   if (d_.coordinate_count({}) > search_parameters().many_values) {
-    consider(states_[i], [&] { refine(states_[i], shape_of(rest, modes_[i])); });
+    consider(states_[i], [&] { refine(states_[i], shape_of(rest, modes_[i]), true); });
     if (states_[i].best.certified() || must_stop()) return;
   }
   const HeldStable held(d_);
-  consider(states_[i], [&] { refine(states_[i], shape_of(rest, modes_[i])); });
+  consider(states_[i], [&] { refine(states_[i], shape_of(rest, modes_[i]), true); });
 }
 
 bool Planner::rest_is_due(const Mode& mode) {

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "tendril/error.hpp"
+#include "tendril/options.hpp"
 
 namespace tendril {
 namespace {
@@ -45,7 +46,9 @@ void set_search_parameter(const std::string& name, const std::string& value) {
   if (name == #known) return read(in_force().known, name, value);
   TENDRIL_SEARCH_PARAMETERS(TENDRIL_SET)
 #undef TENDRIL_SET
-  throw Error("there is no search parameter '" + name + "'");
+  std::vector<std::string> known;
+  for (const SearchParameter& p : list_search_parameters()) known.push_back(p.name);
+  throw Error("there is no search parameter '" + name + "'" + did_you_mean(name, known));
 }
 
 }  // namespace tendril

@@ -17,6 +17,7 @@
   X(bool, sides, true, "starts on every side of every obstacle")                                                     \
   X(std::size_t, most_trials, 40, "starts on sides for all ways together, the most promising ones")                  \
   X(std::size_t, most_sides, 6, "starts on further sides for one way of being in contact")                           \
+  X(double, side_work, 3e5, "work for all starts on sides before the ordinary search goes on")                       \
   X(int, outline_steps, 40, "points of a shape that is only looked at")                                              \
   X(int, arcs_of_one, 33, "shapes of one arc")                                                                       \
   X(double, widest_of_one, 3.2, "largest angle of one arc, rad")                                                     \

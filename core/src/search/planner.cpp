@@ -169,7 +169,8 @@ Plan Planner::run() {
 
 void Planner::search(const std::vector<std::size_t>& order) {
   const int earlier = control_.start != nullptr ? 1 : 0;
-  search_sides(order);
+  // Where assignments are too many to be listed, those that grow come first.
+  if (d_.enumerated) search_sides(order);
   for (int round = 0; round < starts() && !must_stop(); ++round) {
     // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
     // families with several valleys of the effort; what follows its own starts is no equilibrium.
@@ -194,6 +195,7 @@ void Planner::search(const std::vector<std::size_t>& order) {
     }
     if (!d_.enumerated && search_parameters().grow_contacts) grow();
   }
+  if (!d_.enumerated) search_sides(order);
 }
 
 void Planner::search_sides(const std::vector<std::size_t>& order) {
@@ -228,12 +230,14 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
   if (trials.size() > search_parameters().most_trials) trials.resize(search_parameters().most_trials);
   for (const Trial& trial : trials) {
     ModeState& state = states_[trial.way];
-    if (must_stop()) return;
+    if (must_stop() || steps_.tally.work > search_parameters().side_work) return;
     // A plan from another side may lie on this one.
     if (state.best.has_point && sides_of(d_, state.best.program->shape_of(state.best.x)) == trial.start->sides)
       continue;
     state.sided = true;
-    consider(state, [&] { refine(state, trial.start->shape); });
+    // Not split, a contact may have to go on into the next piece.
+    const bool hops = !d_.scene.coordinates.split_at_contact && !modes_[trial.way].contacts.empty();
+    consider(state, [&] { hops ? try_start(state, trial.start->shape) : refine(state, trial.start->shape); });
   }
 }
 

@@ -150,12 +150,13 @@ class Planner {
   /// Where there is a plan: starts on sides have shown already what an ordinary one can lead to.
   bool looked_at(const ModeState& state) const;
   /// From a shape to a feasible point near, where every contact touches, and from there to the best one near: with
-  /// all variables, else along equilibria with the moments alone.
-  void refine(ModeState& state, const StartShape& shape);
+  /// all variables, else along equilibria with the moments alone. `rests`: the rod rests in this shape, as far as the
+  /// coordinates can show it.
+  void refine(ModeState& state, const StartShape& shape, bool rests = false);
   /// The regions of contacts where the shape has them, or comes nearest to their obstacles.
   std::vector<int> regions_near(const Mode& mode, const StartShape& shape) const;
   /// Empty: there is none.
-  Eigen::VectorXd feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape);
+  Eigen::VectorXd feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape, bool rests);
   /// complete(), unless x costs more than the plan. False: x led to nothing.
   bool finish(ModeState& state, PoseProgram& program, const std::vector<int>& regions, std::vector<CheckPoint>& checks,
               const Eigen::VectorXd& x);

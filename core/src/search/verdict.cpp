@@ -80,7 +80,7 @@ void tell_outcomes(const Ways& ways, double objective_scale, const std::string& 
       if (!best.certified()) outcome += ": " + best.certificate.failures.front();
       if (!best.certified() && !way->trouble.empty()) outcome += "; " + way->trouble;
     } else if (std::isfinite(way->dearer)) {
-      outcome += "costs more: objective " + shown(way->dearer * objective_scale);
+      outcome += "costs more: " + shown(way->dearer * objective_scale);
     } else if (way->starts_used > 0 || !way->trouble.empty()) {
       outcome += "not solved: " + (way->trouble.empty() ? std::string(to_string(way->last.status)) : way->trouble);
     } else if (outcome.empty()) {

@@ -204,8 +204,8 @@ Tracker::Repair Tracker::repair_penetration(State& guess, Settled& s) {
   });
   if (own) {
     spread_ = true;
-    trouble_ =
-        text_of("contact spreads: beside the contact at %.4f L the rod lies along the obstacle", worst.at.arc_length);
+    trouble_ = "contact spreads: beside the contact at " + shown(worst.at.arc_length, 4) +
+               " L the rod lies along the obstacle";
     return Repair::impossible;
   }
   PointContact c;
