@@ -8,9 +8,9 @@
 #include "grasp/frames.hpp"
 #include "scene/make_rod.hpp"
 #include "scene/plan_report.hpp"
-#include "search/parameters.hpp"
 #include "search/contacts.hpp"
 #include "search/follower.hpp"
+#include "search/parameters.hpp"
 #include "search/planner.hpp"
 #include "search/task.hpp"
 #include "tendril/grasp.hpp"
@@ -201,8 +201,9 @@ Description Problem::describe() const {
   out.force_unit = d.scale.force();
   std::size_t largest = 0;
   int most = -1;
-  std::vector<Mode> shown(d.modes.begin(),
-                          d.modes.begin() + static_cast<std::ptrdiff_t>(std::min(d.modes.size(), search_parameters().most_enumerated + 1)));
+  std::vector<Mode> shown(
+      d.modes.begin(),
+      d.modes.begin() + static_cast<std::ptrdiff_t>(std::min(d.modes.size(), search_parameters().most_enumerated + 1)));
   if (shown.size() < d.modes.size()) {
     out.left_out.push_back(
         {"programs of " + std::to_string(d.modes.size() - shown.size()) + " ways of being in contact",
