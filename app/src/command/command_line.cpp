@@ -236,9 +236,11 @@ Command execute_command(CLI::App& app) {
               throw InputError("execute needs the moments, expected --moments \"M, ...\" or --plan RESULT.json");
             }
             require_name(*execute, "--plan", parsed->plan);
-            return run_execute({parsed->scene.arguments(), parsed->moments, optional_path(parsed->plan),
-                                optional_path(result.start), optional_path(result.output), optional_path(result.figure),
-                                result.json});
+            return run_execute({parsed->scene.arguments(),
+                                parsed->moments,
+                                optional_path(parsed->plan),
+                                optional_path(result.start),
+                                {optional_path(result.output), optional_path(result.figure), result.json}});
           }};
 }
 
