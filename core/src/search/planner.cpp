@@ -253,9 +253,10 @@ void Planner::hold_cheaper() {
   }
   std::sort(cheaper.begin(), cheaper.end());
   const HeldStable held(d_);
-  for (const auto& [objective, i] : cheaper) {
-    if (must_stop() || !(objective < best_objective() - search_parameters().beats)) continue;
-    consider(states_[i], [&] { refine(states_[i], states_[i].unstable); });
+  for (const auto& found : cheaper) {
+    if (must_stop() || !(found.first < best_objective() - search_parameters().beats)) continue;
+    ModeState& state = states_[found.second];
+    consider(state, [&] { refine(state, state.unstable); });
   }
 }
 
