@@ -58,11 +58,13 @@ Plan Planner::report() {
   Candidate* chosen = nearest != nullptr ? &nearest->best : nullptr;
   if (winner_ >= 0) chosen = &states_[static_cast<std::size_t>(winner_)].best;
   // That the rod lies along an obstacle tells more than where the search for points ended instead.
+  Candidate* lying = nullptr;
   for (ModeState& state : states_) {
     if (winner_ >= 0 || must_stop() || !state.spread.has_point) continue;
-    if (!grounds.rod_lies || state.spread.objective < chosen->objective) chosen = &state.spread;
-    grounds.rod_lies = true;
+    if (lying == nullptr || state.spread.objective < lying->objective) lying = &state.spread;
   }
+  grounds.rod_lies = lying != nullptr;
+  if (lying != nullptr) chosen = lying;
   grounds.search = &steps_;
   grounds.time_limit = d_.scene.solver.time_limit;
   grounds.solved = winner_ >= 0;
