@@ -108,6 +108,7 @@ std::vector<SideStart> starts_by_sides(const Task& task) {
     }
   }
   std::vector<SideStart> all;
+  all.reserve(best.size());
   for (auto& entry : best) all.push_back(std::move(entry.second));
   std::stable_sort(all.begin(), all.end(), [](const SideStart& a, const SideStart& b) { return a.merit < b.merit; });
   return all;
