@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "combination/support.hpp"
+#include "tendril/tolerances.hpp"
 
 namespace tendril::search {
 namespace {
@@ -78,6 +79,33 @@ plugin = "actuation_effort"
 weight = 1e-4
 )";
 
+const char* const finger = R"(
+title = "A finger that presses up to the limit of stability"
+problem = "grasp"
+[[rod.segment]]
+length = "30 mm"
+bending_stiffness = "7e-4 N m^2"
+[[rod.segment]]
+length = "45 mm"
+bending_stiffness = "3e-4 N m^2"
+[[rod.actuator]]
+limit = "60 N mm"
+[[rod.actuator]]
+from = "30 mm"
+limit = "60 N mm"
+[gripper]
+half_palm = "30 mm"
+object_diameter = "40 mm"
+[contact]
+max_force = "2 N"
+[[objective]]
+plugin = "contact_force"
+weight = 1
+[[objective]]
+plugin = "actuation_effort"
+weight = 1e-3
+)";
+
 // The straight start runs through the peg; from bent ones the arm is planned above it.
 TEST(SearchSides, AStartThroughAnObstacleLeadsToTheBestSideWithEverySolver) {
   for (const std::string& solver : combination::solvers_to_combine()) {
@@ -121,6 +149,20 @@ TEST(SearchSides, WhatAllowsMoreCostsNoMore) {
       EXPECT_LE(allowed.objective, required.objective * (1.0 + same));
       EXPECT_LE(allowed.objective, avoided.objective * (1.0 + same));
     }
+  }
+}
+
+// With 0.6 N the finger would press with all of it and give way: it presses as hard as it can be held.
+TEST(SearchSides, AFingerPressesUpToTheLimitOfStabilityWithEverySolver) {
+  for (const std::string& solver : combination::solvers_to_combine()) {
+    SCOPED_TRACE(solver);
+    const Plan weaker = planned(scene_from_text(finger, {"contact.max_force=0.4 N"}), solver);
+    const Plan held = planned(scene_from_text(finger, {"contact.max_force=0.6 N"}), solver);
+    ASSERT_TRUE(certified(weaker));
+    ASSERT_TRUE(certified(held));
+    EXPECT_GT(weaker.certificate.stability, 0.1);
+    EXPECT_NEAR(held.certificate.stability, tolerance::held_margin, 0.1 * tolerance::held_margin);
+    EXPECT_LT(held.objective, weaker.objective);
   }
 }
 

@@ -8,9 +8,9 @@
 #include "grasp/frames.hpp"
 #include "rod/self_overlap.hpp"
 #include "scene/plan_report.hpp"
+#include "search/completion.hpp"
 #include "search/earlier_plan.hpp"
 #include "search/parameters.hpp"
-#include "search/planner.hpp"
 #include "search/steps.hpp"
 #include "tendril/error.hpp"
 #include "tendril/grasp.hpp"
@@ -35,11 +35,7 @@ class GraspPlanner {
   Plan run();
 
  private:
-  struct Best : Judged {
-    std::unique_ptr<GraspProgram> program;
-    std::unique_ptr<GraspCertifier> certifier;
-    Eigen::VectorXd x;
-  };
+  using Best = PointOf<GraspProgram, GraspCertifier>;
   struct Pair : Way {
     Both<const Mode*> modes{};
     Best best;
@@ -64,8 +60,7 @@ class GraspPlanner {
   /// From x to a point that violates nothing, if there is one near; remembers where there is none.
   bool restore(Pair& pair, GraspProgram& program, Eigen::VectorXd& x);
   void consider(Pair& pair, const Both<StartShape>& shapes, bool only_promising);
-  /// Moves check points to where the fingers go through something, and says whether there was such a place.
-  bool exchange(GraspProgram& program, GraspCertifier& certifier, const Eigen::VectorXd& x, Assembly& parts) const;
+  struct Completing;
   /// Exchange and certificate; keeps the point if it is better than the pair's best.
   void complete(Pair& pair, Assembly parts, Eigen::VectorXd x);
   void search();
@@ -158,16 +153,13 @@ void GraspPlanner::consider(Pair& pair, const Both<StartShape>& shapes, bool onl
   } else {
     ++pair.starts_used;
     const OptimalityReport r = solve(pair, *program, start);
-    const bool usable =
-        r.x.allFinite() && r.x.size() == start.size() && r.infeasibility <= search_parameters().nearly_feasible;
-    Eigen::VectorXd x = usable ? r.x : feasible;
-    if (!usable && near) {
+    const bool arrived = usable(r, start);
+    Eigen::VectorXd x = arrived ? r.x : feasible;
+    if (!arrived && near) {
       const OptimalityReport again = solve(pair, *program, feasible);
-      if (again.x.allFinite() && again.x.size() == x.size() &&
-          again.infeasibility <= search_parameters().nearly_feasible)
-        x = again.x;
+      if (usable(again, start)) x = again.x;
     }
-    if (usable || near) complete(pair, parts, x);
+    if (arrived || near) complete(pair, parts, x);
   }
   // One start is one piece of evidence, however many programs it led to.
   pair.stationary_violations = std::min(pair.stationary_violations, pair.violations_before + 1);
@@ -175,65 +167,53 @@ void GraspPlanner::consider(Pair& pair, const Both<StartShape>& shapes, bool onl
   if (pair.best.certified() && pair.best.objective < best_objective() - search_parameters().beats) winner_ = &pair;
 }
 
-bool GraspPlanner::exchange(GraspProgram& program, GraspCertifier& certifier, const Eigen::VectorXd& x,
-                            Assembly& parts) const {
-  bool changed = false;
-  for (int which = 0; which < 2; ++which) {
-    const Eigen::VectorXd own = program.finger_point(which, x);
-    // Unlike the search's program the judge's has no rows for separations: their check points come behind these.
-    const bool moved = exchange_checks(program.finger(which), own, certifier.finger(which),
-                                       parts.checks[static_cast<std::size_t>(which)], violation_level);
-    changed = changed || moved;
+/// How a program of both fingers is brought to its certificate.
+struct GraspPlanner::Completing {
+  GraspPlanner& planner;
+  Pair& pair;
+  Assembly parts;
+  Best& c;
+
+  void build() {
+    c.program = planner.assemble(pair, parts);
+    c.certifier = std::make_unique<GraspCertifier>(*c.program);
   }
-  const FingerClearance between = certifier.clearance(x);
-  if (between.depth > tolerance::clearance_sharpness) {
-    parts.separations.insert(parts.separations.end(), between.crossings.begin(), between.crossings.end());
-    changed = changed || !between.crossings.empty();
+  bool sharpen(Eigen::VectorXd& x, bool may) { return planner.sharpen(pair, *c.program, x, may); }
+  bool recover(Eigen::VectorXd& x) { return planner.restore(pair, *c.program, x) && sharpen(x, true); }
+  /// Moves check points to where the fingers go through something.
+  bool exchange(const Eigen::VectorXd& x, int) {
+    if (planner.upper().scene.contact.check_points != 0) return false;
+    bool changed = false;
+    for (int which = 0; which < 2; ++which) {
+      const Eigen::VectorXd own = c.program->finger_point(which, x);
+      // Unlike the search's program the judge's has no rows for separations: their check points come behind these.
+      const bool moved = exchange_checks(c.program->finger(which), own, c.certifier->finger(which),
+                                         parts.checks[static_cast<std::size_t>(which)], violation_level);
+      changed = changed || moved;
+    }
+    const FingerClearance between = c.certifier->clearance(x);
+    if (between.depth > tolerance::clearance_sharpness) {
+      parts.separations.insert(parts.separations.end(), between.crossings.begin(), between.crossings.end());
+      changed = changed || !between.crossings.empty();
+    }
+    return changed;
   }
-  return changed;
-}
+  bool refine() {
+    for (int& nodes : parts.nodes) nodes += nodes / 2;
+    return true;
+  }
+  static bool only_newton() { return false; }
+};
 
 void GraspPlanner::complete(Pair& pair, Assembly parts, Eigen::VectorXd x) {
   Best c;
-  const auto build = [&] {
-    c.program = assemble(pair, parts);
-    c.certifier = std::make_unique<GraspCertifier>(*c.program);
-  };
-  const auto sharpened = [&] {
-    if (sharpen(pair, *c.program, x, true)) return true;
-    return restore(pair, *c.program, x) && sharpen(pair, *c.program, x, true);
-  };
-  build();
-  bool sharp = sharpened();
-  const bool exchanges = upper().scene.contact.check_points == 0;
-  for (int round = 0; exchanges && sharp && round < search_parameters().most_exchanges && !must_stop(); ++round) {
-    if (!x.allFinite() || !exchange(*c.program, *c.certifier, x, parts)) break;
-    build();
-    sharp = sharpened();
-  }
-  for (int refinement = 0; refinement < search_parameters().most_refinements; ++refinement) {
-    const double begin = now();
-    c.certificate = c.certifier->certify(*c.program, x);
-    steps_.tally.seconds_certifying += now() - begin;
-    const bool enough = !(c.certificate.quadrature > tolerance::quadrature);
-    if (enough || !sharp || must_stop()) break;
-    for (int& nodes : parts.nodes) nodes += nodes / 2;
-    build();
-    sharp = sharpen(pair, *c.program, x, false);
-  }
-  if (!x.allFinite()) return;
-  c.x = x;
-  c.solver = pair.last;
-  c.objective = c.program->cost(x);
-  if (!std::isfinite(c.objective)) {
+  Completing steps{*this, pair, std::move(parts), c};
+  if (bring_to_certificate(steps_, pair, c, std::move(x), steps) != Completion::judged) return;
+  if (!c.has_point) {
     pair.trouble = "an objective gives a number that is not finite";
-    return;
+  } else if (better(c, pair.best)) {
+    pair.best = std::move(c);
   }
-  c.has_point = true;
-  Best& best = pair.best;
-  const bool better = !best.has_point || (c.certified() && !best.certified()) ||
-                      (c.certified() == best.certified() && c.objective < best.objective - search_parameters().beats);
-  if (better) best = std::move(c);
 }
 
 void GraspPlanner::search() {

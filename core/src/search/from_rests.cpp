@@ -151,8 +151,7 @@ void Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
     const bool broken = r.status == SolveStatus::failed || r.status == SolveStatus::unsupported ||
                         r.status == SolveStatus::not_finite || r.x.size() != feasible.size();
     if (broken) return;
-    const bool usable = r.x.allFinite() && r.infeasibility <= search_parameters().nearly_feasible;
-    if (usable && finish(state, held, regions, checks, r.x)) return;
+    if (usable(r, feasible) && finish(state, held, regions, checks, r.x)) return;
   }
   // What the backend cannot do with all variables it may do with the moments alone.
   Eigen::VectorXd x = feasible;

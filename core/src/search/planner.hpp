@@ -13,6 +13,7 @@
 #include "certificate/certifier.hpp"
 #include "nlp/feasibility.hpp"
 #include "obstacle/shrunk.hpp"
+#include "search/completion.hpp"
 #include "search/parameters.hpp"
 #include "search/rest.hpp"
 #include "search/sides.hpp"
@@ -24,11 +25,7 @@
 namespace tendril {
 
 /// A point of a pose program, judged.
-struct Candidate : Judged {
-  std::unique_ptr<PoseProgram> program;
-  std::unique_ptr<Certifier> certifier;
-  Eigen::VectorXd x;
-};
+using Candidate = PointOf<PoseProgram, Certifier>;
 
 /// While it lives, programs have rows that keep equilibria stable and contacts points.
 class HeldStable {
@@ -198,9 +195,10 @@ class Planner {
   /// checked.
   bool complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& checks, Eigen::VectorXd x,
                 const std::vector<Branch>& branches);
-  /// The same without keeping it: into `c`, which has no point where there is none.
-  bool bring_to_certificate(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& checks,
-                            Eigen::VectorXd x, const std::vector<Branch>& branches, Candidate& c);
+  struct Completing;
+  /// The same without keeping it: into `c`.
+  Completion bring_to_certificate(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& checks,
+                                  Eigen::VectorXd x, const std::vector<Branch>& branches, Candidate& c);
   /// Newton from the earlier plan's own point, touching what it touched: no solver is called. The mode that is
   /// certified so, or -1: there is none, or a contact may be about to come or go, which other modes know more about.
   int follow();

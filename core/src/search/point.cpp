@@ -17,6 +17,7 @@ namespace tendril {
 namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
+constexpr int most_nodes = 600;                         ///< of a quadrature that is refined further
 constexpr double swollen_radii[] = {0.02, 0.1, 0.005};  ///< ... to the first of these that works
 
 void keep_unique(std::vector<CheckPoint>& checks) {
@@ -167,7 +168,7 @@ bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   const FeasibilityReport f = steps_.restore(state, program, x);
   if (f.feasible) {
     const OptimalityReport r = solve(state, program, f.x);
-    x = r.x.allFinite() && r.x.size() == x.size() && r.infeasibility <= search_parameters().nearly_feasible ? r.x : f.x;
+    x = usable(r, x) ? r.x : f.x;
     return true;
   }
   keep_nearest(state, program, f, least);
@@ -194,7 +195,7 @@ bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
 bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& every_check,
                        Eigen::VectorXd x, const std::vector<Branch>& branches) {
   Candidate c;
-  if (!bring_to_certificate(state, regions, every_check, std::move(x), branches, c)) return false;
+  if (bring_to_certificate(state, regions, every_check, std::move(x), branches, c) == Completion::lost) return false;
   // Beside a contact no check point can be: there the rod stays out if the contact does not spread to either side.
   const bool dips =
       c.has_point && !c.certified() && !following_ && !c.program->spec().least_convexity &&
@@ -210,9 +211,8 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
     };
     const Held held(d_.least_convexity);
     Candidate pointed;
-    if (bring_to_certificate(state, regions, every_check, c.x, branches, pointed) && pointed.certified()) {
-      c = std::move(pointed);
-    }
+    bring_to_certificate(state, regions, every_check, c.x, branches, pointed);
+    if (pointed.certified()) c = std::move(pointed);
   }
   if (!c.has_point) return true;
   certified_ = c.certified();
@@ -222,67 +222,54 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
     state.unstable = c.program->shape_of(c.x);
     state.unstable_objective = c.objective;
   }
-  const bool better =
-      !state.best.has_point || (c.certified() && !state.best.certified()) ||
-      (c.certified() == state.best.certified() && c.objective < state.best.objective - search_parameters().beats);
-  if (better) state.best = std::move(c);
+  if (better(c, state.best)) state.best = std::move(c);
   return true;
 }
 
-bool Planner::bring_to_certificate(ModeState& state, const std::vector<int>& regions,
-                                   std::vector<CheckPoint>& every_check, Eigen::VectorXd x,
-                                   const std::vector<Branch>& branches, Candidate& c) {
-  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
-  const bool exchanges = d_.scene.contact.check_points == 0 && !d_.obstacles.empty();
-  int nodes = d_.nodes;
-  std::vector<CheckPoint> checks = every_check;
-  const auto build = [&] {
-    PoseProgramSpec spec = d_.spec(mode, regions, nodes);
+/// How a pose program is brought to its certificate.
+struct Planner::Completing {
+  Planner& planner;
+  ModeState& state;
+  const std::vector<int>& regions;
+  const std::vector<Branch>& branches;
+  std::vector<CheckPoint> checks;
+  std::vector<CheckPoint>& every_check;
+  Candidate& c;
+  int nodes = planner.d_.nodes;
+
+  void build() {
+    PoseProgramSpec spec = planner.d_.spec(planner.modes_[static_cast<std::size_t>(state.mode)], regions, nodes);
     spec.checks = checks;
     c.program = std::make_unique<PoseProgram>(spec);
     set_branches(*c.program, branches);
     c.certifier = std::make_unique<Certifier>(spec);
-  };
-  build();
-  bool sharp = sharpen(state, *c.program, x, true);
-  if (!sharp && following_) return false;
-  // What is only nearly feasible is feasible, or a place where the violation is stationary: then there is no point.
-  if (!sharp && x.allFinite() && infeasibility(*c.program, x) > restored) {
-    sharp = recover(state, *c.program, x);
-    if (!sharp && infeasibility(*c.program, x) > restored) return true;
   }
-  for (int round = 0; exchanges && round < search_parameters().most_exchanges && !must_stop(); ++round) {
-    if (!x.allFinite() || !exchange_checks(*c.program, x, *c.certifier, checks, violation_level,
-                                           round >= search_parameters().moving_exchanges)) {
-      break;
-    }
+  bool sharpen(Eigen::VectorXd& x, bool may) { return planner.sharpen(state, *c.program, x, may); }
+  bool recover(Eigen::VectorXd& x) { return planner.recover(state, *c.program, x); }
+  bool exchange(const Eigen::VectorXd& x, int round) {
+    const Task& d = planner.d_;
+    if (d.scene.contact.check_points != 0 || d.obstacles.empty()) return false;
+    const bool only_add = round >= search_parameters().moving_exchanges;
+    if (!exchange_checks(*c.program, x, *c.certifier, checks, violation_level, only_add)) return false;
     every_check.insert(every_check.end(), checks.begin(), checks.end());
-    build();
-    sharp = sharpen(state, *c.program, x, true) || recover(state, *c.program, x);
-    if (!sharp) {
-      keep_unique(every_check);
-      return false;
-    }
-  }
-  for (int refinement = 0; refinement < 5; ++refinement) {
-    const double begin = now();
-    c.certificate = c.certifier->certify(*c.program, x);
-    steps_.tally.seconds_certifying += now() - begin;
-    if (!(c.certificate.quadrature > tolerance::quadrature) || !sharp || must_stop() || nodes > 600) break;
-    nodes = nodes + nodes / 2;
-    build();
-    sharp = sharpen(state, *c.program, x, false);
-  }
-  if (!x.allFinite()) return true;
-  c.x = x;
-  c.solver = state.last;
-  c.objective = c.program->cost(x);
-  if (!std::isfinite(c.objective)) {
-    note_unfit_term(*c.program, x);
     return true;
   }
-  c.has_point = true;
-  return true;
+  bool refine() {
+    if (nodes > most_nodes) return false;
+    nodes += nodes / 2;
+    return true;
+  }
+  bool only_newton() const { return planner.following_; }
+};
+
+Completion Planner::bring_to_certificate(ModeState& state, const std::vector<int>& regions,
+                                         std::vector<CheckPoint>& every_check, Eigen::VectorXd x,
+                                         const std::vector<Branch>& branches, Candidate& c) {
+  Completing steps{*this, state, regions, branches, every_check, every_check, c};
+  const Completion completion = tendril::bring_to_certificate(steps_, state, c, std::move(x), steps);
+  if (completion == Completion::lost) keep_unique(every_check);
+  if (completion == Completion::judged && !c.has_point) note_unfit_term(*c.program, c.x);
+  return completion;
 }
 
 bool Planner::lies_along(Candidate& c, const Eigen::VectorXd& x, int contact) {
