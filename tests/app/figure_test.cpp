@@ -59,6 +59,45 @@ TEST(Figure, IsDrawnWithItsScriptAndData) {
   }
 }
 
+TEST(Figure, IsDrawnAsPdf) {
+  const TemporaryDirectory directory;
+  {
+    StagedFiles files(directory.path());
+    draw_figure(scene_with_peg(0.1), bent_plan(0.1), files, "f", {Picture::pdf});
+    files.publish();
+  }
+  EXPECT_EQ(directory.names(), (Names{"f.dat", "f.gnuplot", "f.pdf"}));
+  EXPECT_EQ(read_file(directory / "f.pdf").substr(0, 5), "%PDF-");
+}
+
+TEST(Figure, AShapeThatIsNoPlanLooksLikeNone) {
+  const TemporaryDirectory directory;
+  FigureScene scene = scene_with_peg(0.1);
+  draw(scene, bent_plan(0.1), directory);
+  const std::string good = read_file(directory / "f.svg");
+  scene.doubt = "unstable";
+  draw(scene, bent_plan(0.1), directory);
+  const std::string bad = read_file(directory / "f.svg");
+  EXPECT_TRUE(contains_text(bad, "rod (unstable)"));
+  EXPECT_FALSE(contains_text(good, "rod (unstable)"));
+  // Gnuplot writes colours of lines in this way.
+  EXPECT_TRUE(contains_text(good, "rgb( 31,  78, 140)"));
+  EXPECT_FALSE(contains_text(bad, "rgb( 31,  78, 140)"));
+}
+
+TEST(Figure, BothFingersAreClamped) {
+  const TemporaryDirectory directory;
+  FigureScene scene;
+  scene.gripper = GripperSpec{};
+  scene.gripper->half_palm = 0.03;
+  scene.base = {0.0, 0.03};
+  draw(scene, bent_plan(0.1), directory);
+  const std::string data = read_file(directory / "f.dat");
+  const std::size_t other = data.find("# other clamp");
+  ASSERT_NE(other, std::string::npos);
+  EXPECT_TRUE(contains_text(data.substr(other, 400), "0 -23")) << data.substr(other, 400);
+}
+
 TEST(Figure, ChoosesTheUnitByTheSizeOfTheRod) {
   for (const auto& [length, label] :
        {std::pair(500e-6, "x (\u00b5m)"), std::pair(0.5, "x (mm)"), std::pair(5.0, "x (m)")}) {
@@ -111,10 +150,11 @@ TEST(Figure, IsDrawnWithoutAnythingButARod) {
   EXPECT_TRUE(std::filesystem::exists(directory / "f.png"));
 }
 
-TEST(Figure, IsNamedSvgOrPng) {
+TEST(Figure, IsNamedByItsKind) {
   EXPECT_EQ(picture_of("a/b.svg"), Picture::svg);
   EXPECT_EQ(picture_of("b.png"), Picture::png);
-  EXPECT_THROW(picture_of("b.pdf"), InputError);
+  EXPECT_EQ(picture_of("b.pdf"), Picture::pdf);
+  EXPECT_THROW(picture_of("b.jpg"), InputError);
   EXPECT_THROW(picture_of("svg"), InputError);
   EXPECT_THROW(picture_of("a\nb.svg"), InputError);
   EXPECT_EQ(picture_of("it's.svg"), Picture::svg);

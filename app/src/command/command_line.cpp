@@ -110,7 +110,8 @@ struct ResultOptions {
     command.add_option("--start", start, "Earlier result to start from")->type_name("RESULT.json");
     command.add_option("--output", output, "Directory for result.json and figure.svg, .png, .gnuplot, .dat")
         ->type_name("DIR");
-    command.add_option("--figure", figure, std::string("Picture of the ") + what + ", .svg or .png")->type_name("FILE");
+    command.add_option("--figure", figure, std::string("Picture of the ") + what + ", .svg, .png or .pdf")
+        ->type_name("FILE");
     add_json(command, json);
   }
   void check(const CLI::App& command) const {

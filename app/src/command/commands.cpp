@@ -36,6 +36,7 @@ ResultForms forms_of(Session& session, const Plan& plan, std::function<std::stri
   forms.draw = [&session, &plan](StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
     FigureScene figure = figure_scene(session.scene(), session.make_obstacles());
     add_gripper(figure, session.scene(), plan);
+    if (plan.status != PlanStatus::solved) figure.doubt = to_string(plan.status);
     draw_figure(figure, plan, files, stem, pictures);
   };
   return forms;

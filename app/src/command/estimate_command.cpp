@@ -32,6 +32,7 @@ void draw(const Scene& scene, const Estimate& estimate, StagedFiles& files, cons
   figure.target.reset();
   figure.target_angle.reset();
   for (const MeasuredPoint& p : scene.measurement.points) figure.measured.push_back(p.position);
+  if (estimate.status != EstimateStatus::solved) figure.doubt = to_string(estimate.status);
   draw_figure(figure, drawn(estimate), files, stem, pictures);
 }
 

@@ -149,6 +149,10 @@ DataFile data_of(const FigureScene& scene, const Plan& plan, LengthUnit unit) {
       const Vec2 end = palm_to_world(*scene.gripper, {0.0, side * scene.gripper->half_palm});
       data.row({end.x, end.y});
     }
+    const Vec2 base = mirrored(*scene.gripper, scene.base);
+    const Vec2 along =
+        mirrored(*scene.gripper, scene.base + Vec2{std::cos(scene.base_angle), std::sin(scene.base_angle)}) - base;
+    add_clamp(data, base, std::atan2(along.y, along.x), length, "other clamp");
   }
   data.block("start", "x y");
   data.points(plan.start_backbone);
@@ -233,6 +237,13 @@ std::string labels_of(const FigureScene& scene, const Plan& plan, const Box& win
   return script;
 }
 
+/// Colour, dashes and name of a rod: one that is no plan looks like none.
+std::string look_of(const FigureScene& scene, const char* color, const char* name) {
+  if (scene.doubt.empty()) return fmt::format("linecolor rgb '{}' title '{}'", color, name);
+  return fmt::format("dashtype (6,3) linecolor rgb '#9a9a9a' title {} noenhanced",
+                     gnuplot_string(fmt::format("{} ({})", name, scene.doubt)));
+}
+
 std::string plot_command(const FigureScene& scene, const Plan& plan, const std::string& data) {
   std::vector<std::string> parts;
   // Gnuplot keys have one entry for each plot element, so only the first of several alike is named.
@@ -254,21 +265,25 @@ std::string plot_command(const FigureScene& scene, const Plan& plan, const std::
       parts.push_back(block + " with lines linewidth 1.2 linecolor rgb '#707070' notitle");
     }
   }
-  parts.push_back(data + " index 'clamp' using 1:2 with lines linewidth 1.5 linecolor rgb '#404040' notitle");
+  for (const char* clamp : {"clamp", "other clamp"}) {
+    if (std::string(clamp) != "clamp" && !scene.gripper) continue;
+    parts.push_back(data + " index '" + clamp + "' using 1:2 with lines linewidth 1.5 linecolor rgb '#404040' notitle");
+  }
   if (!plan.start_backbone.empty()) {
     parts.push_back(
         data + " index 'start' using 1:2 with lines linewidth 2 dashtype (6,5) linecolor rgb '#9db7d5' title 'start'");
   }
   if (scene.gripper) {
     parts.push_back(data + " index 'palm' using 1:2 with lines linewidth 3 linecolor rgb '#404040' title 'palm'");
-    parts.push_back(data + " index 'other finger' using 1:2 with lines linewidth 5 linecolor rgb '#6f9bd1' title '" +
-                    (lower_finger(plan) != nullptr ? "lower finger'" : "other finger'"));
+    parts.push_back(data + " index 'other finger' using 1:2 with lines linewidth 5 " +
+                    look_of(scene, "#6f9bd1", lower_finger(plan) != nullptr ? "lower finger" : "other finger"));
   }
   if (!plan.backbone.empty()) {
-    parts.push_back(data + " index 'rod' using 1:2 with lines linewidth 5 linecolor rgb '#1f4e8c' title '" +
-                    (lower_finger(plan) != nullptr ? "upper finger'"
-                     : scene.gripper               ? "finger'"
-                                                   : "rod'"));
+    parts.push_back(data + " index 'rod' using 1:2 with lines linewidth 5 " +
+                    look_of(scene, "#1f4e8c",
+                            lower_finger(plan) != nullptr ? "upper finger"
+                            : scene.gripper               ? "finger"
+                                                          : "rod"));
   }
   if (!scene.measured.empty()) {
     parts.push_back(data +
@@ -309,7 +324,7 @@ std::string settings_of(const FigureScene& scene, const Plan& plan, const Box& w
       "set tics out nomirror textcolor rgb '#404040'\n"
       "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\n"
       "set style fill solid 1.0 noborder\n"
-      "set key outside bottom center horizontal Left reverse samplen 2.2 spacing 1.25 maxcols 3\n";
+      "set key outside bottom center horizontal Left reverse samplen 2.2 spacing 1.25 maxcols 3 height 1\n";
   return script + labels_of(scene, plan, window, unit);
 }
 
@@ -367,7 +382,8 @@ Picture picture_of(const std::filesystem::path& file) {
   const std::string extension = file.extension().string();
   if (extension == ".svg") return Picture::svg;
   if (extension == ".png") return Picture::png;
-  throw InputError("found the figure '" + name + "', expected a name that ends in .svg or .png");
+  if (extension == ".pdf") return Picture::pdf;
+  throw InputError("found the figure '" + name + "', expected a name that ends in .svg, .png or .pdf");
 }
 
 void draw_figure(const FigureScene& scene, const Plan& plan, StagedFiles& files, const std::string& stem,

@@ -64,6 +64,36 @@ std::string gnuplot_string(const std::string& text) {
 
 namespace {
 
+const char* extension(Picture picture) {
+  return picture == Picture::svg ? ".svg" : picture == Picture::png ? ".png" : ".pdf";
+}
+
+/// Sets the terminal of a picture that not every gnuplot can write, and its file. Where this one cannot, an SVG is
+/// left for rsvg-convert.
+std::string terminal_or_svg(const Drawing& drawing, const std::string& stem, Picture picture,
+                            const std::string& svg_terminal) {
+  const std::string terminal =
+      picture == Picture::pdf
+          // A hundred points of the drawing to the inch.
+          ? fmt::format("pdfcairo size {},{} font 'sans-serif,11' rounded background '#ffffff'", drawing.width / 100.0,
+                        drawing.height / 100.0)
+          : fmt::format(
+                "pngcairo size {},{} font 'sans-serif,16' fontscale 2 linewidth 2 pointscale 2 rounded "
+                "background '#ffffff'",
+                2 * drawing.width, 2 * drawing.height);
+  return fmt::format(
+      "picture = {}\n"
+      "if (strstrt(GPVAL_TERMINALS, '{}') > 0) {{\n"
+      "  set terminal {}\n"
+      "}} else {{\n"
+      "  {}\n"
+      "  picture = {}\n"
+      "}}\n"
+      "set output picture\n",
+      gnuplot_file(stem + extension(picture)), terminal.substr(0, terminal.find(' ')), terminal, svg_terminal,
+      gnuplot_file(stem + ".svg"));
+}
+
 /// The script as a whole: what it draws goes to each kind of picture in turn.
 std::string script_of(const Drawing& drawing, const std::string& stem, const std::vector<Picture>& pictures) {
   std::string script = "# Give this to gnuplot to draw the figure anew.\nset encoding utf8\n" + drawing.settings;
@@ -71,31 +101,20 @@ std::string script_of(const Drawing& drawing, const std::string& stem, const std
   const std::string svg_terminal = fmt::format(
       "set terminal svg size {},{} font 'sans-serif,16' rounded background '#ffffff'", drawing.width, drawing.height);
   for (const Picture picture : pictures) {
-    if (picture == Picture::svg) {
-      script += svg_terminal + "\nset output " + gnuplot_file(stem + ".svg") + '\n' + draw + "unset output\n";
-    } else {
-      // Where gnuplot has no PNG, an SVG is left for rsvg-convert.
-      script += fmt::format(
-          "picture = {2}\n"
-          "if (strstrt(GPVAL_TERMINALS, 'pngcairo') > 0) {{\n"
-          "  set terminal pngcairo size {0},{1} font 'sans-serif,16' fontscale 2 linewidth 2 pointscale 2 rounded "
-          "background '#ffffff'\n"
-          "}} else {{\n"
-          "  if (strstrt(GPVAL_TERMINALS, ' png ') > 0) {{\n"
-          "    set terminal png size {0},{1} font 'sans-serif,16' fontscale 2 linewidth 2 background '#ffffff' "
-          "truecolor\n"
-          "  }} else {{\n"
-          "    {4}\n"
-          "    picture = {3}\n"
-          "  }}\n"
-          "}}\n",
-          2 * drawing.width, 2 * drawing.height, gnuplot_file(stem + ".png"), gnuplot_file(stem + ".svg"),
-          svg_terminal);
-      script += "set output picture\n" + draw + "unset output\n";
-    }
+    script += picture == Picture::svg ? svg_terminal + "\nset output " + gnuplot_file(stem + ".svg") + '\n'
+                                      : terminal_or_svg(drawing, stem, picture, svg_terminal);
+    script += draw + "unset output\n";
     draw = drawing.again;
   }
   return script;
+}
+
+/// Has rsvg-convert make the picture where gnuplot left an SVG in its place.
+void convert(Picture picture, const std::string& stem, const std::filesystem::path& directory) {
+  std::vector<std::string> arguments{"--output", "./" + stem + extension(picture), "./" + stem + ".svg"};
+  const char* const how[] = {picture == Picture::pdf ? "--format" : "--zoom", picture == Picture::pdf ? "pdf" : "2"};
+  arguments.insert(arguments.begin(), std::begin(how), std::end(how));
+  run_process("rsvg-convert", arguments, directory, gnuplot_seconds);
 }
 
 }  // namespace
@@ -114,16 +133,14 @@ void render(const Drawing& drawing, StagedFiles& files, const std::string& stem,
   if (gnuplot.timed_out) throw wrong("gnuplot did not end within a minute");
   if (gnuplot.exit_code != 0) throw wrong("gnuplot failed");
   for (const Picture picture : pictures) {
-    const std::string name = stem + (picture == Picture::svg ? ".svg" : ".png");
+    const std::string name = stem + extension(picture);
     std::error_code error;
-    if (!std::filesystem::exists(files.staging() / name, error) && picture == Picture::png &&
-        std::filesystem::exists(files.staging() / (stem + ".svg"), error)) {
-      run_process("rsvg-convert", {"--zoom", "2", "--output", "./" + name, "./" + stem + ".svg"}, files.staging(),
-                  gnuplot_seconds);
-    }
-    if (!std::filesystem::exists(files.staging() / name, error)) {
-      throw wrong(picture == Picture::svg ? "gnuplot wrote no SVG"
-                                          : "this gnuplot cannot write PNG, and rsvg-convert is not there either");
+    const auto there = [&](const std::string& file) { return std::filesystem::exists(files.staging() / file, error); };
+    if (!there(name) && there(stem + ".svg")) convert(picture, stem, files.staging());
+    if (!there(name)) {
+      throw wrong(picture == Picture::svg   ? "gnuplot wrote no SVG"
+                  : picture == Picture::png ? "this gnuplot cannot write PNG, and rsvg-convert is not there either"
+                                            : "this gnuplot cannot write PDF, and rsvg-convert is not there either");
     }
     files.adopt(name);
   }

@@ -27,15 +27,16 @@ struct FigureScene {
   std::optional<Vec2> gravity;
   std::optional<GripperSpec> gripper;  ///< the other finger of a grasp is drawn too
   std::string title;
+  std::string doubt;  ///< why the shape is no plan, as "unstable"; empty: it is one
 };
 
 /// What a figure of a plan for `scene` shows. `obstacles` are dimensionless and in the order of the scene; null entries
 /// are skipped.
 FigureScene figure_scene(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles);
 
-enum class Picture { svg, png };
+enum class Picture { svg, png, pdf };
 
-/// Draws the plan with gnuplot: `stem`.svg and/or `stem`.png, and beside them the script `stem`.gnuplot and its data
+/// Draws the plan with gnuplot: `stem`.svg, .png or .pdf, and beside them the script `stem`.gnuplot and its data
 /// `stem`.dat. Throws InputError if gnuplot is missing or fails.
 void draw_figure(const FigureScene& scene, const Plan& plan, StagedFiles& files, const std::string& stem,
                  const std::vector<Picture>& pictures);
@@ -45,8 +46,8 @@ void draw_figure(const FigureScene& scene, const Plan& plan, StagedFiles& files,
 /// or in a row.
 std::string gnuplot_string(const std::string& text);
 
-/// The kind of picture that a file name asks for. Throws InputError if it ends in neither .svg nor .png or cannot be
-/// written down in a script.
+/// The kind of picture that a file name asks for. Throws InputError if it ends in none of .svg, .png and .pdf or cannot
+/// be written down in a script.
 Picture picture_of(const std::filesystem::path& file);
 
 /// Puts the object and the other finger of a grasp into a figure of its plan.
