@@ -104,7 +104,8 @@ TEST(BadExecution, IsRefused) {
   const TemporaryDirectory directory;
   expect_refused(execute_brace({"--plan", directory / "none.json"}), "cannot open plan");
   expect_refused(execute_brace({"--plan", directory.write("a.json", "{")}), "is not JSON");
-  expect_refused(execute_brace({"--moments", "0", "--figure", "f.jpg"}), "expected a name that ends in .svg, .png or .pdf");
+  expect_refused(execute_brace({"--moments", "0", "--figure", "f.jpg"}),
+                 "expected a name that ends in .svg, .png or .pdf");
   const std::string core = directory.write("core.toml", brace_with("0.5 rad", "0 rad"));
   expect_refused(tendril({"execute", core, "--moments", "0"}),
                  "core.toml:19:13: the start shape runs through the core");

@@ -23,3 +23,13 @@ if grep -rlF "$build" lib/cmake; then
 fi
 "${command[@]}" plan "$scene" --solver "$solver" --json > plan.json
 grep -q '"status": "solved"' plan.json
+
+# What its README and its pages link to is there, and its scenes can be planned.
+cd share/doc/tendril
+for page in README.md docs/*.md; do
+  for link in $(grep -oE '\]\([^)#:]+' "$page" | sed 's/^](//'); do
+    [[ -e $(dirname "$page")/$link ]] || { echo "$page: $link is not installed" >&2; exit 1; }
+  done
+done
+"${command[@]}" plan scenes/brace.toml --solver "$solver" --json > "$prefix/plan.json"
+grep -q '"status": "solved"' "$prefix/plan.json"

@@ -7,8 +7,8 @@
 
 namespace tendril {
 
-/// Quality of a plan, judged without asking the solver (model.md section 7). Everything dimensionless; each number is
-/// the size of a defect except stability (a margin) and d_ss.
+/// Quality of a plan, judged without asking the solver (docs/model.md section 7). Everything dimensionless; each number
+/// is the size of a defect except stability (a margin) and d_ss.
 struct Certificate {
   double equilibrium = infinity;      ///< largest residual of the equilibrium rows
   double bounds = infinity;           ///< largest excess over a limit of a variable

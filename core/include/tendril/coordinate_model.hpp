@@ -9,7 +9,7 @@
 
 namespace tendril {
 
-/// A local basis for the backbone angle on one piece of the rod (model.md section 2):
+/// A local basis for the backbone angle on one piece of the rod (docs/model.md section 2):
 ///
 ///     phi(sigma) = phi(0) + sum_i q_i beta_i(sigma),   sigma in [0,1],   beta_i(0) = 0
 ///

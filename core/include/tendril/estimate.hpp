@@ -71,8 +71,8 @@ struct Estimate {
 };
 
 /// Forces and places of contacts whose obstacles are not known, from measured backbone points and known moments
-/// (model.md section 6): least squares over force and arc length of each contact, with the equilibrium solved for the
-/// shape. Throws SceneError if the scene has no measurement that determines anything.
+/// (docs/model.md section 6): least squares over force and arc length of each contact, with the equilibrium solved for
+/// the shape. Throws SceneError if the scene has no measurement that determines anything.
 TENDRIL_API Estimate estimate(const Scene& scene, const PlanControl& control = {});
 
 /// What estimate() would solve, for `describe`; throws the same errors.

@@ -11,7 +11,7 @@
 
 namespace tendril {
 
-/// The forward problem (model.md section 6, "execute"): moments are given, the shape is what comes of them.
+/// The forward problem (docs/model.md section 6, "execute"): moments are given, the shape is what comes of them.
 
 /// What an execution starts from and what may end it.
 struct ExecuteControl {

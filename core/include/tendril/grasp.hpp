@@ -10,9 +10,9 @@
 
 namespace tendril {
 
-/// Two fingers that hold a round object (model.md section 6, "grasp"). Mirrored fingers: one, the upper one, is planned
-/// in the palm's frame: origin at the palm's middle, x along the axis of symmetry. Otherwise both are, the lower one as
-/// the upper one of its mirror image.
+/// Two fingers that hold a round object (docs/model.md section 6, "grasp"). Mirrored fingers: one, the upper one, is
+/// planned in the palm's frame: origin at the palm's middle, x along the axis of symmetry. Otherwise both are, the
+/// lower one as the upper one of its mirror image.
 
 /// The two fingers.
 enum class FingerName { upper, lower };

@@ -64,9 +64,9 @@ struct Target {
   bool has_angle = false;     ///< whether an angle is asked for
 };
 
-/// Everything a term may read of one finger, dimensionless (model.md section 1). What Reads did not ask for is zero, or
-/// empty. A pose has one finger, and so has a grasp whose other finger is its mirror image. In a grasp points are
-/// measured from the object's centre, x along the axis of symmetry; the palm is at x = -palm_distance. Where both
+/// Everything a term may read of one finger, dimensionless (docs/model.md section 1). What Reads did not ask for is
+/// zero, or empty. A pose has one finger, and so has a grasp whose other finger is its mirror image. In a grasp points
+/// are measured from the object's centre, x along the axis of symmetry; the palm is at x = -palm_distance. Where both
 /// fingers are planned the term is asked for each in turn, for the lower one in its mirror image, and the values are
 /// added. Units are those of the scene's rod, whatever the fingers are like.
 template <class T>

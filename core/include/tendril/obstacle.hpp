@@ -7,7 +7,7 @@
 
 namespace tendril {
 
-/// The obstacle's boundary seen from a point: all that contact needs (model.md section 4).
+/// The obstacle's boundary seen from a point: all that contact needs (docs/model.md section 4).
 struct SurfacePoint {
   double distance = 0.0;        ///< signed distance d, > 0 outside
   Vec2 normal{};                ///< unit gradient of d, out of the obstacle

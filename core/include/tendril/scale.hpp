@@ -25,7 +25,7 @@ inline constexpr Dimension moment{1, 1, "N m"};       ///< N m
 inline constexpr Dimension stiffness{2, 1, "N m^2"};  ///< N m^2
 }  // namespace dimension
 
-/// The units of a dimensionless program: lengths in L, forces in EI0/L^2 (model.md section 1).
+/// The units of a dimensionless program: lengths in L, forces in EI0/L^2 (docs/model.md section 1).
 struct TENDRIL_API Scale {
   double length = 1.0;     ///< L, m
   double stiffness = 1.0;  ///< EI0, bending stiffness of the first segment, N m^2

@@ -141,7 +141,7 @@ struct FingerSpec {
   double max_force = infinity;  ///< N, of its contact
 };
 
-/// Two fingers on a palm and the round object between them (model.md section 6, "grasp").
+/// Two fingers on a palm and the round object between them (docs/model.md section 6, "grasp").
 struct GripperSpec {
   double half_palm = 0.0;               ///< m, from the axis of symmetry to the base of either finger
   double finger_angle = 0.0;            ///< rad, of the upper finger's base against the axis; the lower is mirrored

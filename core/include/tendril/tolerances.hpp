@@ -1,7 +1,7 @@
 #pragma once
 
-/// Every number that a verdict stands on (model.md section 7). Dimensionless: lengths in L, forces in EI/L^2, moments
-/// in EI/L.
+/// Every number that a verdict stands on (docs/model.md section 7). Dimensionless: lengths in L, forces in EI/L^2,
+/// moments in EI/L.
 namespace tendril::tolerance {
 
 inline constexpr double equilibrium = 1e-9;  ///< residual of the equilibrium rows
@@ -12,8 +12,8 @@ inline constexpr double complementarity = 1e-9;  ///< min(gap, force)
 inline constexpr double closest_point = 1e-8;    ///< tangent . normal
 inline constexpr double stationarity = 1e-6;     ///< gradient of the Lagrangian of the tightened program
 inline constexpr double stability = 1e-6;        ///< least margin
-/// Least d_ss of a contact with force (model.md section 7). A rod that lies straight along a flat side has 0 and some
-/// 1e-14 of rounding, which is no point contact either.
+/// Least d_ss of a contact with force (docs/model.md section 7). A rod that lies straight along a flat side has 0 and
+/// some 1e-14 of rounding, which is no point contact either.
 inline constexpr double convexity = 1e-9;
 /// The margin that a plan keeps where its objective falls up to the limit of stability. It falls as the root of the
 /// distance of a load to that limit: with 1e-3 a load may still grow by some 1e-6 of EI/L, and what the equilibrium
@@ -33,7 +33,7 @@ inline constexpr double moment_balance = 1e-9;
 
 /// The clearance bound is bisected until it is this sharp: a tenth of what is asked for.
 inline constexpr double clearance_sharpness = 1e-10;
-/// A contact's complementarity counts as decided below this (model.md section 4).
+/// A contact's complementarity counts as decided below this (docs/model.md section 4).
 inline constexpr double branch_decided = 1e-6;
 
 }  // namespace tendril::tolerance

@@ -59,9 +59,9 @@ inline constexpr int most_halvings = 6;
 /// Most targets that are put between two before a step counts as failed.
 inline constexpr int most_intermediate = 32;
 
-/// Plans one target after the other, each from the one before (model.md section 6): Newton on the previous active set
-/// first, a full plan where that does not do, intermediate targets where that fails too. After a target that cannot be
-/// reached the next one starts from the last that was.
+/// Plans one target after the other, each from the one before (docs/model.md section 6): Newton on the previous active
+/// set first, a full plan where that does not do, intermediate targets where that fails too. After a target that cannot
+/// be reached the next one starts from the last that was.
 TENDRIL_API Trajectory plan_trajectory(const std::vector<TargetSpec>& targets, const TrajectoryOptions& options,
                                        const PlanStep& plan);
 

@@ -9,7 +9,7 @@
 
 namespace tendril::app {
 
-/// A paradigm of planning with obstacles (model.md section 6).
+/// A paradigm of planning with obstacles (docs/model.md section 6).
 enum class StudyMode {
   ignore,               ///< no obstacle in plan or execution
   ignore_then_execute,  ///< planned as if there were no obstacle, carried out among them
