@@ -79,8 +79,7 @@ class LoadedRod::Pieces {
     }
     backbone_.spread_gram(gram_, a);
     for (int k = 0; k < force_count(); ++k) {
-      const double angle = backbone_.knot_angle(chain_.piece_before_knot(k) + 1);
-      const Eigen::VectorXd turning = before(k, {std::cos(angle), std::sin(angle)});
+      const Eigen::VectorXd turning = before(k, knot_tangent(k));
       Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(size);
       for (int j = 0; j <= chain_.piece_before_knot(k); ++j) {
         row.segment(static_cast<Eigen::Index>(j) * functions(), functions()) = chain_.table().end.transpose();
@@ -133,10 +132,7 @@ class LoadedRod::Pieces {
   void point_row(const MovingPoint& point, Vec2 n, Eigen::RowVectorXd& row) {
     row.setZero(chain_.coordinate_count());
     backbone_.row_before(point.piece(), point.position(), n, row.data());
-    Eigen::VectorXd x(functions());
-    Eigen::VectorXd y(functions());
-    point.own_rows(x.data(), y.data());
-    row.segment(static_cast<Eigen::Index>(point.piece()) * functions(), functions()) = (n.x * x + n.y * y).transpose();
+    point.own_row(n, false, row.data() + point.piece() * functions());
   }
   /// dP/ds_k of a point of fixed arc length at frozen coordinates.
   Vec2 slide(const MovingPoint& point, int k) const {
@@ -156,12 +152,9 @@ class LoadedRod::Pieces {
   Eigen::Map<const Eigen::VectorXd> block(int j) const { return {backbone_.coordinates(j), functions()}; }
   double weight(int j) const { return chain_.piece(j).weight * backbone_.length(j); }
   double measure(int j, int g) const { return backbone_.length(j) * chain_.table().weight[g]; }
-  Vec2 tangent(int j, int g) const { return {backbone_.cosines(j)[g], backbone_.sines(j)[g]}; }
+  Vec2 tangent(int j, int g) const { return backbone_.tangent(j, g); }
   Vec2 normal(int j, int g) const { return turned(tangent(j, g)); }
-  Vec2 knot_tangent(int k) const {
-    const double angle = backbone_.knot_angle(chain_.piece_before_knot(k) + 1);
-    return {std::cos(angle), std::sin(angle)};
-  }
+  Vec2 knot_tangent(int k) const { return backbone_.knot_tangent(chain_.piece_before_knot(k) + 1); }
   /// Force of everything beyond a node.
   Vec2 resultant(int j, int g) const {
     const double mass = beyond_[at(j)] + weight(j) * (1.0 - chain_.table().sigma[g]);

@@ -29,6 +29,10 @@ BasisTable make_table(const CoordinateModel& model, const Quadrature& rule) {
   model.evaluate(span_of(t.sigma), t.by_function, first, second);
   t.by_node = t.by_function.transpose();
   t.stiffness = first.transpose() * t.weight.asDiagonal() * first;
+  const Eigen::MatrixXd transform = CurveTables(rule).transform();
+  for (int from = 0; from < t.nodes; from += rule.nodes_per_interval()) {
+    t.bend_series.emplace_back((transform * second.middleRows(from, rule.nodes_per_interval())).transpose());
+  }
 
   const double ends[2] = {0.0, 1.0};
   Eigen::MatrixXd value(2, t.functions);
@@ -153,7 +157,11 @@ Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> 
     start_rate_.row(j) = start_rates[static_cast<std::size_t>(j)];
     length_rate_.row(j) = length_rates[static_cast<std::size_t>(j)];
   }
+  find_spans(rod);
+}
 
+void Chain::find_spans(const Rod& rod) {
+  const int count = piece_count();
   spans_.setZero(static_cast<Eigen::Index>(rod.actuators.size()), count);
   for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
     for (int j = 0; j < count; ++j) {

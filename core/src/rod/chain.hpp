@@ -25,6 +25,8 @@ struct BasisTable {
   Eigen::VectorXd slope_end;    ///< beta'(1)
   Eigen::MatrixXd stiffness;    ///< int beta_i' beta_k' dsigma
   Eigen::VectorXd slope_bound;  ///< max over [0,1] of |beta_i'|, sampled densely and inflated
+  /// Per smooth interval: functions x Legendre coefficients of beta''.
+  std::vector<Eigen::MatrixXd> bend_series;
 };
 
 class CurveTables;
@@ -124,6 +126,8 @@ class TENDRIL_API Chain {
   int piece_at(double s, std::span<const double> knots) const;
 
  private:
+  void find_spans(const Rod& rod);
+
   const CoordinateModel* model_;
   std::shared_ptr<const ChainTables> tables_;
   std::vector<double> fixed_knots_;

@@ -1,7 +1,6 @@
 #include "search/contacts.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <limits>
 
@@ -92,7 +91,7 @@ int stretch_at(const Rod& rod, double arc_length) {
 
 std::vector<Extension> extensions(const Task& problem, const std::vector<ContactSetup>& contacts,
                                   const StartShape& shape) {
-  // The order of distances is all that counts: the midpoint rule does.
+  // The order of distances is all that counts.
   constexpr int steps = 400;
   const Rod& rod = problem.rod;
   const auto stretches = rod.fixed_knots().size() - 1;
@@ -102,14 +101,10 @@ std::vector<Extension> extensions(const Task& problem, const std::vector<Contact
   };
   std::vector<std::vector<Nearest>> nearest(problem.obstacles.size(), std::vector<Nearest>(stretches));
   std::vector<double> of_tip;
-  Vec2 at = rod.base;
-  double angle = rod.base_angle;
+  const std::vector<Vec2> points = drawn(rod, shape.curvature, steps);
   for (int i = 1; i <= steps; ++i) {
-    constexpr double h = 1.0 / steps;
-    const double middle = angle + 0.5 * h * shape.curvature((i - 0.75) * h);
-    at += h * Vec2{std::cos(middle), std::sin(middle)};
-    angle += h * shape.curvature((i - 0.5) * h);
-    const double s = i * h;
+    const Vec2 at = points[static_cast<std::size_t>(i)];
+    const double s = i * (1.0 / steps);
     const auto stretch = static_cast<std::size_t>(stretch_at(rod, s));
     for (std::size_t o = 0; o < problem.obstacles.size(); ++o) {
       const double distance = problem.obstacles[o]->at(at).distance;
