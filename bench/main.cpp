@@ -9,12 +9,14 @@
 #include <tuple>
 #include <utility>
 
+#include "campaign/ablation.hpp"
 #include "campaign/campaign.hpp"
 #include "campaign/random_scene.hpp"
 #include "common/workload.hpp"
 #include "report/parts.hpp"
 #include "report/report.hpp"
 #include "report/tolerance_sweep.hpp"
+#include "search/parameters.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/interrupt.hpp"
 #include "tendril/version.hpp"
@@ -24,14 +26,14 @@ namespace {
 using namespace tendril;
 
 struct Arguments {
-  std::vector<std::string> limits, solvers, plugin_directories, settings;
+  std::vector<std::string> limits, solvers, plugin_directories, settings, search;
   std::string targets_x, targets_y, output, report, against;
   int starts = 0;
   bool treatments = false;
   std::string seeds = "1:1000";
   int jobs = 1;
   double time_limit = bench::CampaignSetup{}.time_limit, share = 0.995;
-  bool one = false, print_scene = false;
+  bool one = false, print_scene = false, ablation = false, list_search = false;
   bench::Extent extent;
 };
 
@@ -134,6 +136,15 @@ std::pair<std::uint64_t, std::uint64_t> read_seeds(const std::string& text) {
 }
 
 int campaign(const Arguments& arguments) {
+  for (const std::string& setting : arguments.search) {
+    const std::size_t equals = std::min(setting.find('='), setting.size());
+    set_search_parameter(setting.substr(0, equals), setting.substr(std::min(equals + 1, setting.size())));
+  }
+  if (arguments.list_search) {
+    for (const SearchParameter& p : list_search_parameters())
+      fmt::print("{:<24}{:>8}  {}\n", p.name, p.value, p.meaning);
+    return 0;
+  }
   bench::CampaignSetup setup;
   std::tie(setup.first, setup.last) = read_seeds(arguments.seeds);
   setup.solvers = arguments.solvers.empty() ? registry_of(arguments).names(ComponentKind::solver) : arguments.solvers;
@@ -156,9 +167,84 @@ int campaign(const Arguments& arguments) {
   setup.share = arguments.share;
   setup.plugin_directories = arguments.plugin_directories;
   setup.stop = arguments.extent.stop;
+  if (arguments.ablation) return show(arguments, {bench::ablation_section(setup, arguments.search)});
+  setup.search = arguments.search;
   const std::vector<bench::CampaignCase> cases = bench::run_campaign(setup);
   const int shown = show(arguments, {bench::campaign_section(setup, cases)});
   return shown != 0 || !bench::acceptable(setup, cases) ? 1 : 0;
+}
+
+/// A command with what all commands take; with `output` also where its tables go.
+CLI::App* add_command(CLI::App& program, Arguments& arguments, const char* name, const char* description,
+                      bool output = true) {
+  CLI::App* sub = program.add_subcommand(name, description);
+  sub->add_option("--plugin-dir", arguments.plugin_directories,
+                  "Directory to search for plugins first; may be repeated")
+      ->expected(1)
+      ->take_all();
+  sub->add_flag("--quick", arguments.extent.quick, "A small selection, to see that everything works");
+  sub->add_option("--repetitions", arguments.extent.repetitions, "Interleaved repetitions of what is timed")
+      ->check(CLI::Range(1, 10000));
+  if (output) sub->add_option("--output", arguments.output, "Directory for tables (CSV, JSON, Markdown) and figures");
+  return sub;
+}
+
+void add_list(CLI::App* command, const char* name, std::vector<std::string>& to, const char* description) {
+  command->add_option(name, to, description)->expected(1)->take_all();
+}
+
+CLI::App* add_solvers(CLI::App& program, Arguments& arguments) {
+  CLI::App* command = add_command(program, arguments, "solvers",
+                                  "Every solver, algorithm and treatment of complementarity on the same programs");
+  command->add_option("SCENE", arguments.extent.scenes, "Scene files (TOML); without one: the scenes of the report");
+  command->add_option("--targets-x", arguments.targets_x, "First, last, count, for instance \"91 mm:99 mm:5\"");
+  command->add_option("--targets-y", arguments.targets_y, "The same for y");
+  add_list(command, "--limit", arguments.limits, "Limit of every actuator's moment; may be repeated");
+  add_list(command, "--solver", arguments.solvers, "Solver to compare, by default every one found; may be repeated");
+  add_list(command, "--set", arguments.settings, "Sets a key of the scene: KEY=VALUE");
+  command->add_flag("--treatments", arguments.treatments, "Every treatment of complementarity, too");
+  command->add_option("--starts", arguments.starts, "Random starts per target; 0: the scene's own")
+      ->check(CLI::Range(0, 100000));
+  command->add_option("--seed", arguments.extent.seed, "Seed of the random starts");
+  return command;
+}
+
+CLI::App* add_part(CLI::App& program, Arguments& arguments, const bench::Part& part) {
+  CLI::App* command = add_command(program, arguments, part.name, part.description);
+  if (std::string_view(part.name) == "extremes") {
+    command->add_option("--held-out", arguments.extent.held_out,
+                        "Seed of other numbers, each up to a tenth from those of the table");
+    command->add_option("--only", arguments.extent.only, "Cases whose group or name holds this");
+  }
+  return command;
+}
+
+CLI::App* add_campaign(CLI::App& program, Arguments& arguments) {
+  CLI::App* command =
+      add_command(program, arguments, "campaign", "Random scenes, every plan checked: nothing may crash, hang or lie");
+  command->add_option("--seeds", arguments.seeds, "First and last seed, FIRST:LAST");
+  add_list(command, "--solver", arguments.solvers, "Solver to plan with, by default every one found; may be repeated");
+  command->add_option("--jobs", arguments.jobs, "Processes at a time")->check(CLI::Range(1, 1024));
+  command->add_option("--time-limit", arguments.time_limit, "Seconds for one plan")->check(CLI::Range(1e-3, 1e6));
+  command->add_option("--share", arguments.share, "Share of the cases that have to be met")
+      ->check(CLI::Range(0.0, 1.0));
+  add_list(command, "--search", arguments.search, "Sets a number that steers the search: NAME=VALUE; may be repeated");
+  command->add_flag("--list-search", arguments.list_search, "Lists these numbers instead of planning");
+  command->add_flag("--ablation", arguments.ablation,
+                    "What each strategy of the search, or each --search, is worth, one at a time");
+  command->add_flag("--one", arguments.one, "Plans the first seed in this process: one line of JSON");
+  command->add_flag("--print-scene", arguments.print_scene, "Prints the scenes instead of planning them");
+  return command;
+}
+
+void add_report(CLI::App& program, Arguments& arguments) {
+  CLI::App* command =
+      add_command(program, arguments, "report", "All of these as one page, with a recommendation", false);
+  command->add_option("DIR", arguments.report, "Directory of the report")->required();
+  command->add_option("SCENE", arguments.extent.scenes,
+                      "Scene files (TOML) to put to the solvers, too, each with its own target");
+  command->add_option("--against", arguments.against, "Directory of another report to compare with");
+  command->add_option("--seed", arguments.extent.seed, "Seed of the random starts");
 }
 
 int run(int argc, char** argv) {
@@ -166,71 +252,13 @@ int run(int argc, char** argv) {
   program.require_subcommand(1);
   program.set_version_flag("--version", TENDRIL_VERSION);
   Arguments arguments;
-  const auto command = [&](const char* name, const char* description) {
-    CLI::App* sub = program.add_subcommand(name, description);
-    sub->add_option("--plugin-dir", arguments.plugin_directories,
-                    "Directory to search for plugins first; may be repeated")
-        ->expected(1)
-        ->take_all();
-    sub->add_flag("--quick", arguments.extent.quick, "A small selection, to see that everything works");
-    sub->add_option("--repetitions", arguments.extent.repetitions, "Interleaved repetitions of what is timed")
-        ->check(CLI::Range(1, 10000));
-    return sub;
-  };
-  const auto output = [&](CLI::App* sub) {
-    sub->add_option("--output", arguments.output, "Directory for tables (CSV, JSON, Markdown) and figures");
-    return sub;
-  };
   const CLI::App* accuracy_command =
-      output(command("accuracy", "Error against run time of every coordinate model that is found"));
-  CLI::App* solvers_command =
-      output(command("solvers", "Every solver, algorithm and treatment of complementarity on the same programs"));
+      add_command(program, arguments, "accuracy", "Error against run time of every coordinate model that is found");
+  const CLI::App* solvers_command = add_solvers(program, arguments);
   std::vector<const CLI::App*> part_commands;
-  for (const bench::Part& part : bench::parts()) {
-    CLI::App* sub = output(command(part.name, part.description));
-    if (std::string_view(part.name) == "extremes") {
-      sub->add_option("--held-out", arguments.extent.held_out,
-                      "Seed of other numbers, each up to a tenth from those of the table");
-      sub->add_option("--only", arguments.extent.only, "Cases whose group or name holds this");
-    }
-    part_commands.push_back(sub);
-  }
-  CLI::App* campaign_command =
-      output(command("campaign", "Random scenes, every plan checked: nothing may crash, hang or lie"));
-  CLI::App* report_command = command("report", "All of these as one page, with a recommendation");
-
-  solvers_command->add_option("SCENE", arguments.extent.scenes,
-                              "Scene files (TOML); without one: the scenes of the report");
-  const auto list = [&](const char* name, std::vector<std::string>& to, const char* description) {
-    solvers_command->add_option(name, to, description)->expected(1)->take_all();
-  };
-  solvers_command->add_option("--targets-x", arguments.targets_x, "First, last, count, for instance \"91 mm:99 mm:5\"");
-  solvers_command->add_option("--targets-y", arguments.targets_y, "The same for y");
-  list("--limit", arguments.limits, "Limit of every actuator's moment; may be repeated");
-  list("--solver", arguments.solvers, "Solver to compare, by default every one found; may be repeated");
-  list("--set", arguments.settings, "Sets a key of the scene: KEY=VALUE");
-  solvers_command->add_flag("--treatments", arguments.treatments, "Every treatment of complementarity, too");
-  solvers_command->add_option("--starts", arguments.starts, "Random starts per target; 0: the scene's own")
-      ->check(CLI::Range(0, 100000));
-  for (CLI::App* sub : {solvers_command, report_command}) {
-    sub->add_option("--seed", arguments.extent.seed, "Seed of the random starts");
-  }
-  report_command->add_option("DIR", arguments.report, "Directory of the report")->required();
-  report_command->add_option("SCENE", arguments.extent.scenes,
-                             "Scene files (TOML) to put to the solvers, too, each with its own target");
-  report_command->add_option("--against", arguments.against, "Directory of another report to compare with");
-  campaign_command->add_option("--seeds", arguments.seeds, "First and last seed, FIRST:LAST");
-  campaign_command
-      ->add_option("--solver", arguments.solvers, "Solver to plan with, by default every one found; may be repeated")
-      ->expected(1)
-      ->take_all();
-  campaign_command->add_option("--jobs", arguments.jobs, "Processes at a time")->check(CLI::Range(1, 1024));
-  campaign_command->add_option("--time-limit", arguments.time_limit, "Seconds for one plan")
-      ->check(CLI::Range(1e-3, 1e6));
-  campaign_command->add_option("--share", arguments.share, "Share of the cases that have to be met")
-      ->check(CLI::Range(0.0, 1.0));
-  campaign_command->add_flag("--one", arguments.one, "Plans the first seed in this process: one line of JSON");
-  campaign_command->add_flag("--print-scene", arguments.print_scene, "Prints the scenes instead of planning them");
+  for (const bench::Part& part : bench::parts()) part_commands.push_back(add_part(program, arguments, part));
+  const CLI::App* campaign_command = add_campaign(program, arguments);
+  add_report(program, arguments);
   try {
     program.parse(argc, argv);
     const app::InterruptGuard interrupt;

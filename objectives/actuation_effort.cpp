@@ -16,18 +16,16 @@ class ActuationEffort : public ObjectiveBase<ActuationEffort> {
 
   template <class T>
   void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    for (const FingerQuantities<T>& finger : x.fingers) {
-      if (root_.rows == 1) {
-        for (const T& moment : finger.moments) out.residual(root_(0, 0) * moment);
-        continue;
-      }
-      // How many actuators there are is known here at the earliest: a factory does not see the scene.
-      if (finger.moments.size() != static_cast<std::size_t>(root_.rows)) {
-        throw Error("option 'weights' of objective plugin 'actuation_effort': found weights for " +
-                    std::to_string(root_.rows) + " actuators; expected " + std::to_string(finger.moments.size()));
-      }
-      add_weighted(root_, finger.moments, out);
+    if (root_.rows == 1) {
+      for (const T& moment : x.moments) out.residual(root_(0, 0) * moment);
+      return;
     }
+    // How many actuators there are is known here at the earliest: a factory does not see the scene.
+    if (x.moments.size() != static_cast<std::size_t>(root_.rows)) {
+      throw Error("option 'weights' of objective plugin 'actuation_effort': found weights for " +
+                  std::to_string(root_.rows) + " actuators; expected " + std::to_string(x.moments.size()));
+    }
+    add_weighted(root_, x.moments, out);
   }
 
  private:

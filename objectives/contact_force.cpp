@@ -12,9 +12,7 @@ class ContactForce : public ObjectiveBase<ContactForce> {
 
   template <class T>
   void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    for (const FingerQuantities<T>& finger : x.fingers) {
-      for (const ContactQuantities<T>& contact : finger.contacts) out.linear(-contact.force);
-    }
+    for (const ContactQuantities<T>& contact : x.contacts) out.smooth(-contact.force);
   }
 };
 

@@ -16,11 +16,9 @@ class ContactProximity : public ObjectiveBase<ContactProximity> {
 
   template <class T>
   void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    for (const FingerQuantities<T>& finger : x.fingers) {
-      for (const ContactQuantities<T>& contact : finger.contacts) {
-        const std::array<T, 2> apart{contact.reference_x - contact.x, contact.reference_y - contact.y};
-        add_weighted<T>(root_, apart, out);
-      }
+    for (const ContactQuantities<T>& contact : x.contacts) {
+      const std::array<T, 2> apart{contact.reference_x - contact.x, contact.reference_y - contact.y};
+      add_weighted<T>(root_, apart, out);
     }
   }
 

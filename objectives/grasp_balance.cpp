@@ -10,15 +10,13 @@ class GraspBalance : public ObjectiveBase<GraspBalance> {
  public:
   explicit GraspBalance(bool square) : square_(square) {}
 
-  Reads reads() const override { return {.contact_normal = true, .contact_force = true}; }
+  Reads reads() const override { return {.contact_normal = true, .contact_force = true, .mirrored = square_}; }
   double lower_bound() const override { return square_ ? 0.0 : -infinity; }
 
   template <class T>
   void operator()(const Quantities<T>& x, Contribution<T>& out) const {
     T force{};
-    for (const FingerQuantities<T>& finger : x.fingers) {
-      for (const ContactQuantities<T>& contact : finger.contacts) force -= contact.force * contact.normal_x;
-    }
+    for (const ContactQuantities<T>& contact : x.contacts) force -= contact.force * contact.normal_x;
     if (square_) {
       out.residual(force);
     } else {

@@ -19,12 +19,11 @@ class TipPose : public ObjectiveBase<TipPose> {
   template <class T>
   void operator()(const Quantities<T>& x, Contribution<T>& out) const {
     std::array<T, 3> error{};
-    const BackboneQuantities<T>& tip = x.fingers.front().tip;
     if (x.target.has_position) {
-      error[0] = tip.x - x.target.position.x;
-      error[1] = tip.y - x.target.position.y;
+      error[0] = x.tip.x - x.target.position.x;
+      error[1] = x.tip.y - x.target.position.y;
     }
-    if (x.target.has_angle) error[2] = tip.angle - x.target.angle;
+    if (x.target.has_angle) error[2] = x.tip.angle - x.target.angle;
     add_weighted<T>(root_, error, out);
   }
 

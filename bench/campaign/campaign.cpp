@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -13,6 +11,7 @@
 #include "campaign/random_scene.hpp"
 #include "check/plan_check.hpp"
 #include "common/scenes.hpp"
+#include "common/workload.hpp"
 #include "tendril/app/process.hpp"
 #include "tendril/plugins/components.hpp"
 
@@ -29,8 +28,6 @@ constexpr double patience = 3.0;
 
 constexpr const char* mark = "{\"campaign\":";
 
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 double real(const Json& json, const char* key) {
   return json.contains(key) && json[key].is_number() ? json[key].get<double>() : std::nan("");
 }
@@ -46,6 +43,7 @@ CampaignCase run_case(const CampaignSetup& setup, const std::set<std::string>& p
   for (const std::string& directory : setup.plugin_directories) {
     arguments.insert(arguments.end(), {"--plugin-dir", directory});
   }
+  for (const std::string& setting : setup.search) arguments.insert(arguments.end(), {"--search", setting});
   const double most = patience * setup.time_limit + 10.0;
   const app::ProcessResult run = app::run_process(plugins::executable_path().string(), arguments, "/", most);
   const std::size_t at = run.output.rfind(mark);
@@ -95,12 +93,12 @@ std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const
   if (scene.solver.plugin != solver) throw Error("the solver '" + solver + "' was not found");
   Problem problem(scene, plugins::make_components(registry, scene));
   const double begin = now();
-  const std::clock_t cpu_begin = std::clock();
+  const double cpu_begin = processor_now();
   const Plan plan = problem.plan();
   Json json;
   json["campaign"] = seed;
   json["seconds"] = now() - begin;
-  json["cpu_seconds"] = static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC;
+  json["cpu_seconds"] = processor_now() - cpu_begin;
   json["status"] = to_string(plan.status);
   json["message"] = plan.message;
   json["objective"] = plan.objective;

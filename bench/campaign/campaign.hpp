@@ -22,6 +22,7 @@ struct CampaignSetup {
   double time_limit = 30.0;
   double share = 0.995;  ///< of the cases that have to be met
   std::vector<std::string> plugin_directories;
+  std::vector<std::string> search;  ///< parameters of the search, NAME=VALUE
   const std::atomic<bool>* stop = nullptr;
 };
 

@@ -107,50 +107,56 @@ class Drawer {
 
   void rod() {
     head_ += "problem = \"pose\"\n";
-    const bool gravity = dice_.chance(0.6);
-    double weight = 0.0;
-    if (gravity) {
-      const Vec2 down = dice_.chance(0.5) ? Vec2{0.0, -1.0} : direction(dice_.between(-pi, pi));
-      head_ += fmt::format("gravity = [\"{:.17g} m/s^2\", \"{:.17g} m/s^2\"]\n", g * down.x, g * down.y);
-      weight = dice_.chance(0.1) ? 0.0 : dice_.log_between(1e-3, 1e4);
-      note("w {:.2g}", weight);
-    }
+    const bool heavy = dice_.chance(0.6);
+    segments(heavy ? weight() : 0.0);
+    actuators();
+    tip_load(heavy);
+  }
+
+  /// Gravity, and the rod's weight in units of its stiffness.
+  double weight() {
+    const Vec2 down = dice_.chance(0.5) ? Vec2{0.0, -1.0} : direction(dice_.between(-pi, pi));
+    head_ += fmt::format("gravity = [\"{:.17g} m/s^2\", \"{:.17g} m/s^2\"]\n", g * down.x, g * down.y);
+    const double weight = dice_.chance(0.1) ? 0.0 : dice_.log_between(1e-3, 1e4);
+    note("w {:.2g}", weight);
+    return weight;
+  }
+
+  void segments(double weight) {
     const double density = weight * stiffness_ / (g * length_ * length_ * length_);
-    const double turns = 4.0 * pi;
-    const auto rest = [&] { return dice_.chance(0.2) ? dice_.sign() * dice_.log_between(0.1, turns) / length_ : 0.0; };
     body_ += "[rod]\n";
-    int count = dice_.chance(0.6) ? 1 : dice_.whole(2, 4);
+    const int count = dice_.chance(0.6) ? 1 : dice_.whole(2, 4);
     std::vector<double> parts;
     double sum = 0.0;
     for (int i = 0; i < count; ++i) {
       parts.push_back(dice_.chance(0.1) ? dice_.log_between(1e-3, 1.0) : dice_.between(0.3, 1.0));
       sum += parts.back();
     }
-    for (double& part : parts) part /= sum;
     if (count > 1) note("{} segments", count);
-    if (count == 1) {
-      add("length = {}\nbending_stiffness = {}\nlinear_density = {}\nrest_curvature = {}\n", length(1.0),
-          quantity(stiffness_, units_.stiffness), quantity(density, units_.density),
-          quantity(rest(), units_.curvature));
-    }
-    const bool moved = dice_.chance(0.3);
-    if (moved) {
+    const auto segment = [&](double part, double ratio, double heavier) {
+      const double turns = 4.0 * pi;
+      const double rest = dice_.chance(0.2) ? dice_.sign() * dice_.log_between(0.1, turns) / length_ : 0.0;
+      add("length = {}\nbending_stiffness = {}\nlinear_density = {}\nrest_curvature = {}\n", length(part),
+          quantity(stiffness_ * ratio, units_.stiffness), quantity(density * heavier, units_.density),
+          quantity(rest, units_.curvature));
+    };
+    if (count == 1) segment(1.0, 1.0, 1.0);
+    if (dice_.chance(0.3)) {
       base_ = {dice_.between(-1.0, 1.0), dice_.between(-1.0, 1.0)};
       base_angle_ = dice_.between(-pi, pi);
       add("base = {{position = {}, angle = {:.17g}}}\n", point(base_), base_angle_);
     }
-    if (count > 1) {
-      // The first segment's stiffness is the unit, so that the others span six decades around it.
-      for (int i = 0; i < count; ++i) {
-        const double ratio = i == 0              ? 1.0
-                             : dice_.chance(0.2) ? dice_.log_between(1e-3, 1e3)
-                                                 : dice_.log_between(0.2, 5);
-        const double heavier = i == 0 ? 1.0 : dice_.chance(0.1) ? 0.0 : dice_.log_between(0.1, 10.0);
-        add("[[rod.segment]]\nlength = {}\nbending_stiffness = {}\nlinear_density = {}\nrest_curvature = {}\n",
-            length(parts[static_cast<std::size_t>(i)]), quantity(stiffness_ * ratio, units_.stiffness),
-            quantity(density * heavier, units_.density), quantity(rest(), units_.curvature));
-      }
+    if (count == 1) return;
+    // The first segment's stiffness is the unit, so that the others span six decades around it.
+    for (int i = 0; i < count; ++i) {
+      const double ratio = i == 0 ? 1.0 : dice_.chance(0.2) ? dice_.log_between(1e-3, 1e3) : dice_.log_between(0.2, 5);
+      const double heavier = i == 0 ? 1.0 : dice_.chance(0.1) ? 0.0 : dice_.log_between(0.1, 10.0);
+      add("[[rod.segment]]\n");
+      segment(parts[static_cast<std::size_t>(i)] / sum, ratio, heavier);
     }
+  }
+
+  void actuators() {
     const int actuators = dice_.chance(0.03) ? 0 : dice_.chance(0.6) ? 1 : dice_.whole(2, 3);
     for (int a = 0; a < actuators; ++a) {
       add("[[rod.actuator]]\n");
@@ -170,6 +176,9 @@ class Drawer {
       }
     }
     note("{} actuators", actuators);
+  }
+
+  void tip_load(bool gravity) {
     const bool pulled = dice_.chance(0.25);
     const bool payload = gravity && dice_.chance(0.15);
     if (!pulled && !payload) return;

@@ -80,13 +80,13 @@ ExactState exact_state(const Scene& scene, const std::vector<std::unique_ptr<Obs
   guess.angle = [&start, &scale](double s) {
     const std::vector<BackbonePoint>& points = start.backbone;
     std::size_t i = 1;
-    while (i + 1 < points.size() && points[i][0] < s * scale.length) ++i;
+    while (i + 1 < points.size() && points[i].s < s * scale.length) ++i;
     // The cubic through angles and curvatures: a layer may be as thin as the samples lie apart.
-    const double step = points[i][0] - points[i - 1][0];
-    const double t = (s * scale.length - points[i - 1][0]) / step;
+    const double step = points[i].s - points[i - 1].s;
+    const double t = (s * scale.length - points[i - 1].s) / step;
     const double u = 1.0 - t;
-    return u * u * (1.0 + 2.0 * t) * points[i - 1][3] + t * t * (1.0 + 2.0 * u) * points[i][3] +
-           t * u * step * (u * points[i - 1][4] - t * points[i][4]);
+    return u * u * (1.0 + 2.0 * t) * points[i - 1].angle + t * t * (1.0 + 2.0 * u) * points[i].angle +
+           t * u * step * (u * points[i - 1].curvature - t * points[i].curvature);
   };
   support::BvpOptions options;
   options.intervals = intervals;

@@ -319,8 +319,8 @@ PlanCheck Judge::judge() {
   check.shape = std::max(check.shape, std::abs(g.tip_angle - plan_.tip_angle));
   if (!(check.shape <= shape_limit)) check.defects.push_back(fmt::format("the tip is off by {:.2e}", check.shape));
   for (const BackbonePoint& sample : plan_.backbone) {
-    const RodShape::Point p = shape_->point(q_, std::clamp(sample[0] / length_, 0.0, 1.0));
-    const double off = norm(p.at - Vec2{sample[1] / length_, sample[2] / length_});
+    const RodShape::Point p = shape_->point(q_, std::clamp(sample.s / length_, 0.0, 1.0));
+    const double off = norm(p.at - Vec2{sample.x / length_, sample.y / length_});
     if (!(off <= sample_limit)) {
       check.defects.push_back(fmt::format("the backbone is off by {:.2e}", off));
       break;

@@ -146,8 +146,12 @@ RodShape::Grid RodShape::grid(const Eigen::VectorXd& q, const std::vector<double
   g.tip_angle = angle;
   g.slopes.resize(order_, static_cast<Eigen::Index>(slopes.size()));
   for (std::size_t i = 0; i < slopes.size(); ++i) g.slopes.col(static_cast<Eigen::Index>(i)) = slopes[i];
+  add_weight(g);
+  return g;
+}
 
-  // From the tip to the base: the weight beyond each node and its first moment.
+/// From the tip to the base: the weight beyond each node and its first moment.
+void RodShape::add_weight(Grid& g) const {
   g.load.resize(g.s.size());
   g.load_moment.resize(g.s.size());
   double beyond = 0.0;
@@ -174,8 +178,8 @@ RodShape::Grid RodShape::grid(const Eigen::VectorXd& q, const std::vector<double
       moment_beyond += (h * rho * rule().weight[k]) * g.at[first + k];
     }
   }
-  return g;
 }
+
 RodShape::Point RodShape::point(const Eigen::VectorXd& q, double s) const {
   Point p{rod_.base, rod_.base_angle};
   Eigen::VectorXd value(order_);

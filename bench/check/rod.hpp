@@ -66,6 +66,8 @@ class RodShape {
   Point point(const Eigen::VectorXd& q, double s) const;
 
  private:
+  void add_weight(Grid& g) const;
+
   const Loaded& rod_;
   int order_;
   std::vector<Piece> pieces_;

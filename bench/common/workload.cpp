@@ -60,14 +60,22 @@ std::string sides(const Plan& plan, const std::vector<Vec2>& references) {
     double nearest = infinity;
     double side = 0.0;
     for (const BackbonePoint& p : plan.backbone) {
-      const Vec2 away = Vec2{p[1], p[2]} - reference;
+      const Vec2 away = p.position() - reference;
       if (norm(away) >= nearest) continue;
       nearest = norm(away);
-      side = cross({std::cos(p[3]), std::sin(p[3])}, away);
+      side = cross({std::cos(p.angle), std::sin(p.angle)}, away);
     }
     text += side >= 0.0 ? '+' : '-';
   }
   return text;
+}
+
+const ModeRecord* winning_mode(const Plan& plan) {
+  const ModeRecord* best = nullptr;
+  for (const ModeRecord& mode : plan.modes) {
+    if (mode.certified && (best == nullptr || mode.objective < best->objective)) best = &mode;
+  }
+  return best;
 }
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }

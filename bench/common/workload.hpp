@@ -61,6 +61,9 @@ struct TimedPlan {
 };
 TimedPlan timed_plan(plugins::Registry& registry, const Scene& scene, const PlanControl& control = {});
 
+/// The way of being in contact whose plan was taken; null: none was certified.
+const ModeRecord* winning_mode(const Plan& plan);
+
 /// An integer option of a coordinate plugin that counts something (its least value is 1 or more), and values to try.
 struct ModelSweep {
   std::string plugin, option;  ///< option empty: the plugin has none

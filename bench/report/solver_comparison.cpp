@@ -60,15 +60,12 @@ SolverRun run_of(const TimedPlan& timed, const std::vector<Vec2>& references) {
   run.solves = timed.solves;
   run.iterations = timed.iterations;
   run.evaluations = timed.evaluations;
-  double best = infinity;
-  for (const ModeRecord& mode : plan.modes) {
-    if (!mode.certified || mode.objective >= best) continue;
-    best = mode.objective;
-    run.mode = mode.mode;
-    run.mode_seconds = mode.seconds;
-    run.mode_evaluating = mode.seconds_evaluating;
-    run.mode_iterations = mode.iterations;
-    run.mode_evaluations = mode.evaluations;
+  if (const ModeRecord* mode = winning_mode(plan)) {
+    run.mode = mode->mode;
+    run.mode_seconds = mode->seconds;
+    run.mode_evaluating = mode->seconds_evaluating;
+    run.mode_iterations = mode->iterations;
+    run.mode_evaluations = mode->evaluations;
   }
   return run;
 }

@@ -17,19 +17,6 @@ struct Sample {
   int plans = 0, certified = 0;
 };
 
-/// Solves in the way of being in contact that won. More than one: the polish did not take the first, so that a second,
-/// started from it with its multipliers, went on.
-int solves_of_winner(const Plan& plan) {
-  double best = infinity;
-  int solves = 0;
-  for (const ModeRecord& mode : plan.modes) {
-    if (!mode.certified || mode.objective >= best) continue;
-    best = mode.objective;
-    solves = mode.solves;
-  }
-  return solves;
-}
-
 }  // namespace
 
 Section tolerance_section(plugins::Registry& registry, const SolverComparisonSetup& setup, const BenchScene& bench,
@@ -58,7 +45,9 @@ Section tolerance_section(plugins::Registry& registry, const SolverComparisonSet
           sample.error.push_back(std::max(solve.infeasibility, solve.stationarity));
           sample.seconds.push_back(solve.seconds);
           sample.plan_seconds.push_back(timed.seconds);
-          sample.solves.push_back(solves_of_winner(timed.plan));
+          // More than one: the polish did not take the first, so that a second, started from it, went on.
+          const ModeRecord* winner = winning_mode(timed.plan);
+          sample.solves.push_back(winner != nullptr ? winner->solves : 0);
           sample.iterations.push_back(timed.iterations);
           sample.evaluations.push_back(static_cast<double>(timed.evaluations));
         }

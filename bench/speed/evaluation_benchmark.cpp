@@ -28,9 +28,9 @@ class Pose : public ObjectiveBase<Pose> {
   }
   template <class T>
   void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    out.residual(x.fingers[0].tip.x - 0.97);
-    out.residual(x.fingers[0].tip.y - 0.2);
-    out.residual(0.01 * x.fingers[0].moments[0]);
+    out.residual(x.tip.x - 0.97);
+    out.residual(x.tip.y - 0.2);
+    out.residual(0.01 * x.moments[0]);
   }
 };
 

@@ -4,7 +4,7 @@ struct LevelTip : tendril::ObjectiveBase<LevelTip> {
   tendril::Reads reads() const override { return {.tip_angle = true}; }
   template <class T>
   void operator()(const tendril::Quantities<T>& x, tendril::Contribution<T>& out) const {
-    out.residual(x.fingers.front().tip.angle);
+    out.residual(x.tip.angle);
   }
 };
 

@@ -18,15 +18,13 @@ class MeanCurvature : public tendril::ObjectiveBase<MeanCurvature> {
   template <class T>
   void operator()(const tendril::Quantities<T>& x, tendril::Contribution<T>& out) const {
     using std::sqrt;
-    for (const tendril::FingerQuantities<T>& finger : x.fingers) {
-      T mean{};
-      for (std::size_t i = 0; i < finger.samples.size(); ++i) {
-        mean += 0.5 * weights[i % 5] * finger.samples[i].curvature * finger.samples[i].curvature;
-      }
-      const T excess = mean / square_ - 1.0;
-      constexpr double rounding = 1e-2;
-      out.residual(0.5 * (excess + sqrt(excess * excess + rounding * rounding)));
+    T mean{};
+    for (std::size_t i = 0; i < x.samples.size(); ++i) {
+      mean += 0.5 * weights[i % 5] * x.samples[i].curvature * x.samples[i].curvature;
     }
+    const T excess = mean / square_ - 1.0;
+    constexpr double rounding = 1e-2;
+    out.residual(0.5 * (excess + sqrt(excess * excess + rounding * rounding)));
   }
 
  private:

@@ -2,7 +2,6 @@
 #include <glog/logging.h>
 
 #include <cmath>
-#include <cstdio>
 #include <mutex>
 
 #include "tendril/augmented_lagrangian.hpp"
@@ -21,12 +20,6 @@ void quiet_glog() {
     FLAGS_minloglevel = google::GLOG_FATAL;
     google::InitGoogleLogging("tendril");
   });
-}
-
-std::string shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
 }
 
 class CeresSolver final : public AugmentedLagrangianSolver {

@@ -4,7 +4,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <mutex>
 #include <set>
 
@@ -18,12 +17,6 @@ namespace {
 
 /// MUMPS keeps its state in global variables: one solve at a time in the whole process.
 std::timed_mutex mumps_lock;
-
-std::string shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
 
 /// Options that would let a scene read or write files.
 constexpr std::array<std::string_view, 3> file_options{"output_file", "file_print_level", "option_file_name"};

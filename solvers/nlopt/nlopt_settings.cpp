@@ -2,22 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "nlopt_run.hpp"
 #include "nlopt_status.hpp"
 
 namespace tendril::nlopt_plugin {
 
-namespace {
-
-std::string shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 double NloptSolver::chosen(const char* option, double otherwise) const {
   return options_.has(option) ? options_.real(option) : otherwise;

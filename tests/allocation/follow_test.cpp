@@ -85,13 +85,12 @@ void allocates_nothing_once_it_runs(bool braced, plugins::Registry& registry, co
   EXPECT_TRUE(plan.certificate.valid());
   EXPECT_NEAR(plan.certificate.stability, fresh.certificate.stability, 10.0 * same);
   EXPECT_EQ(plan.certificate.stationarity_kind, "S");
-  EXPECT_NEAR(plan.backbone.back()[1], plan.tip_x, 1e-12);
+  EXPECT_NEAR(plan.backbone.back().x, plan.tip_x, 1e-12);
   for (std::size_t i = 0; !braced && i < fresh.backbone.size(); ++i) {
     ASSERT_EQ(plan.backbone.size(), fresh.backbone.size());
-    for (const std::size_t column : {0U, 1U, 2U}) {
-      EXPECT_NEAR(plan.backbone[i][column], fresh.backbone[i][column], same_length) << i;
-    }
-    EXPECT_NEAR(plan.backbone[i][3], fresh.backbone[i][3], same) << i;
+    EXPECT_NEAR(plan.backbone[i].s, fresh.backbone[i].s, same_length) << i;
+    EXPECT_NEAR(norm(plan.backbone[i].position() - fresh.backbone[i].position()), 0.0, same_length) << i;
+    EXPECT_NEAR(plan.backbone[i].angle, fresh.backbone[i].angle, same) << i;
   }
   EXPECT_EQ(plan.terms.size(), fresh.terms.size());
   EXPECT_EQ(plan.modes.size(), fresh.modes.size());

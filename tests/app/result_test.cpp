@@ -110,7 +110,7 @@ TEST(PlanJson, SaysThatTimeEndedTheSearchBesideTheStatus) {
 TEST(PlanJson, WritesNullForWhatIsNotFinite) {
   Plan plan = simple_plan();
   plan.objective = std::nan("");
-  plan.backbone[2][3] = infinity;
+  plan.backbone[2].angle = infinity;
   plan.target_error.reset();
   const json result = json::parse(plan_json(simple_scene(), plan, {}));
   EXPECT_TRUE(result["certificate"]["penetration"].is_null());

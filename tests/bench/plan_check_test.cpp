@@ -115,8 +115,8 @@ std::vector<Wrong> wrongs() {
       {"the tip is off", [](Scene&, Plan& p) { p.tip_x += off; }},
       {"the tip is off", [](Scene&, Plan& p) { p.tip_y -= off; }},
       {"the tip is off", [](Scene&, Plan& p) { p.tip_angle += off; }},
-      {"the backbone is off", [](Scene&, Plan& p) { p.backbone[40][1] += off; }},
-      {"the backbone is off", [](Scene&, Plan& p) { p.backbone[70][2] -= off; }},
+      {"the backbone is off", [](Scene&, Plan& p) { p.backbone[40].x += off; }},
+      {"the backbone is off", [](Scene&, Plan& p) { p.backbone[70].y -= off; }},
       {"the target is missed", [](Scene&, Plan& p) { *p.target_error += off; }},
       {"the target is missed", [](Scene& s, Plan&) { s.target.position->x += 1e-6; }},
   };

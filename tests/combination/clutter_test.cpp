@@ -25,7 +25,7 @@ void expect_exact(const Scene& scene, const Plan& found, const std::map<std::str
   support::BvpGuess guess;
   guess.angle = [&](double s) {
     for (const BackbonePoint& p : found.backbone) {
-      if (p[0] >= s * length) return p[3];
+      if (p.s >= s * length) return p.angle;
     }
     return found.tip_angle;
   };

@@ -77,7 +77,7 @@ TEST(TwoPegsAgainstTheExactSolution, BothHoldTheArm) {
   support::BvpGuess guess;
   guess.angle = [&](double s) {
     for (const BackbonePoint& p : found.backbone) {
-      if (p[0] >= s * length) return p[3];
+      if (p.s >= s * length) return p.angle;
     }
     return found.tip_angle;
   };

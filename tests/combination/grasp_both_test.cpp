@@ -50,8 +50,8 @@ void expect_same_finger(const FingerPlan& found, const FingerPlan& expected, dou
   EXPECT_LT(norm(found.contacts[0].point - map(expected.contacts[0].point)), tolerance);
   ASSERT_EQ(found.backbone.size(), expected.backbone.size());
   for (std::size_t i = 0; i < found.backbone.size(); ++i) {
-    const Vec2 there = map({expected.backbone[i][1], expected.backbone[i][2]});
-    EXPECT_LT(norm(there - Vec2{found.backbone[i][1], found.backbone[i][2]}), tolerance);
+    const Vec2 there = map(expected.backbone[i].position());
+    EXPECT_LT(norm(there - found.backbone[i].position()), tolerance);
   }
   EXPECT_LT(norm(Vec2{found.tip_x, found.tip_y} - map({expected.tip_x, expected.tip_y})), tolerance);
 }
@@ -70,8 +70,6 @@ class BothFingers : public testing::TestWithParam<std::string> {
  protected:
   Plan planned(Scene made) const {
     made.solver.plugin = GetParam();
-    // Nine pairs of contacts: the slowest backend on a machine that does other things too.
-    made.solver.time_limit = 60.0;
     return plan(made);
   }
 };
@@ -122,24 +120,8 @@ TEST_P(BothFingers, GravityTurnedRoundExchangesThem) {
   EXPECT_GT(std::abs(down.moments[0] - lower_of(down).moments[0]), 1e-4);
 }
 
-TEST_P(BothFingers, UnequalOnesExchangedAreTheMirrorImage) {
-  Scene made = scene("grasp_unequal");
-  const Plan first = planned(made);
-  std::swap(made.fingers[0], made.fingers[1]);
-  made.gravity = Vec2{made.gravity->x, -made.gravity->y};
-  const Plan second = planned(made);
-  ASSERT_TRUE(certified(first));
-  ASSERT_TRUE(certified(second));
-  EXPECT_NEAR(second.objective, first.objective, same);
-  EXPECT_NEAR(second.grasp->palm_distance, first.grasp->palm_distance, same);
-  expect_same_finger(upper_of(second), lower_of(first), same, reflected);
-  expect_same_finger(lower_of(second), upper_of(first), same, reflected);
-}
-
-TEST_P(BothFingers, PressAtTheSmallerLimitWithoutNetForceAndWithoutTouchingEachOther) {
-  const Scene made = scene("grasp_unequal");
-  const Plan found = planned(made);
-  ASSERT_TRUE(certified(found));
+/// What two fingers that differ do in their plan.
+void expect_held_without_net_force(const Plan& found) {
   const FingerPlan lower = lower_of(found);
   EXPECT_NEAR(found.contacts[0].force, 3.0, 1e-9);
   EXPECT_NEAR(lower.contacts[0].force, 3.0, 1e-9);
@@ -150,47 +132,66 @@ TEST_P(BothFingers, PressAtTheSmallerLimitWithoutNetForceAndWithoutTouchingEachO
   for (const PlannedContact& c : {found.contacts[0], lower.contacts[0]})
     EXPECT_NEAR(norm(c.point - found.grasp->object_center), found.grasp->object_radius, 1e-10);
   for (const BackbonePoint& p : found.backbone) {
-    for (const BackbonePoint& q : lower.backbone) EXPECT_GT(std::hypot(p[1] - q[1], p[2] - q[2]), 1e-3);
+    for (const BackbonePoint& q : lower.backbone) EXPECT_GT(std::hypot(p.x - q.x, p.y - q.y), 1e-3);
   }
   // Lengths are their own, bases stand on one palm. Data are rounded to twelve digits.
-  EXPECT_NEAR(found.backbone.back()[0], 0.12, 1e-12);
-  EXPECT_NEAR(lower.backbone.back()[0], 0.09, 1e-12);
-  EXPECT_NEAR(found.backbone.front()[2], 0.02, 1e-12);
-  EXPECT_NEAR(lower.backbone.front()[2], -0.02, 1e-12);
+  EXPECT_NEAR(found.backbone.back().s, 0.12, 1e-12);
+  EXPECT_NEAR(lower.backbone.back().s, 0.09, 1e-12);
+  EXPECT_NEAR(found.backbone.front().y, 0.02, 1e-12);
+  EXPECT_NEAR(lower.backbone.front().y, -0.02, 1e-12);
 }
 
-TEST_P(BothFingers, TurnedByAnyAngleAreTheSamePlan) {
-  const Scene upright = scene("grasp_unequal");
-  const Plan original = planned(upright);
-  ASSERT_TRUE(certified(original));
-  for (const double angle : {0.3, -2.5}) {
-    SCOPED_TRACE(angle);
-    Scene turned = upright;
-    turned.gripper->angle = angle;
-    turned.gripper->position = {0.3, -0.2};
-    turned.gravity = Vec2{9.81 * std::sin(angle), -9.81 * std::cos(angle)};
-    const Plan other = planned(turned);
-    ASSERT_TRUE(certified(other));
-    const auto there = [&](Vec2 p) { return palm_to_world(*turned.gripper, p); };
-    EXPECT_NEAR(other.grasp->palm_distance, original.grasp->palm_distance, same);
-    expect_same_finger(upper_of(other), upper_of(original), same, there);
-    expect_same_finger(lower_of(other), lower_of(original), same, there);
-  }
+/// The same scene with the fingers exchanged.
+Scene exchanged(Scene made) {
+  std::swap(made.fingers[0], made.fingers[1]);
+  made.gravity = Vec2{made.gravity->x, -made.gravity->y};
+  return made;
 }
 
-TEST_P(BothFingers, InOtherUnitsAreTheSamePlan) {
-  const Plan original = planned(scene("grasp_unequal"));
+Scene turned(Scene made, double angle) {
+  made.gripper->angle = angle;
+  made.gripper->position = {0.3, -0.2};
+  made.gravity = Vec2{9.81 * std::sin(angle), -9.81 * std::cos(angle)};
+  return made;
+}
+
+/// "grasp_unequal" once more.
+Scene in_other_units() {
+  return scene("grasp_unequal",
+               {"gripper.half_palm=\"0.787401574803150 inch\"", "gripper.object_diameter=\"5 cm\"",
+                "rod.length=\"3.93700787401575 inch\"", "rod.bending_stiffness=\"3.48454559076413 lbf inch^2\"",
+                "finger.0.length=\"0.12 m\"", "finger.0.bending_stiffness=\"6e3 N mm^2\"",
+                "finger.1.length=\"3.54330708661417 inch\"", "finger.1.rest_curvature=\"-0.002 1/mm\"",
+                "finger.1.max_force=\"3000 mN\"", "rod.linear_density=\"0.12 kg/m\""});
+}
+
+// One test, so that what the others are compared with is planned once.
+TEST_P(BothFingers, ThatDifferAreTheSamePlanExchangedTurnedAndInOtherUnits) {
+  const Scene made = scene("grasp_unequal");
+  const Plan original = planned(made);
   ASSERT_TRUE(certified(original));
-  const Plan other = planned(scene(
-      "grasp_unequal", {"gripper.half_palm=\"0.787401574803150 inch\"", "gripper.object_diameter=\"5 cm\"",
-                        "rod.length=\"3.93700787401575 inch\"", "rod.bending_stiffness=\"3.48454559076413 lbf inch^2\"",
-                        "finger.0.length=\"0.12 m\"", "finger.0.bending_stiffness=\"6e3 N mm^2\"",
-                        "finger.1.length=\"3.54330708661417 inch\"", "finger.1.rest_curvature=\"-0.002 1/mm\"",
-                        "finger.1.max_force=\"3000 mN\"", "rod.linear_density=\"0.12 kg/m\""}));
-  ASSERT_TRUE(certified(other));
-  EXPECT_NEAR(other.grasp->palm_distance, original.grasp->palm_distance, same);
-  expect_same_finger(upper_of(other), upper_of(original), same, unmoved);
-  expect_same_finger(lower_of(other), lower_of(original), same, unmoved);
+  expect_held_without_net_force(original);
+
+  const Plan mirrored = planned(exchanged(made));
+  ASSERT_TRUE(certified(mirrored));
+  EXPECT_NEAR(mirrored.objective, original.objective, same);
+  EXPECT_NEAR(mirrored.grasp->palm_distance, original.grasp->palm_distance, same);
+  expect_same_finger(upper_of(mirrored), lower_of(original), same, reflected);
+  expect_same_finger(lower_of(mirrored), upper_of(original), same, reflected);
+
+  const Scene elsewhere = turned(made, -2.5);
+  const auto there = [&](Vec2 p) { return palm_to_world(*elsewhere.gripper, p); };
+  const Plan moved = planned(elsewhere);
+  ASSERT_TRUE(certified(moved));
+  EXPECT_NEAR(moved.grasp->palm_distance, original.grasp->palm_distance, same);
+  expect_same_finger(upper_of(moved), upper_of(original), same, there);
+  expect_same_finger(lower_of(moved), lower_of(original), same, there);
+
+  const Plan converted = planned(in_other_units());
+  ASSERT_TRUE(certified(converted));
+  EXPECT_NEAR(converted.grasp->palm_distance, original.grasp->palm_distance, same);
+  expect_same_finger(upper_of(converted), upper_of(original), same, unmoved);
+  expect_same_finger(lower_of(converted), lower_of(original), same, unmoved);
 }
 
 // The rows that keep them apart: as long as the fingers are alike their tips meet on the axis, as a mirrored finger's
@@ -223,7 +224,7 @@ TEST_P(BothFingers, KeepUnequalOnesFromCrossing) {
   EXPECT_FALSE(meeting_of(found.backbone, lower.backbone));
   double nearest = infinity;
   for (const BackbonePoint& p : found.backbone) {
-    for (const BackbonePoint& q : lower.backbone) nearest = std::min(nearest, std::hypot(p[1] - q[1], p[2] - q[2]));
+    for (const BackbonePoint& q : lower.backbone) nearest = std::min(nearest, std::hypot(p.x - q.x, p.y - q.y));
   }
   // As near as samples a millimetre apart can tell: the row that keeps them apart does something.
   EXPECT_LT(nearest, 5e-4);
@@ -330,7 +331,7 @@ TEST(BothFingersRefused, WithTheReason) {
   ObjectiveSpec balance;
   balance.plugin = "grasp_balance";
   unequal.objectives.push_back(balance);
-  refused(unequal, "objective[2].plugin", "no sum over the fingers");
+  refused(unequal, "objective[2].plugin", "mirror image, but both fingers are planned");
   unequal = scene("grasp_unequal");
   unequal.fingers[1].rod.actuators[0].to = 0.2;
   refused(unequal, "finger[1].actuator[0].to", "the actuator ends at 0.2 m");

@@ -82,8 +82,8 @@ TEST_P(GraspLimits, EveryDiameterIsHeldAtTheForceLimitWithoutForceAlongTheAxis) 
     EXPECT_LT(*found.model_error, basis.model_error);
     // Neither finger crosses the axis, and neither goes through the palm.
     for (const BackbonePoint& p : found.backbone) {
-      EXPECT_GE(p[2], -1e-9 * made.rod.length());
-      EXPECT_GE(p[1], -1e-9 * made.rod.length());
+      EXPECT_GE(p.y, -1e-9 * made.rod.length());
+      EXPECT_GE(p.x, -1e-9 * made.rod.length());
     }
   }
 }
@@ -124,8 +124,8 @@ TEST_P(GraspSolver, TurnedByAnyAngleIsTheSamePlan) {
     expect_same_plan(other, original, 1e-8);
     ASSERT_EQ(other.backbone.size(), original.backbone.size());
     for (std::size_t i = 0; i < other.backbone.size(); ++i) {
-      const Vec2 there = palm_to_world(*turned.gripper, {original.backbone[i][1], original.backbone[i][2]});
-      EXPECT_LT(norm(there - Vec2{other.backbone[i][1], other.backbone[i][2]}), 1e-8);
+      const Vec2 there = palm_to_world(*turned.gripper, original.backbone[i].position());
+      EXPECT_LT(norm(there - other.backbone[i].position()), 1e-8);
     }
   }
 }
@@ -146,9 +146,9 @@ TEST_P(GraspSolver, MirroredIsTheSamePlanWithTheFingersExchanged) {
   expect_same_plan(other, original, 1e-8);
   ASSERT_EQ(other.backbone.size(), original.backbone.size());
   for (std::size_t i = 0; i < other.backbone.size(); ++i) {
-    const Vec2 lower = mirrored(*made.gripper, {original.backbone[i][1], original.backbone[i][2]});
-    EXPECT_NEAR(other.backbone[i][1], lower.x, 1e-8);
-    EXPECT_NEAR(other.backbone[i][2], -lower.y, 1e-8);
+    const Vec2 lower = mirrored(*made.gripper, original.backbone[i].position());
+    EXPECT_NEAR(other.backbone[i].x, lower.x, 1e-8);
+    EXPECT_NEAR(other.backbone[i].y, -lower.y, 1e-8);
   }
 }
 
@@ -218,7 +218,7 @@ TEST_P(GraspSolver, TheOtherFingerKeepsTheTipOnItsSide) {
   ASSERT_TRUE(certified(found));
   // It leans against the axis, so the row does something.
   EXPECT_NEAR(found.tip_y, 0.0, 1e-9);
-  for (const BackbonePoint& p : found.backbone) EXPECT_GE(p[2], -1e-10);
+  for (const BackbonePoint& p : found.backbone) EXPECT_GE(p.y, -1e-10);
 }
 
 TEST_P(GraspSolver, ThePalmKeepsACurledFingerAway) {
@@ -230,8 +230,8 @@ TEST_P(GraspSolver, ThePalmKeepsACurledFingerAway) {
   ASSERT_TRUE(certified(found));
   double nearest = infinity;
   for (const BackbonePoint& p : found.backbone) {
-    EXPECT_GE(p[1], -1e-10);
-    if (p[0] > 0.03) nearest = std::min(nearest, p[1]);
+    EXPECT_GE(p.x, -1e-10);
+    if (p.s > 0.03) nearest = std::min(nearest, p.x);
   }
   // Beyond the contact the finger turns back until it grazes the palm; the samples lie up to 0.5 mm beside that point.
   EXPECT_LT(nearest, 1e-5);

@@ -18,7 +18,6 @@ TEST(Rests, ManyFunctionsArePlannedAsFewAre) {
     SCOPED_TRACE(solver);
     Scene many = scene("brace", {"coordinates.order=20", "coordinates.pieces=8"});
     many.solver.plugin = solver;
-    many.solver.time_limit = 300.0;
     const Plan found = plan(many);
     ASSERT_EQ(found.status, PlanStatus::solved) << found.message;
     EXPECT_TRUE(certified(found));

@@ -24,7 +24,8 @@ Found& found() {
 }
 
 Scene read(app::Document document, const std::vector<std::string>& overrides) {
-  std::vector<app::Override> settings{{"solver.time_limit=120", "solver.time_limit", "120"}};
+  // How busy the machine is decides nothing.
+  std::vector<app::Override> settings{{"solver.time_limit=36000", "solver.time_limit", "36000"}};
   for (const std::string& text : overrides) {
     const std::size_t equals = text.find('=');
     settings.push_back({text, text.substr(0, equals), text.substr(equals + 1)});

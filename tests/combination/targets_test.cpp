@@ -43,10 +43,10 @@ bool passes_above(const Plan& plan) {
   double nearest = infinity;
   bool above = false;
   for (const BackbonePoint& p : plan.backbone) {
-    const Vec2 away = Vec2{p[1], p[2]} - peg;
+    const Vec2 away = p.position() - peg;
     if (norm(away) >= nearest) continue;
     nearest = norm(away);
-    above = cross({std::cos(p[3]), std::sin(p[3])}, away) > 0.0;
+    above = cross({std::cos(p.angle), std::sin(p.angle)}, away) > 0.0;
   }
   return above;
 }

@@ -95,9 +95,9 @@ void expect_scaled(const Plan& a, const Plan& b, double length, double force) {
   }
   ASSERT_EQ(a.backbone.size(), b.backbone.size());
   for (std::size_t i = 0; i < a.backbone.size(); ++i) {
-    near(b.backbone[i][1], length * a.backbone[i][1], length * 0.1, "backbone x");
-    near(b.backbone[i][2], length * a.backbone[i][2], length * 0.1, "backbone y");
-    near(b.backbone[i][4], a.backbone[i][4] / length, 1.0 / length, "curvature");
+    near(b.backbone[i].x, length * a.backbone[i].x, length * 0.1, "backbone x");
+    near(b.backbone[i].y, length * a.backbone[i].y, length * 0.1, "backbone y");
+    near(b.backbone[i].curvature, a.backbone[i].curvature / length, 1.0 / length, "curvature");
   }
 }
 

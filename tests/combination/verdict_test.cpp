@@ -44,12 +44,12 @@ TEST(Verdict, AnArmThatCannotClearAPegIsInfeasible) {
   const Plan sagging = plan(free);
   ASSERT_TRUE(certified(sagging));
   const BackbonePoint& middle = sagging.backbone[sagging.backbone.size() / 2];
-  ASSERT_LT(middle[2], 0.0);
+  ASSERT_LT(middle.y, 0.0);
   for (const std::string& solver : registry().names(ComponentKind::solver)) {
     SCOPED_TRACE(solver);
     Scene blocked = scene("avoid", limp);
     blocked.solver.plugin = solver;
-    blocked.obstacles[0].options["center"] = {RawValue::List{{middle[1]}, {middle[2]}}, {}};
+    blocked.obstacles[0].options["center"] = {RawValue::List{{middle.x}, {middle.y}}, {}};
     const Plan found = plan(blocked);
     EXPECT_EQ(found.status, PlanStatus::infeasible) << to_string(found.status);
     EXPECT_TRUE(contains_text(found.message, "infeasible"));
@@ -182,9 +182,9 @@ void expect_moved(const Plan& a, const Plan& b, const Motion& motion, double tol
   }
   ASSERT_EQ(b.backbone.size(), a.backbone.size());
   for (std::size_t i = 0; i < a.backbone.size(); ++i) {
-    const Vec2 point = motion.point({a.backbone[i][1], a.backbone[i][2]});
-    EXPECT_NEAR(b.backbone[i][1], point.x, tolerance * length);
-    EXPECT_NEAR(b.backbone[i][2], point.y, tolerance * length);
+    const Vec2 point = motion.point(a.backbone[i].position());
+    EXPECT_NEAR(b.backbone[i].x, point.x, tolerance * length);
+    EXPECT_NEAR(b.backbone[i].y, point.y, tolerance * length);
   }
 }
 

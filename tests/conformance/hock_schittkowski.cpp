@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "known_problems.hpp"
 
@@ -462,11 +461,7 @@ const std::vector<KnownProblem>& hock_schittkowski() {
 
 namespace {
 
-std::string shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+std::string shown(double value) { return tendril::shown(value, 3); }
 
 }  // namespace
 

@@ -33,8 +33,7 @@ struct Posed {
     places->add_fixed(0.31);
     places->add_fixed(0.93);
     places->add_tip();
-    places->add_station(1, 0.37);
-    places->add_station(0, 1.0);
+    places->add_stations(std::vector<Places::Station>{{1, 0.37}, {0, 1.0}});
     forces = virtual_forces = Forces{};
     forces.on.resize(static_cast<std::size_t>(places->count()));
     virtual_forces.on.resize(forces.on.size());

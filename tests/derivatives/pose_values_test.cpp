@@ -211,7 +211,7 @@ struct BendingAlone : public ObjectiveBase<BendingAlone> {
   }
   template <class T>
   void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    out.smooth(x.fingers[0].bending_energy);
+    out.smooth(x.bending_energy);
   }
 };
 

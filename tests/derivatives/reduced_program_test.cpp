@@ -5,8 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -152,6 +155,82 @@ TEST_F(BuckledStrip, FollowsItsBranchToItsEndAndNoFarther) {
   ASSERT_TRUE(reduced.full(there).allFinite())
       << "from " << last << " to " << there[0] << ", the branch ends at " << end;
   EXPECT_LT((first - reduced.full(there)).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+// From where it stood before, other moments are reached as if nobody had asked for those in between.
+TEST_F(BuckledStrip, AWayThatFailedLeavesNoTrace) {
+  StartShape bent = constant_curvature(1.5);
+  bent.moments = {0.0};
+  const FeasibilityReport f = restore_feasibility(*program, program->start_from(bent), 1e-10);
+  ASSERT_TRUE(f.feasible);
+  ReducedProgram tried(*program, f.x);
+  ReducedProgram fresh(*program, f.x);
+  const auto from_start = [&](double step) -> Eigen::VectorXd {
+    return fresh.start() + Eigen::VectorXd::Constant(1, step);
+  };
+  ASSERT_FALSE(tried.full(from_start(-4.0)).allFinite()) << "the branch has a fold";
+  for (const double step : {0.1, 0.5, 0.0}) {
+    const Eigen::VectorXd expected = fresh.full(from_start(step));
+    ASSERT_TRUE(expected.allFinite()) << step;
+    ASSERT_TRUE(tried.full(from_start(step)).allFinite()) << step;
+    EXPECT_LT((expected - tried.full(from_start(step))).cwiseAbs().maxCoeff(), 1e-9) << step;
+    EXPECT_FALSE(tried.full(from_start(-4.0)).allFinite());
+  }
+}
+
+// A strip that holds itself on the unstable branch between two folds, with one moment more on a part of it: steps in
+// both moments at once point past a fold to the stable branch, which is near enough to be taken for its own.
+TEST_F(BuckledStrip, NeverTakesAnEquilibriumBeyondAFoldForItsOwn) {
+  const LegendreBasis pieces{6};
+  spec.model = &pieces;
+  rod.actuators = {{0.0, 1.0, -10.0, 10.0}, {0.4, 0.95, -20.0, 20.0}};
+  struct From {
+    double tip_force, tip_angle, moment, partial_moment;
+  };
+  for (const From& from : {From{-2.8, 0.3, 0.0, -2.0}, From{-2.8, 0.6, 1.5, 0.0}, From{-3.0, 0.6, 1.5, -2.0}}) {
+    rod.tip_force = {from.tip_force, 0.0};
+    PoseProgram strip(spec);
+    StartShape bent = constant_curvature(from.tip_angle);
+    bent.moments = {from.moment, from.partial_moment};
+    const FeasibilityReport f = restore_feasibility(strip, strip.start_from(bent), 1e-10);
+    ASSERT_TRUE(f.feasible);
+    const auto is_stable = [&](const Eigen::VectorXd& x) {
+      const int n = strip.layout().coordinates;
+      // The rows of equilibrium are the slope of the energy, downhill.
+      return Eigen::LLT<Eigen::MatrixXd>(-strip.jacobian(x).topLeftCorner(n, n)).info() == Eigen::Success;
+    };
+    ASSERT_FALSE(is_stable(f.x));
+    int reached = 0;
+    for (int way = 0; way < 72; ++way) {
+      const double direction = 2.0 * std::numbers::pi * (way / 3) / 24.0;
+      const double length = std::array{0.25, 0.5, 1.0}[static_cast<std::size_t>(way % 3)];
+      ReducedProgram reduced(strip, f.x);
+      const Eigen::VectorXd x =
+          reduced.full(reduced.start() + length * Eigen::Vector2d(std::cos(direction), std::sin(direction)));
+      if (!x.allFinite()) continue;
+      ++reached;
+      EXPECT_FALSE(is_stable(x)) << "way " << way << " from tip angle " << from.tip_angle;
+    }
+    EXPECT_GT(reached, 0);
+  }
+}
+
+TEST_F(BuckledStrip, AnswersTheSameWhateverWasAskedBefore) {
+  StartShape bent = constant_curvature(1.5);
+  bent.moments = {0.0};
+  const FeasibilityReport f = restore_feasibility(*program, program->start_from(bent), 1e-10);
+  ASSERT_TRUE(f.feasible);
+  ReducedProgram one(*program, f.x);
+  ReducedProgram other(*program, f.x);
+  const auto ask = [&](ReducedProgram& reduced, double more) {
+    return Eigen::VectorXd(reduced.full(one.start() + Eigen::VectorXd::Constant(1, more)));
+  };
+  for (const double more : {3.0, 0.1, -40.0, 1.3, -0.2, 2.9}) ask(other, more);
+  for (const double more : {0.1, 0.3, 1.4, 6.0}) {
+    const Eigen::VectorXd first = ask(one, more);
+    ASSERT_TRUE(first.allFinite()) << more;
+    EXPECT_EQ(first, ask(other, more)) << more;
+  }
 }
 
 TEST_F(BuckledStrip, HasNothingToChooseWhereMomentsAreFixed) {

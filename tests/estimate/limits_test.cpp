@@ -74,15 +74,15 @@ TEST(EstimateLimits, NumbersAreInTheUnitsOfTheScene) {
   EXPECT_NEAR(found.chi_square, 38.0, 1e-9);
   // The backbone in m: curvature is the slope of the angle, and the steps are as long as the arc.
   ASSERT_EQ(found.backbone.size(), 101U);
-  EXPECT_NEAR(found.backbone.back()[0], 0.1, 1e-15);
+  EXPECT_NEAR(found.backbone.back().s, 0.1, 1e-15);
   for (std::size_t i = 1; i + 1 < found.backbone.size(); ++i) {
     const BackbonePoint& before = found.backbone[i - 1];
     const BackbonePoint& at = found.backbone[i];
     const BackbonePoint& next = found.backbone[i + 1];
     // A chord is shorter than its arc by (curvature times arc)^2 / 24, here a part in 1e6.
-    EXPECT_NEAR(std::hypot(next[1] - at[1], next[2] - at[2]), next[0] - at[0], 1e-5 * (next[0] - at[0])) << i;
+    EXPECT_NEAR(std::hypot(next.x - at.x, next.y - at.y), next.s - at.s, 1e-5 * (next.s - at.s)) << i;
     // The curvature has a kink at the contact: differences of 1 mm see it to a part in a hundred.
-    EXPECT_NEAR((next[3] - before[3]) / (next[0] - before[0]), at[4], 0.1) << i;
+    EXPECT_NEAR((next.angle - before.angle) / (next.s - before.s), at.curvature, 0.1) << i;
   }
 }
 

@@ -1,7 +1,8 @@
 #include "findings.hpp"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "tendril/numbers.hpp"
 
 namespace tendril::kit {
 
@@ -29,10 +30,6 @@ std::string Findings::text() const {
   return text;
 }
 
-std::string shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
+std::string shown(double value) { return tendril::shown(value, 9); }
 
 }  // namespace tendril::kit

@@ -16,15 +16,19 @@ struct Input {
   double low = 0.0, high = 0.0;  ///< range of sensible values, dimensionless
 };
 
-/// All that a term reads, out of one flat vector: one finger with its tip, samples, contacts, moments and energy.
+/// All that a term reads, out of one flat vector: tip, samples, contacts, moments and energy.
 template <class T>
 class FlatQuantities {
  public:
   FlatQuantities(const Reads& reads, int contacts, int moments, const Target& target)
       : samples_(reads.samples.size()),
         contacts_(static_cast<std::size_t>(contacts)),
-        moments_(static_cast<std::size_t>(moments)),
-        target_(target) {}
+        moments_(static_cast<std::size_t>(moments)) {
+    quantities_.samples = samples_;
+    quantities_.contacts = contacts_;
+    quantities_.moments = moments_;
+    quantities_.target = target;
+  }
   FlatQuantities(const FlatQuantities&) = delete;
   FlatQuantities& operator=(const FlatQuantities&) = delete;
 
@@ -34,7 +38,7 @@ class FlatQuantities {
     const auto read = [&](BackboneQuantities<T>& point) {
       for (T* number : {&point.x, &point.y, &point.angle, &point.curvature}) *number = next();
     };
-    read(finger_.tip);
+    read(quantities_.tip);
     for (BackboneQuantities<T>& sample : samples_) read(sample);
     for (ContactQuantities<T>& c : contacts_) {
       for (T* number :
@@ -43,20 +47,15 @@ class FlatQuantities {
       }
     }
     for (T& moment : moments_) moment = next();
-    finger_.bending_energy = next();
-    finger_.samples = samples_;
-    finger_.contacts = contacts_;
-    finger_.moments = moments_;
-    quantities_ = {{&finger_, 1}, next(), target_};
+    quantities_.bending_energy = next();
+    quantities_.palm_distance = next();
     return quantities_;
   }
 
  private:
-  FingerQuantities<T> finger_{};
   std::vector<BackboneQuantities<T>> samples_;
   std::vector<ContactQuantities<T>> contacts_;
   std::vector<T> moments_;
-  Target target_;
   Quantities<T> quantities_{};
 };
 

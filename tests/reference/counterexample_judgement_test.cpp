@@ -305,7 +305,7 @@ TEST(CounterexampleJudgement, ARodThatEndsShortOfItselfDoesNotOverlap) {
   EXPECT_NEAR(met->second, 3.5, 1e-5);
   // Turned by less than 3 rad in all, nothing is looked for: such a curve moves on along some direction.
   std::vector<BackbonePoint> straight = hook(-1e-6);
-  for (BackbonePoint& p : straight) p[3] *= 2.9 / 4.7;
+  for (BackbonePoint& p : straight) p.angle *= 2.9 / 4.7;
   EXPECT_FALSE(self_overlap(straight));
 }
 

@@ -15,7 +15,7 @@
 /// Plans that are right but for one thing, and other means of computing what a certificate says of them.
 namespace tendril::support {
 
-/// Squares of the tip's distance to a point and of the moment's to a value, and linear parts in moment and force.
+/// Squares of the tip's distance to a point and of the moment's to a value, and multiples of moment and force.
 class Wish : public ObjectiveBase<Wish> {
  public:
   Vec2 tip{};
@@ -23,13 +23,12 @@ class Wish : public ObjectiveBase<Wish> {
   Reads reads() const override;
   template <class T>
   void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    const FingerQuantities<T>& f = x.fingers[0];
-    out.smooth(tip_weight * ((f.tip.x - tip.x) * (f.tip.x - tip.x) + (f.tip.y - tip.y) * (f.tip.y - tip.y)));
-    for (const T& u : f.moments) {
+    out.smooth(tip_weight * ((x.tip.x - tip.x) * (x.tip.x - tip.x) + (x.tip.y - tip.y) * (x.tip.y - tip.y)));
+    for (const T& u : x.moments) {
       out.smooth(moment_weight * (u - moment) * (u - moment));
-      out.linear(per_moment * u);
+      out.smooth(per_moment * u);
     }
-    for (const ContactQuantities<T>& c : f.contacts) out.linear(per_force * c.force);
+    for (const ContactQuantities<T>& c : x.contacts) out.smooth(per_force * c.force);
   }
 };
 

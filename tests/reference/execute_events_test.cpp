@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "execute_support.hpp"
+#include "obstacle/wall.hpp"
 #include "support/contains.hpp"
 #include "support/print.hpp"
 #include "support/rod_bvp.hpp"
@@ -56,6 +57,23 @@ TEST(ExecuteEvents, AStartThatOverlapsEndsLikeOneThatDoesNot) {
   EXPECT_NEAR(overlapping.result.tip_x, clear.result.tip_x, exact);
   EXPECT_NEAR(overlapping.result.tip_y, clear.result.tip_y, exact);
   EXPECT_NEAR(overlapping.result.contacts[0].force / clear.result.contacts[0].force, 1.0, 1e-6);
+}
+
+// Straight, with its last third beyond a wall: the rod buckles at once, to the side that its loads push it to, if any.
+TEST(ExecuteEvents, AStartInsideAWallIsToldInWords) {
+  for (const double moment : {0.3, 0.6, 0.9}) {
+    ForwardScene s;
+    s.weight(2.6487);
+    ObstacleSpec wall;
+    wall.name = "right wall";
+    wall.shape = "wall";
+    s.scene.obstacles.push_back(wall);
+    s.obstacles.push_back(std::make_unique<Wall>(Vec2{2.0 / 3.0, 0.0}, Vec2{-1.0, 0.0}));
+    const Execution e = s.run({moment});
+    EXPECT_EQ(e.result.message.rfind("the start shape lies 333.3 mm inside 'right wall'", 0), 0U)
+        << moment << ": " << e.result.message;
+    EXPECT_EQ(e.result.message.find("beyond load fraction ") != std::string::npos, moment == 0.6);
+  }
 }
 
 TEST(ExecuteEvents, OverlappingStartsGoToTheirOwnSide) {

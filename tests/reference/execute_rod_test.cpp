@@ -68,7 +68,7 @@ Peg peg_beside(const Plan& free) {
   const BackbonePoint& at = free.backbone[free.backbone.size() * 3 / 4];
   const double radius = 0.06 * length;
   const double aside = 0.8 * radius;
-  return {at[1] - aside * std::sin(at[3]), at[2] + aside * std::cos(at[3]), radius};
+  return {at.x - aside * std::sin(at.angle), at.y + aside * std::cos(at.angle), radius};
 }
 
 class ExecuteRod : public testing::TestWithParam<unsigned> {};

@@ -41,9 +41,9 @@ TEST_P(SnapThrough, FoldOfTheMomentIsFoundAndTheStateAfterItIsStable) {
   EXPECT_EQ(snap.kind, SnapKind::fold);
   EXPECT_NEAR(snap.moments[0], known.moment, 1e-7);
   EXPECT_NEAR(snap.load, (2.0 - known.moment) / 3.0, 1e-7);
-  EXPECT_NEAR(snap.before.back()[3] - half_turn, known.tip_angle, 1e-4);
+  EXPECT_NEAR(snap.before.back().angle - half_turn, known.tip_angle, 1e-4);
   EXPECT_GT(snap.stability_after, 0.1);
-  EXPECT_LT(snap.after.back()[3], half_turn);
+  EXPECT_LT(snap.after.back().angle, half_turn);
   // The link chain, started on the other side, agrees on where the rod ends.
   LinkChainOptions options;
   options.links = 200;

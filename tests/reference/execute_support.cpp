@@ -40,9 +40,9 @@ Execution ForwardScene::run(const std::vector<double>& moments, const Plan* star
 std::function<double(double)> angle_of(const Plan& plan) {
   return [points = plan.backbone](double s) {
     std::size_t i = 1;
-    while (i + 1 < points.size() && points[i][0] < s) ++i;
-    const double share = (s - points[i - 1][0]) / (points[i][0] - points[i - 1][0]);
-    return points[i - 1][3] + share * (points[i][3] - points[i - 1][3]);
+    while (i + 1 < points.size() && points[i].s < s) ++i;
+    const double share = (s - points[i - 1].s) / (points[i].s - points[i - 1].s);
+    return points[i - 1].angle + share * (points[i].angle - points[i - 1].angle);
   };
 }
 

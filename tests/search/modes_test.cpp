@@ -98,8 +98,8 @@ class Raised : public ObjectiveBase<Raised> {
   double lower_bound() const override { return bound_; }
   template <class T>
   void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    out.linear(T(base_));
-    for (const T& u : x.fingers.front().moments) out.residual(u);
+    out.smooth(T(base_));
+    for (const T& u : x.moments) out.residual(u);
   }
 
  private:
@@ -136,7 +136,9 @@ TEST(SearchModes, WhatCannotCostLessThanThePlanFoundIsSkipped) {
     for (const std::size_t other : {1, 2}) {
       const ModeRecord& mode = found.modes[other];
       EXPECT_EQ(mode.outcome == "skipped: no plan can cost less than the one found", known.skipped) << mode.outcome;
-      EXPECT_EQ(mode.solves == 0, known.skipped) << mode.mode;
+      // Without a feasible point near any start no solver is asked either.
+      const bool out_of_reach = mode.outcome.find("no feasible point near") != std::string::npos;
+      EXPECT_EQ(mode.solves == 0, known.skipped || out_of_reach) << mode.mode << ": " << mode.outcome;
     }
   }
 }

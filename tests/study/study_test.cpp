@@ -1,9 +1,7 @@
 // The command `study`: numbers that do not depend on how they were computed, and cases that go wrong.
 
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <stdlib.h>
 
 #include <set>
 
@@ -149,44 +147,35 @@ TEST(Study, TriesACaseOnceMoreWhoseWorkerDied) {
   EXPECT_TRUE(std::filesystem::exists(directory / "died"));
 }
 
-/// Ctrl-C as early as it gets, after some cases, and never.
+/// Ctrl-C as early as it gets, after some cases, and never: each time in the case of that number.
 TEST(Study, GoesOnAfterCtrlC) {
   const TemporaryDirectory directory;
-  const std::string scene = directory.write("s.toml", small_study());
-  ASSERT_EQ(tendril({"study", scene, "--output", directory / "whole"}).exit_code, 0);
+  const std::string scene = directory.write("s.toml", small_study() + "\n[[objective]]\nplugin = \"interrupting\"\n");
+  const auto study = [&](const std::string& out) {
+    return tendril({"study", scene, "--plugin-dir", TENDRIL_TEST_PLUGINS, "--output", out});
+  };
+  ASSERT_EQ(study(directory / "whole").exit_code, 0);
   const std::string out = directory / "out";
-  const std::string journal = out + "/shard-1-of-1.journal";
-  int interrupted = 0;
-  for (std::size_t lines = 3; lines <= 15; lines += 6) {
-    const pid_t child = ::fork();
-    if (child == 0) {
-      const std::string log = directory / "log";
-      if (std::freopen(log.c_str(), "w", stdout) == nullptr || std::freopen(log.c_str(), "a", stderr) == nullptr)
-        ::_exit(9);
-      ::execl(TENDRIL_COMMAND, "tendril", "study", scene.c_str(), "--output", out.c_str(), nullptr);
-      ::_exit(9);
-    }
-    const auto finished_lines = [&] {
-      const std::string text = read_file(journal);
-      return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-    };
-    while (finished_lines() < lines) ::usleep(200);
-    ::kill(child, SIGINT);
-    int status = 0;
-    ::waitpid(child, &status, 0);
-    ASSERT_TRUE(WIFEXITED(status));
-    if (WEXITSTATUS(status) == 1) {
-      ++interrupted;
-      EXPECT_TRUE(contains_text(read_file(directory / "log"), "run the same command again to go on"));
-      EXPECT_FALSE(std::filesystem::exists(out + "/study.json"));
-    }
+  const auto journal_lines = [&] {
+    const std::string text = read_file(out + "/shard-1-of-1.journal");
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  long finished = 0;
+  for (const int number : {1, 4, 9}) {
+    ::setenv("TENDRIL_TEST_INTERRUPT", std::to_string(number).c_str(), 1);
+    const test::CommandRun run = study(out);
+    ::unsetenv("TENDRIL_TEST_INTERRUPT");
+    EXPECT_EQ(run.exit_code, 1) << number;
+    EXPECT_TRUE(contains_text(run.err, "run the same command again to go on"));
+    EXPECT_FALSE(std::filesystem::exists(out + "/study.json"));
+    // Those before the interruption are kept, behind the line that says what the journal is of.
+    finished += number - 1;
+    EXPECT_EQ(journal_lines(), 1 + finished);
   }
-  EXPECT_GE(interrupted, 1);
-  EXPECT_EQ(tendril({"study", scene, "--output", out}).exit_code, 0);
+  EXPECT_EQ(study(out).exit_code, 0);
   expect_same_files(directory / "whole", out);
   // Nothing was done twice: one line for each case.
-  const std::string text = read_file(journal);
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 25);
+  EXPECT_EQ(journal_lines(), 25);
 }
 
 TEST(Study, OfAnotherSceneIsNotContinued) {

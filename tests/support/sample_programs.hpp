@@ -16,7 +16,7 @@
 /// Programs with all that a program can have: for tests of what every program must do.
 namespace tendril::support {
 
-/// A term that reads all of what it is asked to, nonlinearly, in all three forms.
+/// A term that reads all of what it is asked to, nonlinearly, in both forms.
 class Everything : public ObjectiveBase<Everything> {
  public:
   struct Parts {
@@ -29,18 +29,17 @@ class Everything : public ObjectiveBase<Everything> {
   Reads reads() const override;
   template <class T>
   void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    const FingerQuantities<T>& f = x.fingers[0];
-    out.residual(f.tip.x * f.tip.y - 0.3);
-    out.residual(sin(f.tip.angle) + f.bending_energy * 0.2);
-    out.linear(0.7 * f.tip.y);
-    if (parts_.palm) out.smooth(exp(x.palm_distance) * f.tip.y);
-    if (parts_.target) out.residual(f.tip.x - x.target.position.x);
-    for (const T& u : f.moments) out.smooth(exp(0.3 * u) * f.tip.x);
-    for (const BackboneQuantities<T>& b : f.samples) {
+    out.residual(x.tip.x * x.tip.y - 0.3);
+    out.residual(sin(x.tip.angle) + x.bending_energy * 0.2);
+    out.smooth(0.7 * x.tip.y);
+    if (parts_.palm) out.smooth(exp(x.palm_distance) * x.tip.y);
+    if (parts_.target) out.residual(x.tip.x - x.target.position.x);
+    for (const T& u : x.moments) out.smooth(exp(0.3 * u) * x.tip.x);
+    for (const BackboneQuantities<T>& b : x.samples) {
       out.residual(b.x * b.angle);
       out.smooth(b.y * b.curvature + 0.1 * b.curvature * b.curvature * b.curvature);
     }
-    for (const ContactQuantities<T>& c : f.contacts) {
+    for (const ContactQuantities<T>& c : x.contacts) {
       out.residual((c.x - c.reference_x) * c.force + c.normal_x * c.normal_y);
       out.smooth(c.gap * c.gap * c.gap + c.arc_length * c.force * c.normal_y + c.y * c.arc_length * c.arc_length);
     }

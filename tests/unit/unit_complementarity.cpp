@@ -47,10 +47,6 @@ struct Base {
 
 class BaseProgram : public FormulaProgram<Base> {
  public:
-  explicit BaseProgram(bool has_rest = true, bool rest_is_linear = false) {
-    has_rest_ = has_rest;
-    rest_is_linear_ = rest_is_linear;
-  }
   void set_upper(int variable, double bound) { upper_[variable] = bound; }
   std::string row_name(int row) const override { return "base row " + std::to_string(row); }
   std::string variable_name(int variable) const override { return "base variable " + std::to_string(variable); }
@@ -213,27 +209,6 @@ TEST_P(Treated, StartsWhereTheBaseDoes) {
   const Eigen::VectorXd beyond = program.extend(Eigen::Vector4d(0.4, 0.7, 0.5, -0.8));
   EXPECT_EQ(beyond[base_variables], 0.0);
   EXPECT_GT(beyond[base_variables + 1], 0.0);
-}
-
-TEST_P(Treated, SaysWhetherItsRestIsLinear) {
-  const bool in_cost = GetParam() == Treatment::penalty || GetParam() == Treatment::slack;
-  const bool penalty = GetParam() == Treatment::penalty;
-  const auto made = [this](BaseProgram& base, bool with_pairs) {
-    return ComplementarityProgram(base, with_pairs ? pairs : std::vector<ComplementaryPair>{}, GetParam(), 0.3);
-  };
-  struct Case {
-    bool has_rest, linear, with_pairs;
-  };
-  for (const auto& [has_rest, linear, with_pairs] :
-       {Case{true, false, true}, Case{true, true, true}, Case{false, false, true}, Case{true, true, false},
-        Case{false, false, false}}) {
-    SCOPED_TRACE(std::string(has_rest ? "rest" : "no rest") + (linear ? ", linear" : "") +
-                 (with_pairs ? ", pairs" : ""));
-    BaseProgram base(has_rest, linear);
-    const ComplementarityProgram program = made(base, with_pairs);
-    EXPECT_EQ(program.has_rest(), has_rest || (in_cost && with_pairs));
-    EXPECT_EQ(program.rest_is_linear(), (linear || !has_rest) && !(penalty && with_pairs));
-  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Treated, testing::ValuesIn(treatments),

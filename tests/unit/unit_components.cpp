@@ -119,31 +119,26 @@ TEST(CoordinatePlugins, RefuseContradictions) {
   EXPECT_TRUE(contains_text(refusal([&] { make(pcc, {{"pieces", {std::int64_t{65}}}}); }), "from 1 to 64"));
 }
 
-/// Everything that a term may read, from a plain vector: two fingers with two contacts and two moments each.
+/// Everything that a term may read, from a plain vector: two contacts and two moments.
 template <class T>
 class World {
  public:
   static constexpr std::size_t numbers_per_contact = 9;
-  static constexpr std::size_t contacts_per_finger = 2;
-  static constexpr std::size_t numbers_per_finger = 4 + contacts_per_finger * numbers_per_contact + 2 + 1;
-  static constexpr std::size_t size = 2 * numbers_per_finger + 1;
+  static constexpr std::size_t size = 4 + 2 * numbers_per_contact + 2 + 2;
 
   World(const std::vector<T>& x, Target target) {
-    std::size_t at = 0;
-    for (std::size_t f = 0; f < fingers_.size(); ++f) {
-      fingers_[f].tip = {x[at], x[at + 1], x[at + 2], x[at + 3]};
-      at += 4;
-      for (ContactQuantities<T>& c : contacts_[f]) {
-        c = {x[at], x[at + 1], x[at + 2], x[at + 3], x[at + 4], x[at + 5], x[at + 6], x[at + 7], x[at + 8]};
-        at += numbers_per_contact;
-      }
-      moments_[f] = {x[at], x[at + 1]};
-      fingers_[f].bending_energy = x[at + 2];
-      at += 3;
-      fingers_[f].contacts = contacts_[f];
-      fingers_[f].moments = moments_[f];
+    std::size_t at = 4;
+    quantities_.tip = {x[0], x[1], x[2], x[3]};
+    for (ContactQuantities<T>& c : contacts_) {
+      c = {x[at], x[at + 1], x[at + 2], x[at + 3], x[at + 4], x[at + 5], x[at + 6], x[at + 7], x[at + 8]};
+      at += numbers_per_contact;
     }
-    quantities_ = {fingers_, x[at], target};
+    moments_ = {x[at], x[at + 1]};
+    quantities_.contacts = contacts_;
+    quantities_.moments = moments_;
+    quantities_.bending_energy = x[at + 2];
+    quantities_.palm_distance = x[at + 3];
+    quantities_.target = target;
   }
   World(const World&) = delete;
   World& operator=(const World&) = delete;
@@ -151,9 +146,8 @@ class World {
   const Quantities<T>& quantities() const { return quantities_; }
 
  private:
-  std::array<FingerQuantities<T>, 2> fingers_{};
-  std::array<std::array<ContactQuantities<T>, contacts_per_finger>, 2> contacts_{};
-  std::array<std::array<T, 2>, 2> moments_{};
+  std::array<ContactQuantities<T>, 2> contacts_{};
+  std::array<T, 2> moments_{};
   Quantities<T> quantities_{};
 };
 
@@ -164,7 +158,7 @@ T cost(const ObjectiveTerm& term, const std::vector<T>& x, const Target& target)
   Contribution<T> out(residuals);
   term.evaluate(world.quantities(), out);
   EXPECT_LE(out.residual_count(), residuals.size());
-  T sum = out.linear_part() + out.smooth_part();
+  T sum = out.smooth_part();
   for (std::size_t i = 0; i < out.residual_count(); ++i) sum += residuals[i] * residuals[i];
   return sum;
 }
@@ -222,9 +216,9 @@ TEST_P(ObjectivePlugin, DependsOnNothingThatItDoesNotRead) {
   Registry registry = built_plugins();
   const auto term = make(registry.objective(GetParam().name), GetParam().options);
   const Reads reads = term->reads();
-  // One finger: tip, two contacts, moments, energy; then the second finger and the palm.
+  // Tip, two contacts, moments, energy, palm.
   std::vector<bool> read{reads.tip_position, reads.tip_position, reads.tip_angle, false};
-  for (std::size_t c = 0; c < World<double>::contacts_per_finger; ++c) {
+  for (std::size_t c = 0; c < 2; ++c) {
     // The reference point is given with the contact point.
     for (const bool r :
          {reads.contact_point, reads.contact_point, reads.contact_gap, reads.contact_normal, reads.contact_normal,
@@ -232,10 +226,7 @@ TEST_P(ObjectivePlugin, DependsOnNothingThatItDoesNotRead) {
       read.push_back(r);
     }
   }
-  for (const bool r : {reads.moments, reads.moments, reads.bending_energy}) read.push_back(r);
-  const std::vector<bool> finger = read;
-  read.insert(read.end(), finger.begin(), finger.end());
-  read.push_back(reads.palm_distance);
+  for (const bool r : {reads.moments, reads.moments, reads.bending_energy, reads.palm_distance}) read.push_back(r);
   ASSERT_EQ(read.size(), World<double>::size);
 
   const std::vector<double> x = some_point();
@@ -295,12 +286,8 @@ TEST(ActuationEffort, WeighsEachMoment) {
   const auto term = make(registry.objective("actuation_effort"), {{"weights", numbers({2, 3})}});
   const std::vector<double> x = some_point();
   const std::size_t first = 4 + 2 * World<double>::numbers_per_contact;
-  const std::size_t second = first + World<double>::numbers_per_finger;
   // Roundings of numbers of size 5.
-  EXPECT_NEAR(cost(*term, x, pose),
-              2 * x[first] * x[first] + 3 * x[first + 1] * x[first + 1] + 2 * x[second] * x[second] +
-                  3 * x[second + 1] * x[second + 1],
-              1e-14);
+  EXPECT_NEAR(cost(*term, x, pose), 2 * x[first] * x[first] + 3 * x[first + 1] * x[first + 1], 1e-14);
 }
 
 TEST(ActuationEffort, WeightsForAnotherNumberOfActuatorsAreRefused) {
@@ -315,9 +302,7 @@ TEST(ContactForce, IsMinusTheSumOfForcesAndHasNoLowerBound) {
   const auto term = make(registry.objective("contact_force"), {});
   const std::vector<double> x = some_point();
   double sum = 0.0;
-  for (const std::size_t finger : {std::size_t{0}, World<double>::numbers_per_finger}) {
-    for (std::size_t c = 0; c < 2; ++c) sum += x[finger + 4 + c * World<double>::numbers_per_contact + 5];
-  }
+  for (std::size_t c = 0; c < 2; ++c) sum += x[4 + c * World<double>::numbers_per_contact + 5];
   EXPECT_NEAR(cost(*term, x, pose), -sum, 1e-15);
   EXPECT_EQ(term->lower_bound(), -infinity);
 }

@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <exception>
+#include <functional>
 #include <iostream>
+#include <memory>
 
 #include "command/new_command.hpp"
 #include "command/reference.hpp"
@@ -87,6 +89,18 @@ struct SceneOptions {
   }
 };
 
+void require_name(const CLI::App& command, const char* option, const std::string& value) {
+  if (command.count(option) > 0 && value.empty()) throw InputError(std::string(option) + ": found an empty name");
+}
+
+void add_json(CLI::App& command, bool& json) {
+  command.add_flag("--json", json, "One JSON document on standard output and nothing else");
+}
+
+std::optional<std::filesystem::path> optional_path(const std::string& text) {
+  return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
+}
+
 /// Where a result comes from and goes to.
 struct ResultOptions {
   std::string start, output, figure;
@@ -97,19 +111,15 @@ struct ResultOptions {
     command.add_option("--output", output, "Directory for result.json and figure.svg, .png, .gnuplot, .dat")
         ->type_name("DIR");
     command.add_option("--figure", figure, std::string("Picture of the ") + what + ", .svg or .png")->type_name("FILE");
-    command.add_flag("--json", json, "One JSON document on standard output and nothing else");
+    add_json(command, json);
   }
   void check(const CLI::App& command) const {
-    for (const auto& [name, value] :
-         {std::pair("--start", &start), std::pair("--output", &output), std::pair("--figure", &figure)}) {
-      if (command.count(name) > 0 && value->empty()) throw InputError(std::string(name) + ": found an empty name");
-    }
+    require_name(command, "--start", start);
+    require_name(command, "--output", output);
+    require_name(command, "--figure", figure);
   }
+  ResultPlaces places() const { return {optional_path(output), optional_path(figure), json}; }
 };
-
-std::optional<std::filesystem::path> optional_path(const std::string& text) {
-  return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
-}
 
 /// Names and text of a scene appear in messages; they must not steer the terminal.
 std::string harmless(std::string text) {
@@ -176,75 +186,158 @@ int run_reference(const CLI::App& app, const std::string& page, const std::vecto
   return 0;
 }
 
+/// A command as it is parsed, and what it does then. What it parses into lives as long as it.
+struct Command {
+  CLI::App* app;
+  std::function<int()> run;
+};
+
+Command plan_command(CLI::App& app) {
+  struct Parsed {
+    SceneOptions scene;
+    ResultOptions result;
+    bool verify = false, strict = false;
+  };
+  CLI::App* plan =
+      app.add_subcommand("plan", "Plan a pose; exit code 0: solved, 1: no acceptable plan, 2: wrong input");
+  const auto parsed = std::make_shared<Parsed>();
+  parsed->scene.add_to(*plan);
+  parsed->result.add_to(*plan, "plan");
+  plan->add_flag("--verify", parsed->verify, "Execute the plan on a fine basis; its verdict depends on it");
+  plan->add_flag("--strict", parsed->strict, "Exit code 1, too, where time ended the search before it was done");
+  return {plan, [plan, parsed] {
+            const ResultOptions& result = parsed->result;
+            result.check(*plan);
+            return run_plan({parsed->scene.arguments(), optional_path(result.start), result.places(), parsed->verify,
+                             parsed->strict});
+          }};
+}
+
+Command execute_command(CLI::App& app) {
+  struct Parsed {
+    SceneOptions scene;
+    ResultOptions result;
+    std::string moments, plan;
+  };
+  CLI::App* execute = app.add_subcommand(
+      "execute", "What the rod does under given moments; exit code 0: a stable equilibrium, 1: none, 2: wrong input");
+  const auto parsed = std::make_shared<Parsed>();
+  parsed->scene.add_to(*execute);
+  parsed->result.add_to(*execute, "shape");
+  CLI::Option* given = execute->add_option("--moments", parsed->moments, "One per actuator, in N m or with units");
+  given->type_name("\"M, ...\"");
+  execute->add_option("--plan", parsed->plan, "Result whose moments are executed")
+      ->type_name("RESULT.json")
+      ->excludes(given);
+  return {execute, [execute, parsed] {
+            const ResultOptions& result = parsed->result;
+            result.check(*execute);
+            if (execute->count("--moments") + execute->count("--plan") == 0) {
+              throw InputError("execute needs the moments, expected --moments \"M, ...\" or --plan RESULT.json");
+            }
+            require_name(*execute, "--plan", parsed->plan);
+            return run_execute({parsed->scene.arguments(),
+                                parsed->moments,
+                                optional_path(parsed->plan),
+                                optional_path(result.start),
+                                {optional_path(result.output), optional_path(result.figure), result.json}});
+          }};
+}
+
+Command study_command(CLI::App& app, std::vector<std::string> words) {
+  struct Parsed {
+    SceneOptions scene;
+    StudyArguments arguments;
+    std::string output;
+  };
+  CLI::App* study = app.add_subcommand(
+      "study", "Every combination of the sweeps in [study]; exit code 0: all solved, 1: not all, 2: wrong input");
+  const auto parsed = std::make_shared<Parsed>();
+  parsed->scene.add_to(*study);
+  StudyArguments& arguments = parsed->arguments;
+  arguments.words = std::move(words);
+  study->add_option("--output", parsed->output, "Directory for results; run again with it, an unfinished study goes on")
+      ->type_name("DIR");
+  study->add_option("--jobs", arguments.jobs, "Worker processes")->type_name("N")->check(CLI::Range(1, 1024));
+  study->add_option("--shard", arguments.shard, "Only the i-th of N parts of the cases")->type_name("i/N");
+  study->add_flag("--merge", arguments.merge, "Join the parts that are in the output directory");
+  study->add_flag("--worker", arguments.worker)->group("");
+  add_json(*study, arguments.json);
+  return {study, [study, parsed] {
+            require_name(*study, "--output", parsed->output);
+            parsed->arguments.scene = parsed->scene.arguments();
+            parsed->arguments.output = optional_path(parsed->output);
+            return run_study(parsed->arguments);
+          }};
+}
+
+Command describe_command(CLI::App& app) {
+  struct Parsed {
+    SceneOptions scene;
+    bool json = false;
+  };
+  CLI::App* describe = app.add_subcommand("describe", "Show the assembled program and what was left out");
+  const auto parsed = std::make_shared<Parsed>();
+  parsed->scene.add_to(*describe);
+  add_json(*describe, parsed->json);
+  return {describe, [parsed] { return run_describe(parsed->scene.arguments(), parsed->json); }};
+}
+
+Command plugins_command(CLI::App& app) {
+  struct Parsed {
+    std::vector<std::string> directories;
+    bool json = false;
+  };
+  CLI::App* plugins = app.add_subcommand("plugins", "List what is loadable, with options, and what was refused");
+  const auto parsed = std::make_shared<Parsed>();
+  SceneOptions::add_plugin_directory(*plugins, parsed->directories);
+  add_json(*plugins, parsed->json);
+  return {plugins, [parsed] {
+            return run_plugins({parsed->directories.begin(), parsed->directories.end()}, parsed->json);
+          }};
+}
+
+Command new_command(CLI::App& app) {
+  struct Parsed {
+    NewArguments arguments;
+    std::string directory;
+  };
+  CLI::App* make = app.add_subcommand("new", "Write a plugin project that builds, plans and passes its tests as it is");
+  const auto parsed = std::make_shared<Parsed>();
+  make->add_option("KIND", parsed->arguments.kind, "coordinates, objective, obstacle or solver")->required();
+  make->add_option("NAME", parsed->arguments.name, "Lower-case letters, digits and '_'")->required();
+  make->add_option("DIR", parsed->directory, "Directory to make, by default NAME");
+  return {make, [make, parsed] {
+            if (make->count("DIR") > 0 && parsed->directory.empty()) {
+              throw InputError("new: found an empty directory name");
+            }
+            parsed->arguments.directory = optional_path(parsed->directory);
+            return run_new(parsed->arguments);
+          }};
+}
+
+Command reference_command(CLI::App& app) {
+  struct Parsed {
+    std::string page;
+    std::vector<std::string> directories;
+  };
+  CLI::App* reference = app.add_subcommand(
+      "reference", "Write reference pages: all scene keys and options, a manual page, a completion for bash");
+  const auto parsed = std::make_shared<Parsed>();
+  reference->add_option("PAGE", parsed->page, "keys, man or bash")->required();
+  SceneOptions::add_plugin_directory(*reference, parsed->directories);
+  return {reference, [&app, parsed] { return run_reference(app, parsed->page, parsed->directories); }};
+}
+
 int parse_and_run(int argc, const char* const* argv) {
   CLI::App app("Plans poses of soft continuum robots that use contact.", "tendril");
   app.require_subcommand(1);
   app.set_version_flag("--version", TENDRIL_VERSION);
   app.get_formatter()->column_width(34);
-
-  CLI::App* plan =
-      app.add_subcommand("plan", "Plan a pose; exit code 0: solved, 1: no acceptable plan, 2: wrong input");
-  SceneOptions plan_scene;
-  plan_scene.add_to(*plan);
-  ResultOptions plan_result;
-  plan_result.add_to(*plan, "plan");
-  bool verify = false;
-  plan->add_flag("--verify", verify, "Execute the plan on a fine basis; its verdict depends on it");
-  bool strict = false;
-  plan->add_flag("--strict", strict, "Exit code 1, too, where time ended the search before it was done");
-
-  CLI::App* execute = app.add_subcommand(
-      "execute", "What the rod does under given moments; exit code 0: a stable equilibrium, 1: none, 2: wrong input");
-  SceneOptions execute_scene;
-  execute_scene.add_to(*execute);
-  ResultOptions execute_result;
-  execute_result.add_to(*execute, "shape");
-  std::string moments;
-  std::string executed_plan;
-  CLI::Option* given = execute->add_option("--moments", moments, "One per actuator, in N m or with units");
-  given->type_name("\"M, ...\"");
-  execute->add_option("--plan", executed_plan, "Result whose moments are executed")
-      ->type_name("RESULT.json")
-      ->excludes(given);
-
-  CLI::App* study = app.add_subcommand(
-      "study", "Every combination of the sweeps in [study]; exit code 0: all solved, 1: not all, 2: wrong input");
-  SceneOptions study_scene;
-  study_scene.add_to(*study);
-  StudyArguments study_arguments;
-  std::string study_output;
-  study->add_option("--output", study_output, "Directory for results; run again with it, an unfinished study goes on")
-      ->type_name("DIR");
-  study->add_option("--jobs", study_arguments.jobs, "Worker processes")->type_name("N")->check(CLI::Range(1, 1024));
-  study->add_option("--shard", study_arguments.shard, "Only the i-th of N parts of the cases")->type_name("i/N");
-  study->add_flag("--merge", study_arguments.merge, "Join the parts that are in the output directory");
-  study->add_flag("--worker", study_arguments.worker)->group("");
-  study->add_flag("--json", study_arguments.json, "One JSON document on standard output and nothing else");
-
-  CLI::App* describe = app.add_subcommand("describe", "Show the assembled program and what was left out");
-  SceneOptions describe_scene;
-  describe_scene.add_to(*describe);
-  bool json = false;
-  describe->add_flag("--json", json, "One JSON document on standard output and nothing else");
-
-  CLI::App* plugins = app.add_subcommand("plugins", "List what is loadable, with options, and what was refused");
-  std::vector<std::string> plugin_directories;
-  SceneOptions::add_plugin_directory(*plugins, plugin_directories);
-  plugins->add_flag("--json", json, "One JSON document on standard output and nothing else");
-
-  CLI::App* make = app.add_subcommand("new", "Write a plugin project that builds, plans and passes its tests as it is");
-  NewArguments make_arguments;
-  std::string make_directory;
-  make->add_option("KIND", make_arguments.kind, "coordinates, objective, obstacle or solver")->required();
-  make->add_option("NAME", make_arguments.name, "Lower-case letters, digits and '_'")->required();
-  make->add_option("DIR", make_directory, "Directory to make, by default NAME");
-
-  CLI::App* reference = app.add_subcommand(
-      "reference", "Write reference pages: all scene keys and options, a manual page, a completion for bash");
-  std::string page;
-  reference->add_option("PAGE", page, "keys, man or bash")->required();
-  SceneOptions::add_plugin_directory(*reference, plugin_directories);
-
+  const std::vector<Command> commands{
+      plan_command(app),     execute_command(app), study_command(app, {argv + std::min(argc, 1), argv + argc}),
+      describe_command(app), plugins_command(app), new_command(app),
+      reference_command(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
@@ -254,36 +347,9 @@ int parse_and_run(int argc, const char* const* argv) {
     std::cerr << "tendril: " << harmless(better.empty() ? error.what() : better) << "; see 'tendril --help'\n";
     return wrong_input;
   }
-  if (plan->parsed()) {
-    plan_result.check(*plan);
-    return run_plan({plan_scene.arguments(), optional_path(plan_result.start), optional_path(plan_result.output),
-                     optional_path(plan_result.figure), plan_result.json, verify, strict});
-  }
-  if (execute->parsed()) {
-    execute_result.check(*execute);
-    if (execute->count("--moments") + execute->count("--plan") == 0) {
-      throw InputError("execute needs the moments, expected --moments \"M, ...\" or --plan RESULT.json");
-    }
-    if (execute->count("--plan") > 0 && executed_plan.empty()) throw InputError("--plan: found an empty name");
-    return run_execute({execute_scene.arguments(), moments, optional_path(executed_plan),
-                        optional_path(execute_result.start), optional_path(execute_result.output),
-                        optional_path(execute_result.figure), execute_result.json});
-  }
-  if (study->parsed()) {
-    if (study->count("--output") > 0 && study_output.empty()) throw InputError("--output: found an empty name");
-    study_arguments.scene = study_scene.arguments();
-    study_arguments.output = optional_path(study_output);
-    study_arguments.words.assign(argv + 1, argv + argc);
-    return run_study(study_arguments);
-  }
-  if (make->parsed()) {
-    if (make->count("DIR") > 0 && make_directory.empty()) throw InputError("new: found an empty directory name");
-    make_arguments.directory = optional_path(make_directory);
-    return run_new(make_arguments);
-  }
-  if (reference->parsed()) return run_reference(app, page, plugin_directories);
-  if (describe->parsed()) return run_describe(describe_scene.arguments(), json);
-  return run_plugins({plugin_directories.begin(), plugin_directories.end()}, json);
+  const auto asked =
+      std::find_if(commands.begin(), commands.end(), [](const Command& command) { return command.app->parsed(); });
+  return asked->run();
 }
 
 }  // namespace

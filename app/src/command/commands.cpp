@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "command/estimate_command.hpp"
+#include "command/result_files.hpp"
 #include "command/trajectory_command.hpp"
 #include "result/grasp_result.hpp"
 #include "system/output.hpp"
@@ -28,50 +29,16 @@ void note_dropped(const Session& session) {
   if (!text.empty()) note(text);
 }
 
-/// A plan that came to no shape cannot be drawn.
-bool has_shape(const Plan& plan) {
-  if (plan.backbone.empty()) note("no figure: the plan came to no shape");
-  return !plan.backbone.empty();
-}
-
-FigureScene figure_of(Session& session, const Plan& plan) {
-  FigureScene figure = figure_scene(session.scene(), session.make_obstacles());
-  add_gripper(figure, session.scene(), plan);
-  return figure;
-}
-
-void write_output(Session& session, const Plan& plan, const std::string& json, const std::filesystem::path& directory) {
-  {
-    StagedFiles files(directory);
-    files.write("result.json", json);
-    files.publish();
-  }
-  if (!has_shape(plan)) return;
-  // A result without its picture is still a result.
-  try {
-    StagedFiles files(directory);
-    draw_figure(figure_of(session, plan), plan, files, "figure", {Picture::svg, Picture::png});
-    files.publish();
-  } catch (const InputError& error) {
-    note(error.what());
-  }
-}
-
-void write_figure(Session& session, const Plan& plan, const std::filesystem::path& file) {
-  if (!has_shape(plan)) return;
-  StagedFiles files(file.parent_path());
-  draw_figure(figure_of(session, plan), plan, files, file.stem().string(), {picture_of(file)});
-  files.publish();
-}
-
-/// What cannot be written had better be known before the work begins.
-void try_files(const std::optional<std::filesystem::path>& figure,
-               const std::optional<std::filesystem::path>& directory) {
-  if (figure) {
-    picture_of(*figure);
-    const StagedFiles trial(figure->parent_path());
-  }
-  if (directory) const StagedFiles trial(*directory);
+ResultForms forms_of(Session& session, const Plan& plan, std::function<std::string()> json,
+                     std::function<std::string()> report) {
+  ResultForms forms{std::move(json), std::move(report), {}, "the plan came to no shape"};
+  if (plan.backbone.empty()) return forms;
+  forms.draw = [&session, &plan](StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
+    FigureScene figure = figure_scene(session.scene(), session.make_obstacles());
+    add_gripper(figure, session.scene(), plan);
+    draw_figure(figure, plan, files, stem, pictures);
+  };
+  return forms;
 }
 
 /// One moment per actuator from the text of --moments.
@@ -108,7 +75,7 @@ std::vector<double> read_moments(const std::string& text, const Session& session
 }  // namespace
 
 int run_plan(const PlanArguments& arguments) {
-  try_files(arguments.figure, arguments.output);
+  try_places(arguments.places);
   Session session(arguments.scene);
   note_dropped(session);
   if (session.scene().problem == ProblemKind::estimate) return run_estimate(session, arguments);
@@ -116,15 +83,14 @@ int run_plan(const PlanArguments& arguments) {
   Plan plan = session.plan(arguments.start);
   if (arguments.verify) session.verify(plan, arguments.start);
   const RunInfo run = session.run_info();
-  const std::string json = arguments.json || arguments.output ? plan_json(session.scene(), plan, run) : "";
-  if (arguments.output) write_output(session, plan, json, *arguments.output);
-  if (arguments.figure) write_figure(session, plan, *arguments.figure);
-  print(arguments.json ? json : plan_report(session.scene(), plan, run));
+  give_result(arguments.places, forms_of(
+                                    session, plan, [&] { return plan_json(session.scene(), plan, run); },
+                                    [&] { return plan_report(session.scene(), plan, run); }));
   return plan.status == PlanStatus::solved && !(arguments.strict && plan.search_cut) ? 0 : 1;
 }
 
 int run_execute(const ExecuteArguments& arguments) {
-  try_files(arguments.figure, arguments.output);
+  try_places(arguments.places);
   Session session(arguments.scene);
   note_dropped(session);
   std::optional<Plan> plan;
@@ -134,10 +100,10 @@ int run_execute(const ExecuteArguments& arguments) {
   if (plan && plan->grasp) palm_distance = plan->grasp->palm_distance;
   const Execution execution = session.execute(moments, arguments.start, palm_distance);
   const RunInfo run = session.run_info();
-  const std::string json = arguments.json || arguments.output ? execution_json(session.scene(), execution, run) : "";
-  if (arguments.output) write_output(session, execution.result, json, *arguments.output);
-  if (arguments.figure) write_figure(session, execution.result, *arguments.figure);
-  print(arguments.json ? json : execution_report(session.scene(), execution, run));
+  give_result(arguments.places,
+              forms_of(
+                  session, execution.result, [&] { return execution_json(session.scene(), execution, run); },
+                  [&] { return execution_report(session.scene(), execution, run); }));
   return execution.result.status == PlanStatus::solved ? 0 : 1;
 }
 

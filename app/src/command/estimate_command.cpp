@@ -1,7 +1,7 @@
 #include "command/estimate_command.hpp"
 
+#include "command/result_files.hpp"
 #include "result/estimate_report.hpp"
-#include "system/output.hpp"
 #include "tendril/app/figure.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
@@ -35,42 +35,22 @@ void draw(const Scene& scene, const Estimate& estimate, StagedFiles& files, cons
   draw_figure(figure, drawn(estimate), files, stem, pictures);
 }
 
-bool has_shape(const Estimate& estimate) {
-  if (estimate.backbone.empty()) note("no figure: the estimate came to no shape");
-  return !estimate.backbone.empty();
-}
-
 }  // namespace
 
 int run_estimate(Session& session, const PlanArguments& arguments) {
   if (arguments.start) throw InputError("--start: an estimate starts from the measured points, expected no --start");
   const Estimate estimate = session.estimate();
   const Scene& scene = session.scene();
-  const RunInfo run = session.run_info();
-  const std::string json = arguments.json || arguments.output ? estimate_json(scene, estimate, run) : "";
-  if (arguments.output) {
-    {
-      StagedFiles files(*arguments.output);
-      files.write("result.json", json);
-      files.publish();
-    }
-    // A result without its picture is still a result.
-    try {
-      if (has_shape(estimate)) {
-        StagedFiles files(*arguments.output);
-        draw(scene, estimate, files, "figure", {Picture::svg, Picture::png});
-        files.publish();
-      }
-    } catch (const InputError& error) {
-      note(error.what());
-    }
+  ResultForms forms{[&] { return estimate_json(scene, estimate, session.run_info()); },
+                    [&] { return estimate_report(scene, estimate); },
+                    {},
+                    "the estimate came to no shape"};
+  if (!estimate.backbone.empty()) {
+    forms.draw = [&](StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
+      draw(scene, estimate, files, stem, pictures);
+    };
   }
-  if (arguments.figure && has_shape(estimate)) {
-    StagedFiles files(arguments.figure->parent_path());
-    draw(scene, estimate, files, arguments.figure->stem().string(), {picture_of(*arguments.figure)});
-    files.publish();
-  }
-  print(arguments.json ? json : estimate_report(scene, estimate));
+  give_result(arguments.places, forms);
   return estimate.status == EstimateStatus::solved ? 0 : 1;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "command/result_files.hpp"
 #include "figure/panels.hpp"
 #include "result/trajectory_result.hpp"
 #include "system/output.hpp"
@@ -34,31 +35,12 @@ int run_trajectory(Session& session, const PlanArguments& arguments) {
   if (trajectory.interrupted) {
     note(std::to_string(trajectory.steps.size()) + " steps were finished before the interruption");
   }
-  const std::string json = arguments.json || arguments.output
-                               ? trajectory_json(session.scene(), trajectory, session.run_info())
-                               : std::string();
-  const std::string report = trajectory_report(session.scene(), trajectory);
-  if (arguments.output) {
-    {
-      StagedFiles files(*arguments.output);
-      files.write("result.json", json);
-      files.publish();
-    }
-    // A result without its picture is still a result.
-    try {
-      StagedFiles files(*arguments.output);
-      draw(session, trajectory, files, "figure", {Picture::svg, Picture::png});
-      files.publish();
-    } catch (const InputError& error) {
-      note(error.what());
-    }
-  }
-  if (arguments.figure) {
-    StagedFiles files(arguments.figure->parent_path());
-    draw(session, trajectory, files, arguments.figure->stem().string(), {picture_of(*arguments.figure)});
-    files.publish();
-  }
-  print(arguments.json ? json : report);
+  give_result(arguments.places,
+              {[&] { return trajectory_json(session.scene(), trajectory, session.run_info()); },
+               [&] { return trajectory_report(session.scene(), trajectory); },
+               [&](StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
+                 draw(session, trajectory, files, stem, pictures);
+               }});
   const bool cut = std::any_of(trajectory.steps.begin(), trajectory.steps.end(),
                                [](const TrajectoryStep& step) { return step.plan.search_cut; });
   return trajectory.solved() && !(arguments.strict && cut) ? 0 : 1;

@@ -107,8 +107,7 @@ void draw_chart(const Chart& chart, StagedFiles& files, const std::string& stem,
     if (drawable(level.y, chart.log_y)) y.add(level.y);
   }
 
-  std::string script = "# Give this to gnuplot to draw the figure anew.\nset encoding utf8\n";
-  script += "set title " + gnuplot_string(chart.title) + " noenhanced\n";
+  std::string script = "set title " + gnuplot_string(chart.title) + " noenhanced\n";
   script += "set xlabel " + gnuplot_string(chart.x_label) + " noenhanced\n";
   script += "set ylabel " + gnuplot_string(chart.y_label) + " noenhanced\n";
   script +=
@@ -131,9 +130,7 @@ void draw_chart(const Chart& chart, StagedFiles& files, const std::string& stem,
   }
   std::string plot = "plot ";
   for (std::size_t i = 0; i < parts.size(); ++i) plot += (i > 0 ? ", \\\n     " : "") + parts[i];
-  files.write(stem + ".dat", data);
-  files.write(stem + ".gnuplot", script + drawn_to(pictures, stem, 1100, 620, plot + '\n', "replot\n"));
-  render(files, stem, pictures);
+  render({data, script, plot + '\n', "replot\n", 1100, 620}, files, stem, pictures);
 }
 
 }  // namespace tendril::app

@@ -34,7 +34,7 @@ struct Box {
   }
 };
 
-double length_of(const Plan& plan) { return plan.backbone.empty() ? 1.0 : plan.backbone.back()[0]; }
+double length_of(const Plan& plan) { return plan.backbone.empty() ? 1.0 : plan.backbone.back().s; }
 
 constexpr double longest_arrow = 0.16;  // of the rod's length
 
@@ -57,10 +57,10 @@ std::vector<Vec2> other_finger(const FigureScene& scene, const Plan& plan) {
   std::vector<Vec2> points;
   if (!scene.gripper) return points;
   if (const FingerPlan* lower = lower_finger(plan)) {
-    for (const BackbonePoint& p : lower->backbone) points.push_back({p[1], p[2]});
+    for (const BackbonePoint& p : lower->backbone) points.push_back(p.position());
     return points;
   }
-  for (const BackbonePoint& p : plan.backbone) points.push_back(mirrored(*scene.gripper, {p[1], p[2]}));
+  for (const BackbonePoint& p : plan.backbone) points.push_back(mirrored(*scene.gripper, p.position()));
   return points;
 }
 
@@ -91,8 +91,8 @@ std::vector<Arrow> arrows_of(const FigureScene& scene, const Plan& plan) {
 Box window_of(const FigureScene& scene, const Plan& plan) {
   Box box;
   box.add(scene.base);
-  for (const BackbonePoint& p : plan.backbone) box.add({p[1], p[2]});
-  for (const BackbonePoint& p : plan.start_backbone) box.add({p[1], p[2]});
+  for (const BackbonePoint& p : plan.backbone) box.add(p.position());
+  for (const BackbonePoint& p : plan.start_backbone) box.add(p.position());
   for (const Vec2 p : other_finger(scene, plan)) box.add(p);
   if (scene.target) box.add(*scene.target);
   for (const Vec2 p : scene.measured) box.add(p);
@@ -143,7 +143,7 @@ DataFile data_of(const FigureScene& scene, const Plan& plan, LengthUnit unit) {
   data.points(plan.backbone);
   if (scene.gripper) {
     data.block("other finger", "x y");
-    for (const Vec2 p : other_finger(scene, plan)) data.row({p.x, p.y});
+    for (const Vec2 p : other_finger(scene, plan)) data.row(p);
     data.block("palm", "x y");
     for (const double side : {1.0, -1.0}) {
       const Vec2 end = palm_to_world(*scene.gripper, {0.0, side * scene.gripper->half_palm});
@@ -155,14 +155,14 @@ DataFile data_of(const FigureScene& scene, const Plan& plan, LengthUnit unit) {
   add_clamp(data, scene.base, scene.base_angle, length);
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     data.block(fmt::format("obstacle {}", i + 1), "x y");
-    for (const Vec2 p : scene.obstacles[i].outline) data.row({p.x, p.y});
+    for (const Vec2 p : scene.obstacles[i].outline) data.row(p);
     if (!scene.obstacles[i].outline.empty())
       data.row({scene.obstacles[i].outline[0].x, scene.obstacles[i].outline[0].y});
   }
   data.block("contacts", "x y dx dy; the arrow's length is proportional to the force");
   for (const Arrow& a : arrows_of(scene, plan)) data.row({a.point.x, a.point.y, a.arrow.x, a.arrow.y});
   data.block("measured", "x y");
-  for (const Vec2 p : scene.measured) data.row({p.x, p.y});
+  for (const Vec2 p : scene.measured) data.row(p);
   data.block("target", "x y");
   if (scene.target) data.row({scene.target->x, scene.target->y});
   if (scene.target && scene.target_angle) {
@@ -183,8 +183,8 @@ Vec2 emptiest_corner(const FigureScene& scene, const Plan& plan, const Box& wind
       double distance = infinity;
       const auto keep_off = [&](Vec2 p) { distance = std::min(distance, norm(p - Vec2{x, y})); };
       keep_off(scene.base);
-      for (const BackbonePoint& p : plan.backbone) keep_off({p[1], p[2]});
-      for (const BackbonePoint& p : plan.start_backbone) keep_off({p[1], p[2]});
+      for (const BackbonePoint& p : plan.backbone) keep_off(p.position());
+      for (const BackbonePoint& p : plan.start_backbone) keep_off(p.position());
       for (const Vec2 p : other_finger(scene, plan)) keep_off(p);
       if (scene.target) keep_off(*scene.target);
       for (const Vec2 p : scene.measured) keep_off(p);
@@ -298,14 +298,9 @@ std::string plot_command(const FigureScene& scene, const Plan& plan, const std::
   return script + '\n';
 }
 
-std::string script_of(const FigureScene& scene, const Plan& plan, const Box& window, LengthUnit unit,
-                      const std::string& stem, const std::vector<Picture>& pictures) {
-  constexpr int width = 900;
-  const int height =
-      static_cast<int>(std::clamp(90.0 + 790.0 * window.size().y / window.size().x + 90.0, 420.0, 1300.0));
-  std::string script = "# Give this to gnuplot to draw the figure anew.\nset encoding utf8\n";
-  script += fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", window.low.x / unit.size,
-                        window.high.x / unit.size, window.low.y / unit.size, window.high.y / unit.size);
+std::string settings_of(const FigureScene& scene, const Plan& plan, const Box& window, LengthUnit unit) {
+  std::string script = fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", window.low.x / unit.size,
+                                   window.high.x / unit.size, window.low.y / unit.size, window.high.y / unit.size);
   script += fmt::format("set xlabel 'x ({0})' noenhanced\nset ylabel 'y ({0})' noenhanced\n", unit.name);
   if (!scene.title.empty()) script += "set title " + gnuplot_string(scene.title) + " noenhanced\n";
   script +=
@@ -315,10 +310,7 @@ std::string script_of(const FigureScene& scene, const Plan& plan, const Box& win
       "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\n"
       "set style fill solid 1.0 noborder\n"
       "set key outside bottom center horizontal Left reverse samplen 2.2 spacing 1.25 maxcols 3\n";
-  script += labels_of(scene, plan, window, unit);
-
-  return script +
-         drawn_to(pictures, stem, width, height, plot_command(scene, plan, gnuplot_file(stem + ".dat")), "replot\n");
+  return script + labels_of(scene, plan, window, unit);
 }
 
 /// Outline of an obstacle that reaches no further than `window`, which is dimensionless like the obstacle.
@@ -381,9 +373,11 @@ Picture picture_of(const std::filesystem::path& file) {
 void draw_figure(const FigureScene& scene, const Plan& plan, StagedFiles& files, const std::string& stem,
                  const std::vector<Picture>& pictures) {
   const LengthUnit unit = unit_for(length_of(plan));
-  files.write(stem + ".dat", data_of(scene, plan, unit).text());
-  files.write(stem + ".gnuplot", script_of(scene, plan, window_of(scene, plan), unit, stem, pictures));
-  render(files, stem, pictures);
+  const Box window = window_of(scene, plan);
+  const double height = std::clamp(90.0 + 790.0 * window.size().y / window.size().x + 90.0, 420.0, 1300.0);
+  render({data_of(scene, plan, unit).text(), settings_of(scene, plan, window, unit),
+          plot_command(scene, plan, gnuplot_file(stem + ".dat")), "replot\n", 900, static_cast<int>(height)},
+         files, stem, pictures);
 }
 
 void add_gripper(FigureScene& figure, const Scene& scene, const Plan& plan) {

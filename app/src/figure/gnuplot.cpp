@@ -62,11 +62,14 @@ std::string gnuplot_string(const std::string& text) {
   return out + "'";
 }
 
-std::string drawn_to(const std::vector<Picture>& pictures, const std::string& stem, int width, int height,
-                     std::string draw, const std::string& again) {
-  std::string script;
-  const std::string svg_terminal =
-      fmt::format("set terminal svg size {},{} font 'sans-serif,16' rounded background '#ffffff'", width, height);
+namespace {
+
+/// The script as a whole: what it draws goes to each kind of picture in turn.
+std::string script_of(const Drawing& drawing, const std::string& stem, const std::vector<Picture>& pictures) {
+  std::string script = "# Give this to gnuplot to draw the figure anew.\nset encoding utf8\n" + drawing.settings;
+  std::string draw = drawing.draw;
+  const std::string svg_terminal = fmt::format(
+      "set terminal svg size {},{} font 'sans-serif,16' rounded background '#ffffff'", drawing.width, drawing.height);
   for (const Picture picture : pictures) {
     if (picture == Picture::svg) {
       script += svg_terminal + "\nset output " + gnuplot_file(stem + ".svg") + '\n' + draw + "unset output\n";
@@ -86,15 +89,20 @@ std::string drawn_to(const std::vector<Picture>& pictures, const std::string& st
           "    picture = {3}\n"
           "  }}\n"
           "}}\n",
-          2 * width, 2 * height, gnuplot_file(stem + ".png"), gnuplot_file(stem + ".svg"), svg_terminal);
+          2 * drawing.width, 2 * drawing.height, gnuplot_file(stem + ".png"), gnuplot_file(stem + ".svg"),
+          svg_terminal);
       script += "set output picture\n" + draw + "unset output\n";
     }
-    draw = again;
+    draw = drawing.again;
   }
   return script;
 }
 
-void render(StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
+}  // namespace
+
+void render(const Drawing& drawing, StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
+  files.write(stem + ".dat", drawing.data);
+  files.write(stem + ".gnuplot", script_of(drawing, stem, pictures));
   // -d: a user's own start-up file would change the picture.
   const ProcessResult gnuplot =
       run_process("gnuplot", {"-d", "./" + stem + ".gnuplot"}, files.staging(), gnuplot_seconds);

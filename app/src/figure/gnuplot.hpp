@@ -27,8 +27,9 @@ class DataFile {
     text_ += fmt::format("\n\n# {}\n# {}\n", name, columns);
   }
   void points(const std::vector<BackbonePoint>& backbone) {
-    for (const BackbonePoint& p : backbone) row({p[1], p[2]});
+    for (const BackbonePoint& p : backbone) row(p.position());
   }
+  void row(Vec2 point) { row({point.x, point.y}); }
   void row(std::initializer_list<double> lengths) {
     for (const double value : lengths) text_ += fmt::format("{:.9g} ", value / unit_.size);
     text_ += '\n';
@@ -53,12 +54,17 @@ void add_clamp(DataFile& data, Vec2 base, double base_angle, double length, cons
 /// picture_of() has seen to it that no two stand together.
 std::string gnuplot_file(const std::string& name);
 
-/// The part of a script that draws to each kind of picture in turn: `draw` to the first, `again` to the others.
-std::string drawn_to(const std::vector<Picture>& pictures, const std::string& stem, int width, int height,
-                     std::string draw, const std::string& again);
+/// What gnuplot makes a picture of.
+struct Drawing {
+  std::string data;      ///< of the file beside the script
+  std::string settings;  ///< commands before the first picture
+  std::string draw;      ///< commands that draw it
+  std::string again;     ///< those that draw it once more, in another format
+  int width = 0, height = 0;
+};
 
-/// Runs gnuplot on `stem`.gnuplot in the staging directory and adopts the pictures. Throws InputError if gnuplot is
-/// missing or fails.
-void render(StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures);
+/// Writes `stem`.dat and `stem`.gnuplot, runs gnuplot and adopts the pictures. Throws InputError if gnuplot is missing
+/// or fails.
+void render(const Drawing& drawing, StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures);
 
 }  // namespace tendril::app

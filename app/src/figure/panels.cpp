@@ -286,12 +286,12 @@ DataFile data_of(const std::vector<std::vector<ShapePanel>>& rows, const std::ve
       ++number;
       for (std::size_t i = 0; i < panel.obstacles.size(); ++i) {
         data.block(fmt::format("obstacle {} {}", number, i + 1), "x y");
-        for (const Vec2 p : panel.obstacles[i].outline) data.row({p.x, p.y});
+        for (const Vec2 p : panel.obstacles[i].outline) data.row(p);
       }
       add_clamp(data, panel.base, panel.base_angle, length, fmt::format("clamp {}", number));
       for (std::size_t i = 0; i < panel.rods.size(); ++i) {
         data.block(fmt::format("rod {} {}", number, i + 1), "x y");
-        for (const Vec2 p : panel.rods[i]) data.row({p.x, p.y});
+        for (const Vec2 p : panel.rods[i]) data.row(p);
       }
       for (std::size_t i = 0; i < panel.targets.size(); ++i) {
         data.block(fmt::format("target {} {}", number, i + 1), "x y");
@@ -299,7 +299,7 @@ DataFile data_of(const std::vector<std::vector<ShapePanel>>& rows, const std::ve
       }
       if (panel.contacts.empty()) continue;
       data.block(fmt::format("contacts {}", number), "x y");
-      for (const Vec2 p : panel.contacts) data.row({p.x, p.y});
+      for (const Vec2 p : panel.contacts) data.row(p);
     }
   }
   for (std::size_t i = 0; i < bars.size(); ++i) {
@@ -354,7 +354,7 @@ ShapePanel shape_panel(const FigureScene& figure) {
 std::vector<Vec2> line_of(const std::vector<BackbonePoint>& backbone) {
   std::vector<Vec2> line;
   line.reserve(backbone.size());
-  for (const BackbonePoint& p : backbone) line.push_back({p[1], p[2]});
+  for (const BackbonePoint& p : backbone) line.push_back(p.position());
   return line;
 }
 
@@ -365,8 +365,6 @@ void draw_panels(const std::string& title, const std::vector<std::vector<ShapePa
   const LengthUnit unit = unit_for(length);
   const Window window = window_of(shapes, length);
   const Layout layout = layout_of(title, shapes, bars, window);
-  files.write(stem + ".dat", data_of(shapes, bars, length, unit).text());
-
   Script script(layout, unit, gnuplot_file(stem + ".dat"));
   std::size_t count = bars.size();
   for (const auto& row : shapes) count += row.size();
@@ -391,14 +389,12 @@ void draw_panels(const std::string& title, const std::vector<std::vector<ShapePa
   if (!bars.empty()) script.bars(bars);
 
   const std::string draw = "set multiplot\n" + script.text() + "unset multiplot\n";
-  files.write(
-      stem + ".gnuplot",
-      "# Give this to gnuplot to draw the figure anew.\nset encoding utf8\nunset key\n"
-      "set border 3 linewidth 1 linecolor rgb '#404040'\n"
-      "set tics out nomirror textcolor rgb '#404040'\n"
-      "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\n" +
-          drawn_to(pictures, stem, static_cast<int>(layout.width), static_cast<int>(layout.height), draw, draw));
-  render(files, stem, pictures);
+  render({data_of(shapes, bars, length, unit).text(),
+          "unset key\nset border 3 linewidth 1 linecolor rgb '#404040'\n"
+          "set tics out nomirror textcolor rgb '#404040'\n"
+          "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\n",
+          draw, draw, static_cast<int>(layout.width), static_cast<int>(layout.height)},
+         files, stem, pictures);
 }
 
 }  // namespace tendril::app

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "result/report_parts.hpp"
 #include "result/result_object.hpp"
 #include "system/tables.hpp"
 #include "tendril/coordinate_model.hpp"
@@ -42,8 +43,6 @@ Json tests_json(const std::vector<ContactTest>& tests) {
   }
   return array;
 }
-
-std::string line(const std::string& name, const std::string& value) { return fmt::format("{:<15}{}\n", name, value); }
 
 std::string contacts_text(const Estimate& estimate, const DisplayUnits& units) {
   if (estimate.contacts.empty()) return "";
@@ -111,15 +110,14 @@ std::string estimate_json(const Scene& scene, const Estimate& estimate, const Ru
   json["model_error"] = number(estimate.model_error);
   json["starts"] = estimate.starts;
   json["solves"] = estimate.solves;
-  const bool has_shape = !estimate.backbone.empty();
-  const auto tip = [&](std::size_t i) { return has_shape ? number(estimate.backbone.back()[i]) : Json(nullptr); };
-  json["tip"] = {{"x", tip(1)}, {"y", tip(2)}, {"angle", tip(3)}};
+  // Without a shape there is no tip: nulls.
+  const BackbonePoint nowhere{infinity, infinity, infinity, infinity, infinity};
+  const BackbonePoint& tip = estimate.backbone.empty() ? nowhere : estimate.backbone.back();
+  json["tip"] = {{"x", number(tip.x)}, {"y", number(tip.y)}, {"angle", number(tip.angle)}};
   json["left_out"] = left_out_json(estimate.left_out);
   json["seconds"] = {
       {"read", number(run.seconds_read)}, {"open", number(run.seconds_open)}, {"solve", number(estimate.seconds)}};
-  json["backbone"] = Json::array();
-  for (const BackbonePoint& point : estimate.backbone)
-    json["backbone"].push_back(numbers({point.begin(), point.end()}));
+  json["backbone"] = backbone_json(estimate.backbone);
   json["plugins"] = components_json(run.components);
   json["versions"] = versions_json();
   return written(json);
@@ -127,8 +125,7 @@ std::string estimate_json(const Scene& scene, const Estimate& estimate, const Ru
 
 std::string estimate_report(const Scene& scene, const Estimate& estimate) {
   const DisplayUnits units(scene.rod.length());
-  const std::string file = printable(scene.file);
-  std::string text = scene.title.empty() ? file + "\n\n" : fmt::format("{} ({})\n\n", printable(scene.title), file);
+  std::string text = heading(scene) + '\n';
   text += line("status", std::string(to_string(estimate.status)));
   if (!estimate.message.empty()) text += line("", printable(estimate.message));
   if (!estimate.backbone.empty()) {
@@ -145,11 +142,9 @@ std::string estimate_report(const Scene& scene, const Estimate& estimate) {
     text += contacts_text(estimate, units);
   }
   text += tests_text(estimate.tests);
-  Grid left_out;
-  for (const LeftOut& item : estimate.left_out) left_out.row({printable(item.what), printable(item.why)});
-  if (!left_out.empty()) text += "\nleft out\n" + left_out.text("  ");
-  return text + fmt::format("\ntime: {}, {} starts, {} equilibria\n", seconds(estimate.seconds), estimate.starts,
-                            estimate.solves);
+  return text + left_out_text(estimate.left_out) +
+         fmt::format("\ntime: {}, {} starts, {} equilibria\n", seconds(estimate.seconds), estimate.starts,
+                     estimate.solves);
 }
 
 }  // namespace tendril::app

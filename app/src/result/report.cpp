@@ -6,12 +6,11 @@
 #include <cmath>
 
 #include "result/grasp_result.hpp"
+#include "result/report_parts.hpp"
 #include "system/tables.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril::app {
-
-namespace {
 
 std::string heading(const Scene& scene) {
   const std::string file = printable(scene.file);
@@ -19,6 +18,15 @@ std::string heading(const Scene& scene) {
 }
 
 std::string line(const std::string& name, const std::string& value) { return fmt::format("{:<15}{}\n", name, value); }
+
+std::string left_out_text(const std::vector<LeftOut>& items) {
+  if (items.empty()) return "";
+  Grid grid;
+  for (const LeftOut& item : items) grid.row({printable(item.what), printable(item.why)});
+  return "\nleft out\n" + grid.text("  ");
+}
+
+namespace {
 
 std::string shape_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
   std::string text;
@@ -140,13 +148,6 @@ std::string certificate_text(const Certificate& certificate) {
   return text;
 }
 
-std::string left_out_text(const std::vector<LeftOut>& items) {
-  if (items.empty()) return "";
-  Grid grid;
-  for (const LeftOut& item : items) grid.row({printable(item.what), printable(item.why)});
-  return "\nleft out\n" + grid.text("  ");
-}
-
 std::string counts_text(const std::vector<Description::Count>& counts) {
   Grid grid;
   int sum = 0;
@@ -226,7 +227,7 @@ std::string execution_report(const Scene& scene, const Execution& execution, con
       std::string moments;
       for (const double m : snap.moments) moments += (moments.empty() ? "" : ", ") + units.moment(m);
       const auto tip = [&](const std::vector<BackbonePoint>& shape) {
-        return shape.empty() ? std::string("-") : units.point({shape.back()[1], shape.back()[2]});
+        return shape.empty() ? std::string("-") : units.point(shape.back().position());
       };
       snaps.row({std::string(to_string(snap.kind)), fmt::format("{:.9g}", snap.load), moments, tip(snap.before),
                  tip(snap.after), fmt::format("{:.3g}", snap.stability_after)});

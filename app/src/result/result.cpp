@@ -106,12 +106,7 @@ Json contacts_json(const std::vector<PlannedContact>& contacts, const std::strin
 Json backbone_json(const std::vector<BackbonePoint>& points) {
   Json::array_t array;
   array.reserve(points.size());
-  for (const BackbonePoint& point : points) {
-    Json::array_t row;
-    row.reserve(point.size());
-    for (const double value : point) row.push_back(number(value));
-    array.emplace_back(std::move(row));
-  }
+  for (const BackbonePoint& p : points) array.push_back(numbers({p.s, p.x, p.y, p.angle, p.curvature}));
   return array;
 }
 
@@ -220,7 +215,7 @@ void add_run(Json& json, const RunInfo& run) {
 /// A state beside a snap. Its tip is the end of its backbone.
 Json state_json(const std::vector<BackbonePoint>& shape, const std::vector<PlannedContact>& contacts) {
   const BackbonePoint tip = shape.empty() ? BackbonePoint{} : shape.back();
-  return {{"tip", {{"x", number(tip[1])}, {"y", number(tip[2])}, {"angle", number(tip[3])}}},
+  return {{"tip", {{"x", number(tip.x)}, {"y", number(tip.y)}, {"angle", number(tip.angle)}}},
           {"contacts", contacts_json(contacts)},
           {"backbone", backbone_json(shape)}};
 }

@@ -115,12 +115,12 @@ std::vector<BackbonePoint> read_backbone(const Reader& root, double length) {
   for (const Reader& entry : root.member("backbone").list()) {
     const std::vector<double> values = entry.reals();
     if (values.size() != 5) entry.fail("five numbers: s, x, y, angle, curvature");
-    if (!backbone.empty() && values[0] < backbone.back()[0]) entry.fail("arc lengths in ascending order");
+    if (!backbone.empty() && values[0] < backbone.back().s) entry.fail("arc lengths in ascending order");
     backbone.push_back({values[0], values[1], values[2], values[3], values[4]});
   }
   // A plan for another rod is no start: its shape would have to be stretched.
-  const bool spans = backbone.size() >= 2 && std::abs(backbone.front()[0]) <= 1e-9 * length &&
-                     std::abs(backbone.back()[0] - length) <= 1e-9 * length;
+  const bool spans = backbone.size() >= 2 && std::abs(backbone.front().s) <= 1e-9 * length &&
+                     std::abs(backbone.back().s - length) <= 1e-9 * length;
   if (!spans) root.member("backbone").fail(fmt::format("a backbone from 0 to the rod's length, {} m", length));
   return backbone;
 }

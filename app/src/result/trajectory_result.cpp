@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "result/report_parts.hpp"
 #include "system/tables.hpp"
 
 namespace tendril::app {
@@ -83,7 +84,7 @@ std::string trajectory_json(const Scene& scene, const Trajectory& trajectory, co
 
 std::string trajectory_report(const Scene& scene, const Trajectory& trajectory) {
   const DisplayUnits units(scene.rod.length());
-  std::string text = fmt::format("{} ({})\n\n", printable(scene.title), printable(scene.file));
+  std::string text = heading(scene) + '\n';
   Grid grid;
   grid.row({"step", "target", "tip", "error", "moments", "contact", "force", "stability", "reached", "status"});
   for (std::size_t i = 0; i < trajectory.steps.size(); ++i) {

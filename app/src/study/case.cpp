@@ -29,7 +29,7 @@ Json line_json(const std::vector<BackbonePoint>& backbone) {
   const std::size_t count = std::min(line_points, backbone.size());
   for (std::size_t i = 0; i < count; ++i) {
     const BackbonePoint& p = backbone[count > 1 ? i * (backbone.size() - 1) / (count - 1) : 0];
-    line.push_back(numbers({p[1], p[2]}));
+    line.push_back(numbers({p.x, p.y}));
   }
   return line;
 }

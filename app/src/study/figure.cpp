@@ -18,8 +18,6 @@ namespace {
 constexpr std::size_t most_columns = 6;
 constexpr std::size_t most_rows = 6;
 
-constexpr const char* series_colors[] = {"#1f4e8c", "#e0872b", "#2e7d32", "#7b3f98", "#8c5a2b", "#606060"};
-
 std::vector<Vec2> points_of(const Json& list) {
   std::vector<Vec2> points;
   for (const Json& p : list) {
@@ -90,7 +88,7 @@ std::vector<BarPanel> bars_of(const Scene& scene, const StudyResult& result, std
     const std::size_t row = i / columns;
     const bool touches = g.contact_force.mean >= grazing;
     panel.series.push_back({g.limit ? "limit " + units.moment(*g.limit) : "all cases",
-                            series_colors[row % std::size(series_colors)],
+                            series_color(row),
                             {g.moment.mean / bending.size, g.tip_error.mean / units.length_size,
                              touches ? g.contact_force.mean / newton.size : 0.0},
                             {g.moment.deviation / bending.size, g.tip_error.deviation / units.length_size,
@@ -100,6 +98,11 @@ std::vector<BarPanel> bars_of(const Scene& scene, const StudyResult& result, std
 }
 
 }  // namespace
+
+std::string series_color(std::size_t i) {
+  constexpr const char* colors[] = {"#1f4e8c", "#e0872b", "#2e7d32", "#7b3f98", "#8c5a2b", "#606060"};
+  return colors[i % std::size(colors)];
+}
 
 void draw_study(Session& session, const StudyResult& result, StagedFiles& files) {
   const Scene& scene = session.scene();
@@ -120,7 +123,7 @@ void draw_study(Session& session, const StudyResult& result, StagedFiles& files)
     panel.obstacles_ignored = group.mode ? *group.mode == StudyMode::ignore : figure.obstacles_ignored;
     panel.title = title_of(group.mode);
     if (group.limit) panel.title += (panel.title.empty() ? "" : ", ") + units.moment(*group.limit);
-    panel.color = series_colors[i / columns % std::size(series_colors)];
+    panel.color = series_color(i / columns);
     panels[i / columns].push_back(std::move(panel));
   }
   std::size_t group = 0;

@@ -106,7 +106,7 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
     const std::size_t stride = std::max<std::size_t>(1, reached.backbone.size() / 40);
     const bool both = reached.grasp && reached.grasp->lower;
     for (std::size_t i = 0; i < reached.backbone.size(); i += stride) {
-      const Vec2 p{reached.backbone[i][1], reached.backbone[i][2]};
+      const Vec2 p = reached.backbone[i].position();
       const Vec2 q = mirrored(*scene.gripper, p);
       upper.push_back(numbers({p.x, p.y}));
       if (!both) lower.push_back(numbers({q.x, q.y}));
@@ -114,8 +114,7 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
     if (both) {
       const std::vector<BackbonePoint>& backbone = reached.grasp->lower->backbone;
       const std::size_t step = std::max<std::size_t>(1, backbone.size() / 40);
-      for (std::size_t i = 0; i < backbone.size(); i += step)
-        lower.push_back(numbers({backbone[i][1], backbone[i][2]}));
+      for (std::size_t i = 0; i < backbone.size(); i += step) lower.push_back(numbers({backbone[i].x, backbone[i].y}));
     }
     lines.push_back(std::move(upper));
     lines.push_back(std::move(lower));

@@ -13,8 +13,6 @@ namespace tendril::app {
 
 namespace {
 
-constexpr const char* colors[] = {"#1f4e8c", "#e0872b", "#2e7d32", "#7b3f98", "#8c5a2b", "#606060"};
-
 /// Cases with the same force limit, in order.
 struct Series {
   double limit = 0.0;
@@ -53,114 +51,135 @@ double value_of(const Json& list, std::size_t i) {
   return list.size() > i && list[i].is_number() ? list[i].get<double>() : std::nan("");
 }
 
+/// Panels side by side, and the data behind them.
+class GraspStudyFigure {
+ public:
+  GraspStudyFigure(const Scene& scene, const StudyResult& result)
+      : scene_(scene), unit_(unit_for(scene.rod.length())), series_(series_of(result)), data_(unit_) {
+    if (series_.empty()) throw InputError("no figure: no case came to a grasp");
+    if (std::any_of(result.cases.begin(), result.cases.end(), [](const StudyCase& c) { return c.moment; })) {
+      add_forces("axial_force", "axial",
+                 "set xlabel 'moment of the last actuator (N mm)'\nset ylabel 'axial force of both fingers (N)'\nset "
+                 "xzeroaxis linewidth 1 linecolor rgb '#404040'\nset title '(a) axial force; positive: away from the "
+                 "palm'\n");
+      add_forces("lateral_force", "lateral",
+                 "set ylabel 'lateral force of each finger (N)'\nunset xzeroaxis\nset title '(b) lateral force'\n");
+    } else {
+      for (std::size_t s = 0; s < series_.size(); ++s) add_shapes(s);
+      add_actuation();
+    }
+  }
+
+  void write(StagedFiles& files) const {
+    const std::string draw =
+        fmt::format("set multiplot layout 1,{}{}\n", count_,
+                    scene_.title.empty() ? "" : " title " + gnuplot_string(scene_.title) + " noenhanced") +
+        "set border 3 linewidth 1 linecolor rgb '#404040'\nset tics out nomirror font ',12'\n"
+        "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\nset key outside bottom center horizontal "
+        "Left reverse samplen 2 maxcols 2 height 1.5\n" +
+        panels_ + "unset multiplot\n";
+    render({data_.text(), "", draw, "reset\n" + draw, 520 * count_, 620}, files, "figure",
+           {Picture::svg, Picture::png});
+  }
+
+ private:
+  void add_panel(const std::string& settings, const std::string& plot) {
+    panels_ += settings + plot;
+    ++count_;
+  }
+  char letter() const { return static_cast<char>('a' + count_); }
+
+  /// A force over the moment that is swept, a curve for each limit.
+  void add_forces(const char* key, const std::string& name, const std::string& settings) {
+    std::vector<Curve2> list;
+    for (std::size_t s = 0; s < series_.size(); ++s) {
+      const std::string block = fmt::format("{} {}", name, s + 1);
+      data_.block(block, "moment (N mm), force (N)");
+      for (const Json* v : series_[s].values) {
+        data_.numbers({(*v)["moments"].back().get<double>() * 1e3, (*v)[key].get<double>()});
+      }
+      list.push_back({fmt::format("limit {:g} N", series_[s].limit), block, series_color(s)});
+    }
+    add_panel(settings, curves(file_, list));
+  }
+
+  /// Moments or pressures over the diameter, a curve for each limit and actuator.
+  void add_actuation() {
+    std::vector<Curve2> list;
+    for (std::size_t s = 0; s < series_.size(); ++s) {
+      for (std::size_t a = 0; a < (*series_[s].values.front())["moments"].size(); ++a) {
+        const bool pressures = scene_.rod.actuators[a].moment_per_pressure != 0.0;
+        const std::string block = fmt::format("actuation {} {}", s + 1, a + 1);
+        data_.block(block, pressures ? "diameter, pressure (kPa)" : "diameter, moment (N mm)");
+        for (const Json* v : series_[s].values) {
+          const double value = pressures ? value_of((*v)["pressures"], a) * 1e-3 : value_of((*v)["moments"], a) * 1e3;
+          data_.numbers({(*v)["diameter"].get<double>() / unit_.size, value});
+        }
+        list.push_back({fmt::format("{:g} N, actuator {}", series_[s].limit, a + 1), block, series_color(s),
+                        static_cast<int>(a) + 1});
+      }
+    }
+    const bool pressures = scene_.rod.actuators.empty() || scene_.rod.actuators[0].moment_per_pressure != 0.0;
+    add_panel(
+        fmt::format("set size noratio\nset xlabel 'diameter ({})'\nset ylabel '{}'\nset title '({}) actuation'\nset "
+                    "xzeroaxis linewidth 1 linecolor rgb '#404040'\n",
+                    unit_.name, pressures ? "pressure (kPa)" : "moment (N mm)", letter()),
+        curves(file_, list));
+  }
+
+  /// Objects and fingers of all cases with one limit.
+  void add_shapes(std::size_t s) {
+    std::string plot;
+    const std::size_t n = series_[s].values.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Json& v = *series_[s].values[i];
+      const std::string name = fmt::format("{} {}", s + 1, i + 1);
+      add_outlines(v, name);
+      const double t = n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) : 1.0;
+      const auto mix = [t](double a, double b) { return static_cast<int>((1.0 - t) * a + t * b); };
+      const std::string color = fmt::format("#{:02x}{:02x}{:02x}", mix(224, 31), mix(135, 78), mix(43, 140));
+      plot += fmt::format("{}{} index 'object {}' using 1:2 with lines linewidth 1 linecolor rgb '{}' notitle",
+                          plot.empty() ? "plot " : ", \\\n     ", file_, name, color);
+      for (std::size_t line = 1; line <= v["lines"].size(); ++line) {
+        plot += fmt::format(
+            ", \\\n     {} index 'finger {} {}' using 1:2 with lines linewidth 2.5 linecolor rgb '{}' "
+            "notitle",
+            file_, name, line, color);
+      }
+    }
+    add_panel(fmt::format("set size ratio -1\nset xlabel 'x ({0})'\nset ylabel 'y ({0})'\nset title '({1}) force limit "
+                          "{2:g} N'\n",
+                          unit_.name, letter(), series_[s].limit),
+              plot + '\n');
+  }
+
+  void add_outlines(const Json& v, const std::string& name) {
+    data_.block("object " + name, "x y");
+    const Json& o = v["objects"][0];
+    for (int k = 0; k <= 90; ++k) {
+      const double turn = 2.0 * std::numbers::pi * k / 90.0;
+      data_.row({o[0].get<double>() + o[2].get<double>() * std::cos(turn),
+                 o[1].get<double>() + o[2].get<double>() * std::sin(turn)});
+    }
+    for (std::size_t line = 0; line < v["lines"].size(); ++line) {
+      data_.block(fmt::format("finger {} {}", name, line + 1), "x y");
+      for (const Json& p : v["lines"][line]) data_.row({p[0].get<double>(), p[1].get<double>()});
+    }
+  }
+
+  const Scene& scene_;
+  LengthUnit unit_;
+  std::vector<Series> series_;
+  DataFile data_;
+  std::string file_ = gnuplot_file("figure.dat");
+  std::string panels_;
+  int count_ = 0;
+};
+
 }  // namespace
 
 void draw_grasp_study(const Scene& scene, const StudyResult& result, StagedFiles& files) {
-  const LengthUnit unit = unit_for(scene.rod.length());
-  const std::vector<Series> series = series_of(result);
-  if (series.empty()) throw InputError("no figure: no case came to a grasp");
-  const bool sweep = std::any_of(result.cases.begin(), result.cases.end(), [](const StudyCase& c) { return c.moment; });
-  DataFile data(unit);
-  std::vector<Curve2> left;
-  std::vector<Curve2> right;
-  std::string shapes;
-  const std::string file = gnuplot_file("figure.dat");
-  for (std::size_t s = 0; s < series.size(); ++s) {
-    const std::string color = colors[s % std::size(colors)];
-    const std::string limit = fmt::format("{:g} N", series[s].limit);
-    if (sweep) {
-      data.block(fmt::format("axial {}", s + 1), "moment (N mm), force (N)");
-      for (const Json* v : series[s].values) {
-        data.numbers({(*v)["moments"].back().get<double>() * 1e3, (*v)["axial_force"].get<double>()});
-      }
-      data.block(fmt::format("lateral {}", s + 1), "moment (N mm), force (N)");
-      for (const Json* v : series[s].values) {
-        data.numbers({(*v)["moments"].back().get<double>() * 1e3, (*v)["lateral_force"].get<double>()});
-      }
-      left.push_back({"limit " + limit, fmt::format("axial {}", s + 1), color});
-      right.push_back({"limit " + limit, fmt::format("lateral {}", s + 1), color});
-      continue;
-    }
-    for (std::size_t a = 0; a < (*series[s].values.front())["moments"].size(); ++a) {
-      const bool pressures = scene.rod.actuators[a].moment_per_pressure != 0.0;
-      const std::string block = fmt::format("actuation {} {}", s + 1, a + 1);
-      data.block(block, pressures ? "diameter, pressure (kPa)" : "diameter, moment (N mm)");
-      for (const Json* v : series[s].values) {
-        const double value = pressures ? value_of((*v)["pressures"], a) * 1e-3 : value_of((*v)["moments"], a) * 1e3;
-        data.numbers({(*v)["diameter"].get<double>() / unit.size, value});
-      }
-      left.push_back({fmt::format("{}, actuator {}", limit, a + 1), block, color, static_cast<int>(a) + 1});
-    }
-    for (std::size_t i = 0; i < series[s].values.size(); ++i) {
-      const Json& v = *series[s].values[i];
-      const std::string name = fmt::format("{} {}", s + 1, i + 1);
-      data.block("object " + name, "x y");
-      for (int k = 0; k <= 90; ++k) {
-        const double turn = 2.0 * std::numbers::pi * k / 90.0;
-        const Json& o = v["objects"][0];
-        data.row({o[0].get<double>() + o[2].get<double>() * std::cos(turn),
-                  o[1].get<double>() + o[2].get<double>() * std::sin(turn)});
-      }
-      for (std::size_t line = 0; line < v["lines"].size(); ++line) {
-        data.block(fmt::format("finger {} {}", name, line + 1), "x y");
-        for (const Json& p : v["lines"][line]) data.row({p[0].get<double>(), p[1].get<double>()});
-      }
-    }
-  }
-  std::string panels;
-  const std::string common =
-      "set border 3 linewidth 1 linecolor rgb '#404040'\nset tics out nomirror font ',12'\n"
-      "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\nset key outside bottom center horizontal "
-      "Left reverse samplen 2 maxcols 2 height 1.5\n";
-  int count = 0;
-  const auto next = [&](const std::string& settings, const std::string& plot) {
-    panels += settings + plot;
-    ++count;
-  };
-  if (sweep) {
-    next(
-        "set xlabel 'moment of the last actuator (N mm)'\nset ylabel 'axial force of both fingers (N)'\nset xzeroaxis "
-        "linewidth 1 linecolor rgb '#404040'\nset title '(a) axial force; positive: away from the palm'\n",
-        curves(file, left));
-    next("set ylabel 'lateral force of each finger (N)'\nunset xzeroaxis\nset title '(b) lateral force'\n",
-         curves(file, right));
-  } else {
-    for (std::size_t s = 0; s < series.size(); ++s) {
-      std::string plot;
-      const std::size_t n = series[s].values.size();
-      for (std::size_t i = 0; i < n; ++i) {
-        const double t = n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) : 1.0;
-        const auto mix = [t](double a, double b) { return static_cast<int>((1.0 - t) * a + t * b); };
-        const std::string color = fmt::format("#{:02x}{:02x}{:02x}", mix(224, 31), mix(135, 78), mix(43, 140));
-        const std::string name = fmt::format("{} {}", s + 1, i + 1);
-        plot += fmt::format("{}{} index 'object {}' using 1:2 with lines linewidth 1 linecolor rgb '{}' notitle",
-                            plot.empty() ? "plot " : ", \\\n     ", file, name, color);
-        for (std::size_t line = 1; line <= (*series[s].values[i])["lines"].size(); ++line) {
-          plot += fmt::format(
-              ", \\\n     {} index 'finger {} {}' using 1:2 with lines linewidth 2.5 linecolor rgb '{}' "
-              "notitle",
-              file, name, line, color);
-        }
-      }
-      next(fmt::format("set size ratio -1\nset xlabel 'x ({0})'\nset ylabel 'y ({0})'\nset title '({1}) force limit "
-                       "{2:g} N'\n",
-                       unit.name, static_cast<char>('a' + count), series[s].limit),
-           plot + '\n');
-    }
-    const bool pressures = scene.rod.actuators.empty() || scene.rod.actuators[0].moment_per_pressure != 0.0;
-    next(fmt::format("set size noratio\nset xlabel 'diameter ({})'\nset ylabel '{}'\nset title '({}) actuation'\nset "
-                     "xzeroaxis linewidth 1 linecolor rgb '#404040'\n",
-                     unit.name, pressures ? "pressure (kPa)" : "moment (N mm)", static_cast<char>('a' + count)),
-         curves(file, left));
-  }
-  std::string draw = fmt::format("set multiplot layout 1,{}{}\n", count,
-                                 scene.title.empty() ? "" : " title " + gnuplot_string(scene.title) + " noenhanced");
-  draw += common + panels + "unset multiplot\n";
-  files.write("figure.dat", data.text());
-  const std::vector<Picture> pictures{Picture::svg, Picture::png};
-  const std::string head = "# Give this to gnuplot to draw the figure anew.\nset encoding utf8\n";
-  files.write("figure.gnuplot", head + drawn_to(pictures, "figure", 520 * count, 620, draw, "reset\n" + draw));
-  render(files, "figure", pictures);
+  GraspStudyFigure(scene, result).write(files);
 }
 
 }  // namespace tendril::app

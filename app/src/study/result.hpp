@@ -55,6 +55,9 @@ std::string groups_csv(const StudyResult& result);
 std::string times_csv(const StudyResult& result);
 std::string study_report(const Scene& scene, const StudyResult& result);
 
+/// The colour of the i-th series of a figure.
+std::string series_color(std::size_t i);
+
 /// The panels of all groups: a row for each limit, a column for each mode, and means below. Throws InputError as
 /// draw_figure() does.
 void draw_study(Session& session, const StudyResult& result, StagedFiles& files);

@@ -64,6 +64,9 @@ class TENDRIL_API AugmentedLagrangianSolver : public Solver {
 
   /// The outer loop around reduce().
   Outcome do_solve(Callbacks& callbacks, const Start& start, const SolveControl& control) final;
+
+ private:
+  class Loop;
 };
 
 }  // namespace tendril

@@ -68,13 +68,9 @@ class TENDRIL_API NonlinearProgram {
   MatrixView hessian(ConstVectorRef x, double sigma, ConstVectorRef multipliers);
 
   /// Least-squares view: number of residuals; r(x); dr/dx (residual_count() x variable_count()); and the part of the
-  /// cost that is not a sum of squares with its gradient. residual_count() 0 and has_rest(): all of the cost is the
-  /// rest.
+  /// cost that is not a sum of squares with its gradient. There may be no residuals, and the rest may be 0, everywhere
+  /// or at some points.
   int residual_count() const { return static_cast<int>(work_.residuals.size()); }
-  /// Whether a part of the cost is not a sum of squares.
-  bool has_rest() const { return has_rest_; }
-  /// The rest is linear in x (its Hessian vanishes).
-  bool rest_is_linear() const { return rest_is_linear_; }
   VectorView residuals(ConstVectorRef x);          ///< r(x): residual_count() entries.
   MatrixView residual_jacobian(ConstVectorRef x);  ///< dr/dx: residual_count() x variable_count().
   double rest(ConstVectorRef x);                   ///< The part of the cost that is not a sum of squares.
@@ -95,12 +91,10 @@ class TENDRIL_API NonlinearProgram {
   /// All bounds start open, all rows as equations c = 0; the implementation sets its own.
   NonlinearProgram(int variables, int rows, int residuals);
 
-  Eigen::VectorXd lower_;        ///< variable_count() entries
-  Eigen::VectorXd upper_;        ///< variable_count() entries
-  Eigen::VectorXd row_lower_;    ///< row_count() entries
-  Eigen::VectorXd row_upper_;    ///< row_count() entries
-  bool has_rest_ = true;         ///< Set to false where the cost is a sum of squares.
-  bool rest_is_linear_ = false;  ///< Set to true where the rest's Hessian vanishes.
+  Eigen::VectorXd lower_;      ///< variable_count() entries
+  Eigen::VectorXd upper_;      ///< variable_count() entries
+  Eigen::VectorXd row_lower_;  ///< row_count() entries
+  Eigen::VectorXd row_upper_;  ///< row_count() entries
 
   /// What an implementation writes into. Cost and gradient are those of the whole objective.
   struct Workspace {

@@ -22,7 +22,10 @@ struct Reads {
   bool contact_arc_length = false;  ///< where along the rod it touches, units of L
   bool palm_distance = false;       ///< from the palm to the object's centre, units of L; grasps only
   bool target = false;              ///< the scene must have a [target]
-  std::vector<double> samples{};    ///< arc lengths s/L in [0,1] of backbone samples
+  /// the term means a grasp whose other finger is the mirror image of the one that it sees, as the square of the force
+  /// on the object does: it is refused where both fingers are planned
+  bool mirrored = false;
+  std::vector<double> samples{};  ///< arc lengths s/L in [0,1] of backbone samples
 
   /// Whether anything of a contact is read.
   bool any_contact() const {
@@ -53,17 +56,6 @@ struct ContactQuantities {
   T reference_y{};  ///< likewise
 };
 
-/// What a term may read of one finger; empty or zero where it was not asked for.
-template <class T>
-struct FingerQuantities {
-  BackboneQuantities<T> tip{};                       ///< the rod's end
-  std::span<const BackboneQuantities<T>> samples{};  ///< in the order of Reads::samples
-  /// interior ones in order along the rod, then those at the tip
-  std::span<const ContactQuantities<T>> contacts{};
-  std::span<const T> moments{};  ///< one per actuator of the scene, units of EI0/L
-  T bending_energy{};            ///< units of EI0/L
-};
-
 /// The pose asked for, dimensionless.
 struct Target {
   Vec2 position{};            ///< of the tip, units of L
@@ -72,19 +64,24 @@ struct Target {
   bool has_angle = false;     ///< whether an angle is asked for
 };
 
-/// Everything a term may read, dimensionless (model.md section 1). What Reads did not ask for is zero.
-/// A pose has one finger, and so has a grasp whose other finger is its mirror image. In a grasp points are measured
-/// from the object's centre, x along the axis of symmetry; the palm is at x = -palm_distance. Where both fingers are
-/// planned the term is asked for each in turn, for the lower one in its mirror image, and the sum is taken: a term that
-/// is no sum over the fingers is refused there. Units are those of the scene's rod, whatever the fingers are like.
+/// Everything a term may read of one finger, dimensionless (model.md section 1). What Reads did not ask for is zero, or
+/// empty. A pose has one finger, and so has a grasp whose other finger is its mirror image. In a grasp points are
+/// measured from the object's centre, x along the axis of symmetry; the palm is at x = -palm_distance. Where both
+/// fingers are planned the term is asked for each in turn, for the lower one in its mirror image, and the values are
+/// added. Units are those of the scene's rod, whatever the fingers are like.
 template <class T>
 struct Quantities {
-  std::span<const FingerQuantities<T>> fingers{};  ///< one entry
-  T palm_distance{};                               ///< units of L
-  Target target{};                                 ///< what the scene asks for
+  BackboneQuantities<T> tip{};                       ///< the rod's end
+  std::span<const BackboneQuantities<T>> samples{};  ///< in the order of Reads::samples
+  /// interior ones in order along the rod, then those at the tip
+  std::span<const ContactQuantities<T>> contacts{};
+  std::span<const T> moments{};  ///< one per actuator, units of EI0/L
+  T bending_energy{};            ///< units of EI0/L
+  T palm_distance{};             ///< units of L
+  Target target{};               ///< what the scene asks for
 };
 
-/// Collects what a term contributes: the cost is  sum of residuals squared + linear part + smooth part.
+/// Collects what a term contributes: the cost is  sum of residuals squared + smooth part.
 template <class T>
 class Contribution {
  public:
@@ -96,22 +93,17 @@ class Contribution {
     if (count_ < residuals_.size()) residuals_[count_] = r;
     ++count_;
   }
-  /// Adds a part that is linear in the quantities (its second derivatives vanish).
-  void linear(const T& v) { linear_ += v; }
-  /// Adds any smooth part.
+  /// Adds v to the cost: any part that is no square. It may be 0, or left out, wherever it likes.
   void smooth(const T& v) { smooth_ += v; }
 
   /// Residuals added so far.
   std::size_t residual_count() const { return count_; }
-  /// Sum of the linear parts.
-  const T& linear_part() const { return linear_; }
   /// Sum of the smooth parts.
   const T& smooth_part() const { return smooth_; }
 
  private:
   std::span<T> residuals_;
   std::size_t count_ = 0;
-  T linear_{};
   T smooth_{};
 };
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "nlp/multipliers.hpp"
+#include "obstacle/shrunk.hpp"
 #include "program/stability.hpp"
 #include "rod/quadrature.hpp"
 #include "tendril/error.hpp"
@@ -14,9 +14,7 @@ namespace tendril {
 namespace {
 
 std::string defect(const char* what, double value, double limit) {
-  char text[160];
-  std::snprintf(text, sizeof text, "%s %.2e is above %.0e", what, value, limit);
-  return text;
+  return what + (' ' + shown_with_exponent(value)) + " is above " + shown_with_exponent(limit, 1);
 }
 
 /// Somewhere the rod lies along an obstacle instead of touching it at a point.
@@ -27,6 +25,7 @@ bool spreads(const Certificate& c) { return !(c.contact_convexity > tolerance::c
 struct Certifier::Data {
   explicit Data(const PoseProgramSpec& s)
       : spec(doubled(s)), program(std::make_unique<PoseProgram>(spec)), stability(*program) {
+    for (const Obstacle* o : spec.obstacles) shrunk.emplace_back(*o);
     tables = program->chain().curve_tables();
     curve = std::make_unique<Curve>(tables);
     const Chain& chain = program->chain();
@@ -56,6 +55,12 @@ struct Certifier::Data {
   /// Obstacles that the rod has to keep out of.
   std::size_t bodies() const { return spec.obstacles.size() - static_cast<std::size_t>(spec.measures); }
 
+  /// An obstacle in the size that it has under the present loads.
+  const Obstacle& obstacle(std::size_t o) const {
+    if (program->loads().shrink[o] == 0.0) return *spec.obstacles[o];
+    return shrunk[o];
+  }
+
   /// The rod in the frame of an obstacle.
   const Curve& curve_beside(std::size_t obstacle) const {
     return obstacle + static_cast<std::size_t>(spec.carried) >= spec.obstacles.size() ? *from_palm : *curve;
@@ -83,6 +88,7 @@ struct Certifier::Data {
 
   PoseProgramSpec spec;
   std::unique_ptr<PoseProgram> program;
+  std::vector<ShrunkObstacle> shrunk;  ///< one per obstacle
   std::shared_ptr<const CurveTables> tables;
   std::unique_ptr<Curve> curve, from_palm;
 
@@ -104,23 +110,25 @@ Certifier& Certifier::operator=(Certifier&&) noexcept = default;
 
 void Certifier::set_checks(const std::vector<CheckPoint>& checks) {
   data_->spec.checks = checks;
+  const Loads loads = data_->program->loads();
   data_->program = std::make_unique<PoseProgram>(data_->spec);
+  data_->program->set_loads(loads);
 }
 
 /// max over nodes and knots of |EI (kappa - kappa0) - moment of everything beyond|.
 double Certifier::Data::moment_balance(ConstVectorRef x) {
   const Chain& chain = program->chain();
   const Backbone& shape = program->backbone();
-  const Rod& rod = *spec.rod;
+  const Loads& loads = program->loads();
   const int n = tables->per_interval();
   const int intervals = tables->intervals();
   const int functions = chain.functions();
-  const bool gravity = rod.has_gravity();
+  const bool gravity = spec.rod->has_gravity();
   const Eigen::VectorXd& sigma = chain.table().sigma;
 
   const std::vector<PoseProgram::ContactState>& contacts = program->contacts();
-  Vec2 force = rod.tip_force;
-  double mass = rod.payload;
+  Vec2 force = loads.tip_force;
+  double mass = spec.rod->payload;
   double beyond = 0.0;  // moment of all forces beyond the current point, about it
   double worst = 0.0;
   shear.resize(n);
@@ -167,7 +175,7 @@ double Certifier::Data::moment_balance(ConstVectorRef x) {
       for (int g = 0; g < n; ++g) {
         const int node = i * n + g;
         Vec2 f = force;
-        if (gravity) f += (mass + own * (1.0 - sigma[node])) * rod.gravity;
+        if (gravity) f += (mass + own * (1.0 - sigma[node])) * loads.gravity;
         shear[g] = cross(shape.tangent(j, node), f);
       }
       coefficients.noalias() = tables->transform() * shear;
@@ -287,7 +295,7 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
 
   c.penetration = 0.0;
   for (std::size_t o = 0; o < d.bodies(); ++o) {
-    c.penetration = std::max(c.penetration, certified_depth(d.curve_beside(o), *d.spec.obstacles[o]));
+    c.penetration = std::max(c.penetration, certified_depth(d.curve_beside(o), d.obstacle(o)));
   }
 
   c.complementarity = 0.0;
@@ -356,9 +364,7 @@ void list_failures(Certificate& c) {
   if (spreads(c)) {
     c.failures.emplace_back("contact spreads: the rod lies along the obstacle, a point contact does not hold it");
   } else if (!(c.stability > tolerance::stability)) {
-    char text[120];
-    std::snprintf(text, sizeof text, "unstable: the stability margin is %.3e", c.stability);
-    c.failures.push_back(text);
+    c.failures.push_back("unstable: the stability margin is " + shown_with_exponent(c.stability, 4));
   }
 }
 
@@ -367,7 +373,7 @@ std::vector<Certifier::Approach> Certifier::approaches(ConstVectorRef x, double 
   d.move(x);
   std::vector<Approach> all;
   for (std::size_t o = 0; o < d.bodies(); ++o) {
-    for (const ClosestApproach& at : closest_approaches(d.curve_beside(o), *d.spec.obstacles[o], level)) {
+    for (const ClosestApproach& at : closest_approaches(d.curve_beside(o), d.obstacle(o), level)) {
       all.push_back({static_cast<int>(o), at});
     }
   }
@@ -384,12 +390,15 @@ bool Certifier::approached(ConstVectorRef x, double level) {
   d.move(x);
   d.near.clear();
   for (std::size_t o = 0; o < d.bodies() && d.near.empty(); ++o) {
-    closest_approaches(d.curve_beside(o), *d.spec.obstacles[o], level, d.near);
+    closest_approaches(d.curve_beside(o), d.obstacle(o), level, d.near);
   }
   return !d.near.empty();
 }
 
-void Certifier::invalidate() { data_->program->invalidate(); }
+void Certifier::set_loads(const Loads& loads) {
+  data_->program->set_loads(loads);
+  for (std::size_t o = 0; o < loads.shrink.size(); ++o) data_->shrunk[o].shrink(loads.shrink[o]);
+}
 
 double Certifier::moment_balance(ConstVectorRef x) {
   data_->move(x);

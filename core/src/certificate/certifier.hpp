@@ -52,8 +52,8 @@ class TENDRIL_API Certifier {
   /// Whether there is any; allocates nothing unless there is.
   bool approached(ConstVectorRef x, double level);
 
-  /// Forgets the point judged last, after loads or obstacles behind the spec's pointers changed.
-  void invalidate();
+  /// As PoseProgram::set_loads().
+  void set_loads(const Loads& loads);
   /// Largest defect of the local moment balance at x (model.md section 7).
   double moment_balance(ConstVectorRef x);
   /// The margin alone: smallest eigenvalue of the second variation against the bending energy (model.md section 7).

@@ -16,7 +16,7 @@ constexpr double step_floor = 1e-13;
 /// Without noise the sum of squares ends at rounding; its root, in L.
 constexpr double least_deviation = 1e-12;
 constexpr int most_search_steps = 40;
-constexpr double longest_slide = 0.1;  // of a place in one step, in L
+constexpr double longest_shift = 0.1;  // of a place in one step, in L
 
 /// Whether a place may not follow its gradient any further.
 bool blocked(const std::vector<NormalForce>& forces, std::size_t k, double direction) {
@@ -108,7 +108,7 @@ void set_best_forces(const LoadedRod& rod, const MeasuredShape& measured, const 
 }  // namespace
 
 ShapeFit fit_shape(const LoadedRod& rod, const MeasuredShape& measured, const LoadedRod::Shape& start, double accuracy,
-                   int most_steps, const FitLimits& limits) {
+                   int most_steps, const Deadline& deadline) {
   ShapeFit fit;
   fit.shape = start;
   fit.sum = infinity;
@@ -117,7 +117,7 @@ ShapeFit fit_shape(const LoadedRod& rod, const MeasuredShape& measured, const Lo
   const int contacts = fit.contacts();
   fit.converged = contacts == 0;
   double damping = 1e-3;
-  for (int step_count = 0; !fit.converged && step_count < most_steps && !limits.reached(); ++step_count) {
+  for (int step_count = 0; !fit.converged && step_count < most_steps && !deadline.over(); ++step_count) {
     const PlaceStep wanted = place_step(fit);
     const double error = std::sqrt(measured.variance(fit.sum, contacts));
     if (wanted.remaining <= std::max(accuracy * error, step_floor)) {
@@ -127,16 +127,16 @@ ShapeFit fit_shape(const LoadedRod& rod, const MeasuredShape& measured, const Lo
     // A place without a force moves nothing; it must not become singular either.
     const Eigen::VectorXd weights = wanted.normal.diagonal().cwiseMax(1e-12);
     bool accepted = false;
-    while (!accepted && damping < 1e12 && !limits.reached()) {
+    while (!accepted && damping < 1e12 && !deadline.over()) {
       Eigen::MatrixXd damped = wanted.normal;
       damped.diagonal() += damping * weights;
-      const Eigen::VectorXd slide = -Eigen::LDLT<Eigen::MatrixXd>(damped).solve(wanted.gradient);
-      if (!(slide.lpNorm<Eigen::Infinity>() <= longest_slide)) {
+      const Eigen::VectorXd shift = -Eigen::LDLT<Eigen::MatrixXd>(damped).solve(wanted.gradient);
+      if (!(shift.lpNorm<Eigen::Infinity>() <= longest_shift)) {
         damping = std::max(1e-9, 4.0 * damping);
         continue;
       }
       std::vector<NormalForce> moved = fit.shape.forces;
-      for (std::size_t k = 0; k < moved.size(); ++k) moved[k].arc_length += slide[static_cast<Eigen::Index>(k)];
+      for (std::size_t k = 0; k < moved.size(); ++k) moved[k].arc_length += shift[static_cast<Eigen::Index>(k)];
       keep_order(moved);
       set_best_forces(rod, measured, fit, moved);
       // The predictor lets Newton start from where the shape will be.
@@ -326,12 +326,12 @@ std::vector<Candidate> candidates(int contacts, const Eigen::VectorXd& target, c
 }  // namespace
 
 std::vector<ShapeFit> search(const LoadedRod& rod, const MeasuredShape& measured, const LoadedRod::Curvature& curvature,
-                             int contacts, const ShapeFit& fewer, const FitLimits& limits, int& starts) {
+                             int contacts, const ShapeFit& fewer, const Deadline& deadline, int& starts) {
   const std::vector<double> places = spread_places(contacts == 1 ? 40 : 24);
   std::vector<ShapeFit> found;
   const auto try_from = [&](const LoadedRod::Shape& start) {
     ++starts;
-    ShapeFit fit = fit_shape(rod, measured, start, search_accuracy, most_search_steps, limits);
+    ShapeFit fit = fit_shape(rod, measured, start, search_accuracy, most_search_steps, deadline);
     if (std::isfinite(fit.sum)) found.push_back(std::move(fit));
   };
 
@@ -343,14 +343,14 @@ std::vector<ShapeFit> search(const LoadedRod& rod, const MeasuredShape& measured
     }
     const Eigen::MatrixXd columns = rod.influence(fewer.shape, measured.arc_lengths, places);
     for (const Candidate& c : candidates(contacts, target, columns, places, 4)) {
-      if (limits.reached()) break;
+      if (deadline.over()) break;
       try_from(rod.solve(c.forces, fewer.shape));
     }
     // One force more at a quiet place, beside those that are there.
     if (contacts > 1) {
       Eigen::VectorXd rest = -fewer.residual;
       for (Candidate& c : candidates(1, rest, columns, places, 2)) {
-        if (limits.reached()) break;
+        if (deadline.over()) break;
         std::vector<NormalForce> forces = fewer.shape.forces;
         forces.push_back(c.forces.front());
         std::sort(forces.begin(), forces.end(),
@@ -362,7 +362,7 @@ std::vector<ShapeFit> search(const LoadedRod& rod, const MeasuredShape& measured
   // What the measured shape itself says is missing for equilibrium: it needs no shape that is near.
   const LoadedRod::Imbalance imbalance = rod.imbalance(curvature, places);
   for (const Candidate& c : candidates(contacts, imbalance.missing, imbalance.per_force, places, 3)) {
-    if (limits.reached()) break;
+    if (deadline.over()) break;
     try_from(rod.solve(c.forces, curvature));
   }
   std::stable_sort(found.begin(), found.end(), [](const ShapeFit& a, const ShapeFit& b) { return a.sum < b.sum; });

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <atomic>
-#include <chrono>
 #include <span>
 #include <vector>
 
+#include "base/deadline.hpp"
 #include "estimate/loaded_rod.hpp"
 
 namespace tendril {
@@ -19,15 +18,6 @@ struct MeasuredShape {
   int degrees_of_freedom(int contacts) const { return static_cast<int>(points.size()) - 2 * contacts; }
   /// Variance of a coordinate, as far as it is known when `sum` of squares is left over by `contacts`.
   double variance(double sum, int contacts) const;
-};
-
-/// When to stop early.
-struct FitLimits {
-  const std::atomic<bool>* stop = nullptr;
-  std::chrono::steady_clock::time_point deadline = std::chrono::steady_clock::time_point::max();
-  bool interrupted() const { return stop != nullptr && stop->load(std::memory_order_relaxed); }
-  bool late() const { return std::chrono::steady_clock::now() > deadline; }
-  bool reached() const { return interrupted() || late(); }
 };
 
 /// A rod shape that comes as near to the measured points as forces and their places allow, locally.
@@ -50,7 +40,7 @@ inline constexpr double final_accuracy = 1e-6;
 /// almost linearly, follow at their best (variable projection): contacts close together would else form a long curved
 /// valley. The shape follows by the implicit function theorem.
 ShapeFit fit_shape(const LoadedRod& rod, const MeasuredShape& measured, const LoadedRod::Shape& start, double accuracy,
-                   int most_steps, const FitLimits& limits);
+                   int most_steps, const Deadline& deadline);
 
 /// The backbone's curvature as the measured points show it: a smooth polynomial through the directions of chords. Good
 /// enough to start from.
@@ -62,7 +52,7 @@ double measured_turn(const Rod& rod, const MeasuredShape& measured);
 /// `fewer`: the fit with one contact less, if it converged. Best first; those
 /// that ran out of steps are not converged.
 std::vector<ShapeFit> search(const LoadedRod& rod, const MeasuredShape& measured, const LoadedRod::Curvature& curvature,
-                             int contacts, const ShapeFit& fewer, const FitLimits& limits, int& starts);
+                             int contacts, const ShapeFit& fewer, const Deadline& deadline, int& starts);
 
 /// Arc lengths spread over the rod, none at its ends.
 std::vector<double> spread_places(int count);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rod/backbone.hpp"
+#include "program/pose_program.hpp"
 #include "rod/moving_point.hpp"
 #include "tendril/error.hpp"
 
@@ -20,176 +20,100 @@ constexpr double longest_newton_step = 1.0;
 
 }  // namespace
 
-/// One chain of pieces with its buffers: the equilibrium equations and their derivatives at one state.
+/// A program whose contacts push along the rod's normal at places and with forces that are given, at one state.
 class LoadedRod::Pieces {
  public:
   Pieces(const Rod& rod, const std::vector<double>& moments, const LegendreBasis& basis,
          const std::vector<int>& stretches, double turn)
-      : rod_(rod),
-        moments_(moments),
-        chain_(rod, basis, stretches, suggested_nodes(basis.function_count(), turn)),
-        backbone_(chain_, rod.base, rod.base_angle),
-        sums_(chain_, false),
-        gram_(chain_, true),
-        load_(chain_.nodes()),
-        weights_(chain_.nodes()) {}
+      : program_(spec(rod, basis, stretches, turn)), x_(Eigen::VectorXd::Zero(program_.variable_count())) {
+    for (std::size_t a = 0; a < moments.size(); ++a) x_[program_.moment_variable(static_cast<int>(a))] = moments[a];
+  }
 
-  const Chain& chain() const { return chain_; }
-  const Backbone& backbone() const { return backbone_; }
+  const Chain& chain() const { return program_.chain(); }
+  /// Of the state moved to.
+  const Backbone& backbone() {
+    program_.jacobian(x_);
+    return program_.backbone();
+  }
 
   void move(std::span<const NormalForce> forces, ConstVectorRef coordinates) {
-    forces_.assign(forces.begin(), forces.end());
-    arc_lengths_.clear();
-    for (const NormalForce& f : forces_) arc_lengths_.push_back(f.arc_length);
-    backbone_.move(coordinates, arc_lengths_);
-    beyond_.assign(static_cast<std::size_t>(chain_.piece_count()), rod_.payload);
-    for (int j = chain_.piece_count() - 2; j >= 0; --j) beyond_[at(j)] = beyond_[at(j + 1)] + weight(j + 1);
-  }
-
-  /// Left-hand side of the equilibrium equations, dPi/dq - sum f N^T J.
-  Eigen::VectorXd residual() {
-    Eigen::VectorXd r = Eigen::VectorXd::Zero(chain_.coordinate_count());
-    sums_.set_zero();
-    for (int j = 0; j < chain_.piece_count(); ++j) {
-      for (int g = 0; g < chain_.nodes(); ++g) load_[g] = -measure(j, g) * dot(resultant(j, g), normal(j, g));
-      backbone_.add_nodes(sums_, j, load_.data());
-    }
-    backbone_.spread(sums_, r.data());
-    for (int j = 0; j < chain_.piece_count(); ++j) {
-      const Chain::Piece& p = chain_.piece(j);
-      auto own = r.segment(static_cast<Eigen::Index>(j) * functions(), functions());
-      own += p.stiffness / backbone_.length(j) * (chain_.table().stiffness * block(j));
-      double moment = p.stiffness * p.rest_curvature;
-      for (int a = 0; a < chain_.actuator_count(); ++a) {
-        if (chain_.actuated(a, j)) moment += moments_[at(a)];
-      }
-      own -= moment * chain_.table().end;
-    }
-    return r;
-  }
-
-  /// Derivative of residual() in the coordinates.
-  Eigen::MatrixXd jacobian() {
-    const Eigen::Index size = chain_.coordinate_count();
-    Eigen::MatrixXd a = bending();
-    gram_.set_zero();
-    for (int j = 0; j < chain_.piece_count(); ++j) {
-      for (int g = 0; g < chain_.nodes(); ++g) weights_[g] = measure(j, g) * dot(resultant(j, g), tangent(j, g));
-      backbone_.add_gram_nodes(gram_, j, weights_.data());
-    }
-    backbone_.spread_gram(gram_, a);
+    x_.head(coordinates.size()) = coordinates;
     for (int k = 0; k < force_count(); ++k) {
-      const Eigen::VectorXd turning = before(k, knot_tangent(k));
-      Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(size);
-      for (int j = 0; j <= chain_.piece_before_knot(k); ++j) {
-        row.segment(static_cast<Eigen::Index>(j) * functions(), functions()) = chain_.table().end.transpose();
-      }
-      a += forces_[at(k)].force * turning * row;
+      const NormalForce& f = forces[static_cast<std::size_t>(k)];
+      x_[program_.arc_length_variable(k)] = f.arc_length;
+      x_[program_.force_variable(k)] = f.force;
     }
-    return a;
   }
 
+  int force_count() const { return program_.layout().forces; }
+  /// What is out of balance, and its derivatives by the coordinates, and by each force and its place in turn.
+  Eigen::VectorXd residual() { return program_.constraints(x_).head(size()); }
+  Eigen::MatrixXd jacobian() { return program_.jacobian(x_).topLeftCorner(size(), size()); }
+  Eigen::MatrixXd load_rates() {
+    Eigen::MatrixXd rates(size(), 2 * force_count());
+    for (int k = 0; k < force_count(); ++k) {
+      rates.col(2 * k) = program_.jacobian(x_).col(program_.force_variable(k)).head(size());
+      rates.col(2 * k + 1) = program_.jacobian(x_).col(program_.arc_length_variable(k)).head(size());
+    }
+    return rates;
+  }
+
+  /// K of the bending energy q . K q / 2.
   Eigen::MatrixXd bending() const {
-    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(chain_.coordinate_count(), chain_.coordinate_count());
-    for (int j = 0; j < chain_.piece_count(); ++j) {
-      const Eigen::Index first = static_cast<Eigen::Index>(j) * functions();
-      a.block(first, first, functions(), functions()) =
-          chain_.piece(j).stiffness / backbone_.length(j) * chain_.table().stiffness;
+    const int n = chain().functions();
+    Eigen::MatrixXd k = Eigen::MatrixXd::Zero(size(), size());
+    for (int j = 0; j < chain().piece_count(); ++j) {
+      k.block(j * n, j * n, n, n) =
+          chain().piece(j).stiffness / program_.backbone().length(j) * chain().table().stiffness;
     }
-    return a;
+    return k;
   }
 
-  /// Derivative of residual() in force k at frozen coordinates.
-  Eigen::VectorXd force_rate(int k) { return -before(k, turned(knot_tangent(k))); }
-
-  /// Derivative of residual() in the arc length of force k at frozen coordinates: only lengths of pieces change.
-  Eigen::VectorXd place_rate(int k) {
-    Eigen::VectorXd r = Eigen::VectorXd::Zero(chain_.coordinate_count());
-    sums_.set_zero();
-    double beyond_rate = 0.0;
-    for (int j = chain_.piece_count() - 1; j >= 0; --j) {
-      const double rate = chain_.length_rate()(j, k);
-      const double w = chain_.piece(j).weight;
-      for (int g = 0; g < chain_.nodes(); ++g) {
-        const double mass_rate = beyond_rate + w * rate * (1.0 - chain_.table().sigma[g]);
-        const Vec2 force = rate * resultant(j, g) + (backbone_.length(j) * mass_rate) * rod_.gravity;
-        load_[g] = -chain_.table().weight[g] * dot(force, normal(j, g));
-      }
-      backbone_.add_nodes(sums_, j, load_.data());
-      beyond_rate += w * rate;
-    }
-    backbone_.spread(sums_, r.data());
-    for (int j = 0; j < chain_.piece_count(); ++j) {
-      const double h = backbone_.length(j);
-      r.segment(static_cast<Eigen::Index>(j) * functions(), functions()) -=
-          chain_.piece(j).stiffness * chain_.length_rate()(j, k) / (h * h) * (chain_.table().stiffness * block(j));
-    }
-    return r;
+  void place(MovingPoint& point, double s) {
+    const std::span<const double> knots(x_.data() + program_.layout().first_arc_length,
+                                        static_cast<std::size_t>(force_count()));
+    point.move(backbone(), chain().piece_at(s, knots), s);
   }
-
-  void sum_normals() { backbone_.sum_normals(); }
-  /// n . dP/dq of a point that was moved to; needs sum_normals().
-  void point_row(const MovingPoint& point, Vec2 n, Eigen::RowVectorXd& row) {
-    row.setZero(chain_.coordinate_count());
-    backbone_.row_before(point.piece(), point.position(), n, row.data());
-    point.own_row(n, false, row.data() + point.piece() * functions());
+  /// n . dP/dq of a point that was placed.
+  Eigen::RowVectorXd row(const MovingPoint& point, Vec2 n) const {
+    Eigen::RowVectorXd out = Eigen::RowVectorXd::Zero(size());
+    program_.backbone().row_before(point.piece(), point.position(), n, out.data());
+    point.own_row(n, false, out.data() + point.piece() * chain().functions());
+    return out;
   }
   /// dP/ds_k of a point of fixed arc length at frozen coordinates.
-  Vec2 slide(const MovingPoint& point, int k) const {
+  Vec2 rate(const MovingPoint& point, int k) const {
     const int j = point.piece();
-    Vec2 rate{};
-    for (int i = 0; i < j; ++i) rate += chain_.length_rate()(i, k) * backbone_.chord(i);
-    rate += chain_.length_rate()(j, k) * point.chord();
-    return rate - (chain_.start_rate()(j, k) + point.sigma() * chain_.length_rate()(j, k)) * point.tangent();
+    Vec2 sum{};
+    for (int i = 0; i < j; ++i) sum += chain().length_rate()(i, k) * program_.backbone().chord(i);
+    sum += chain().length_rate()(j, k) * point.chord();
+    return sum - (chain().start_rate()(j, k) + point.sigma() * chain().length_rate()(j, k)) * point.tangent();
   }
-  int piece_at(double s) const { return chain_.piece_at(s, arc_lengths_); }
-  int force_count() const { return static_cast<int>(forces_.size()); }
-  const Rod& rod() const { return rod_; }
 
  private:
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-  int functions() const { return chain_.functions(); }
-  Eigen::Map<const Eigen::VectorXd> block(int j) const { return {backbone_.coordinates(j), functions()}; }
-  double weight(int j) const { return chain_.piece(j).weight * backbone_.length(j); }
-  double measure(int j, int g) const { return backbone_.length(j) * chain_.table().weight[g]; }
-  Vec2 tangent(int j, int g) const { return backbone_.tangent(j, g); }
-  Vec2 normal(int j, int g) const { return turned(tangent(j, g)); }
-  Vec2 knot_tangent(int k) const { return backbone_.knot_tangent(chain_.piece_before_knot(k) + 1); }
-  /// Force of everything beyond a node.
-  Vec2 resultant(int j, int g) const {
-    const double mass = beyond_[at(j)] + weight(j) * (1.0 - chain_.table().sigma[g]);
-    Vec2 force = rod_.tip_force + mass * rod_.gravity;
-    for (int k = 0; k < force_count(); ++k) {
-      if (j <= chain_.piece_before_knot(k)) force += forces_[at(k)].force * turned(knot_tangent(k));
-    }
-    return force;
+  static PoseProgramSpec spec(const Rod& rod, const LegendreBasis& basis, const std::vector<int>& stretches,
+                              double turn) {
+    PoseProgramSpec out;
+    out.rod = &rod;
+    out.model = &basis;
+    out.nodes = suggested_nodes(basis.function_count(), turn);
+    for (const int stretch : stretches) out.contacts.push_back({ContactSetup::along_normal, false, stretch});
+    return out;
   }
-  /// Generalized force of the dead force d at the knot of force k: d . dP(s_k)/dq.
-  Eigen::VectorXd before(int k, Vec2 d) {
-    Eigen::VectorXd r = Eigen::VectorXd::Zero(chain_.coordinate_count());
-    sums_.set_zero();
-    for (int j = 0; j <= chain_.piece_before_knot(k); ++j) {
-      for (int g = 0; g < chain_.nodes(); ++g) load_[g] = measure(j, g) * dot(d, normal(j, g));
-      backbone_.add_nodes(sums_, j, load_.data());
-    }
-    backbone_.spread(sums_, r.data());
-    return r;
-  }
+  int size() const { return chain().coordinate_count(); }
 
-  const Rod& rod_;
-  const std::vector<double>& moments_;
-  Chain chain_;
-  Backbone backbone_;
-  PieceSums sums_, gram_;
-  Eigen::VectorXd load_, weights_;
-  std::vector<NormalForce> forces_;
-  std::vector<double> arc_lengths_;
-  std::vector<double> beyond_;  // mass beyond the end of each piece
+  PoseProgram program_;
+  Eigen::VectorXd x_;
 };
 
 LoadedRod::LoadedRod(const Rod& rod, std::vector<double> moments, int order, double turn)
     : rod_(rod), moments_(std::move(moments)), basis_(order), turn_(turn), knots_(rod.fixed_knots()) {
   if (moments_.size() != rod_.actuators.size()) throw Error("one moment per actuator is needed");
+  // Moments are given: no limit applies, and a limit of zero must not remove an actuator.
+  for (Rod::Actuator& a : rod_.actuators) {
+    a.minimum = -infinity;
+    a.maximum = infinity;
+  }
 }
 
 LoadedRod::~LoadedRod() = default;
@@ -224,22 +148,16 @@ LoadedRod::Pieces& LoadedRod::pieces(std::span<const NormalForce> forces) const 
   return *entry;
 }
 
+Eigen::VectorXd LoadedRod::coordinates(std::span<const NormalForce> forces, const Curvature& curvature) const {
+  std::vector<double> places;
+  places.reserve(forces.size());
+  for (const NormalForce& f : forces) places.push_back(f.arc_length);
+  return pieces(forces).chain().coordinates_of(curvature, places);
+}
+
 LoadedRod::Shape LoadedRod::solve(std::vector<NormalForce> forces, const Curvature& start) const {
   move_apart(forces);
-  const Chain& chain = pieces(forces).chain();
-  std::vector<double> arc_lengths;
-  arc_lengths.reserve(forces.size());
-  for (const NormalForce& f : forces) arc_lengths.push_back(f.arc_length);
-  Eigen::VectorXd q(chain.coordinate_count());
-  std::vector<double> scaled(static_cast<std::size_t>(chain.nodes()));
-  for (int j = 0; j < chain.piece_count(); ++j) {
-    const double from = chain.start(j, arc_lengths);
-    const double length = chain.length(j, arc_lengths);
-    for (int g = 0; g < chain.nodes(); ++g) {
-      scaled[static_cast<std::size_t>(g)] = length * start(from + length * chain.table().sigma[g]);
-    }
-    q.segment(static_cast<Eigen::Index>(j) * chain.functions(), chain.functions()) = chain.project(scaled);
-  }
+  Eigen::VectorXd q = coordinates(forces, start);
   return newton(std::move(forces), std::move(q));
 }
 
@@ -293,95 +211,61 @@ LoadedRod::Shape LoadedRod::newton(std::vector<NormalForce> forces, Eigen::Vecto
 LoadedRod::Response LoadedRod::response(const Shape& shape, std::span<const double> arc_lengths) const {
   Pieces& p = pieces(shape.forces);
   p.move(shape.forces, shape.coordinates);
-  p.sum_normals();
-  const int forces = p.force_count();
   Response out;
-  Eigen::MatrixXd rhs(p.chain().coordinate_count(), 2 * forces);
-  for (int k = 0; k < forces; ++k) {
-    rhs.col(2 * k) = -p.force_rate(k);
-    rhs.col(2 * k + 1) = -p.place_rate(k);
-  }
-  if (forces > 0) {
-    out.coordinate_rates = p.jacobian().partialPivLu().solve(rhs);
-  } else {
-    out.coordinate_rates = rhs;
-  }
+  out.coordinate_rates = p.load_rates();
+  if (p.force_count() > 0) out.coordinate_rates = -p.jacobian().partialPivLu().solve(out.coordinate_rates).eval();
   const auto count = static_cast<Eigen::Index>(arc_lengths.size());
   out.points.resize(2 * count);
-  out.rates.resize(2 * count, 2 * forces);
+  out.rates.resize(2 * count, out.coordinate_rates.cols());
   MovingPoint point(p.chain());
-  Eigen::RowVectorXd row;
   for (Eigen::Index m = 0; m < count; ++m) {
-    const double s = arc_lengths[static_cast<std::size_t>(m)];
-    point.move(p.backbone(), p.piece_at(s), s);
+    p.place(point, arc_lengths[static_cast<std::size_t>(m)]);
     out.points[2 * m] = point.position().x;
     out.points[2 * m + 1] = point.position().y;
-    if (forces == 0) continue;
-    p.point_row(point, {1.0, 0.0}, row);
-    out.rates.row(2 * m) = row * out.coordinate_rates;
-    p.point_row(point, {0.0, 1.0}, row);
-    out.rates.row(2 * m + 1) = row * out.coordinate_rates;
-    for (int k = 0; k < forces; ++k) {
-      const Vec2 slide = p.slide(point, k);
-      out.rates(2 * m, 2 * k + 1) += slide.x;
-      out.rates(2 * m + 1, 2 * k + 1) += slide.y;
+    if (p.force_count() == 0) continue;
+    out.rates.row(2 * m) = p.row(point, {1.0, 0.0}) * out.coordinate_rates;
+    out.rates.row(2 * m + 1) = p.row(point, {0.0, 1.0}) * out.coordinate_rates;
+    for (int k = 0; k < p.force_count(); ++k) {
+      const Vec2 rate = p.rate(point, k);
+      out.rates(2 * m, 2 * k + 1) += rate.x;
+      out.rates(2 * m + 1, 2 * k + 1) += rate.y;
     }
   }
   return out;
+}
+
+Eigen::MatrixXd LoadedRod::unit_forces(Pieces& p, std::span<const double> places) {
+  MovingPoint point(p.chain());
+  Eigen::MatrixXd columns(p.chain().coordinate_count(), static_cast<Eigen::Index>(places.size()));
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    p.place(point, places[i]);
+    columns.col(static_cast<Eigen::Index>(i)) = p.row(point, point.normal()).transpose();
+  }
+  return columns;
 }
 
 Eigen::MatrixXd LoadedRod::influence(const Shape& shape, std::span<const double> arc_lengths,
                                      std::span<const double> places) const {
   Pieces& p = pieces(shape.forces);
   p.move(shape.forces, shape.coordinates);
-  p.sum_normals();
+  const Eigen::MatrixXd rates = -p.jacobian().partialPivLu().solve(unit_forces(p, places));
   MovingPoint point(p.chain());
-  Eigen::RowVectorXd row;
-  Eigen::MatrixXd rhs(p.chain().coordinate_count(), static_cast<Eigen::Index>(places.size()));
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    point.move(p.backbone(), p.piece_at(places[i]), places[i]);
-    p.point_row(point, point.normal(), row);
-    rhs.col(static_cast<Eigen::Index>(i)) = row.transpose();
-  }
-  const Eigen::MatrixXd rates = p.jacobian().partialPivLu().solve(rhs);
   Eigen::MatrixXd out(2 * static_cast<Eigen::Index>(arc_lengths.size()), rates.cols());
   for (std::size_t m = 0; m < arc_lengths.size(); ++m) {
     const auto first = 2 * static_cast<Eigen::Index>(m);
-    point.move(p.backbone(), p.piece_at(arc_lengths[m]), arc_lengths[m]);
-    p.point_row(point, {1.0, 0.0}, row);
-    out.row(first) = row * rates;
-    p.point_row(point, {0.0, 1.0}, row);
-    out.row(first + 1) = row * rates;
+    p.place(point, arc_lengths[m]);
+    out.row(first) = p.row(point, {1.0, 0.0}) * rates;
+    out.row(first + 1) = p.row(point, {0.0, 1.0}) * rates;
   }
   return out;
 }
 
 LoadedRod::Imbalance LoadedRod::imbalance(const Curvature& curvature, std::span<const double> places) const {
   Pieces& p = pieces({});
-  const Chain& chain = p.chain();
-  Eigen::VectorXd q(chain.coordinate_count());
-  std::vector<double> scaled(static_cast<std::size_t>(chain.nodes()));
-  for (int j = 0; j < chain.piece_count(); ++j) {
-    for (int g = 0; g < chain.nodes(); ++g) {
-      scaled[static_cast<std::size_t>(g)] =
-          chain.length(j, {}) * curvature(chain.start(j, {}) + chain.length(j, {}) * chain.table().sigma[g]);
-    }
-    q.segment(static_cast<Eigen::Index>(j) * chain.functions(), chain.functions()) = chain.project(scaled);
-  }
-  p.move({}, q);
-  p.sum_normals();
+  p.move({}, coordinates({}, curvature));
+  const Eigen::VectorXd missing = -p.residual();
   const Eigen::LLT<Eigen::MatrixXd> bending(p.bending());
-  Imbalance out;
-  out.missing = bending.matrixL().solve(p.residual());
-  out.per_force.resize(chain.coordinate_count(), static_cast<Eigen::Index>(places.size()));
-  MovingPoint point(chain);
-  Eigen::RowVectorXd row;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    point.move(p.backbone(), p.piece_at(places[i]), places[i]);
-    p.point_row(point, point.normal(), row);
-    out.per_force.col(static_cast<Eigen::Index>(i)) = bending.matrixL().solve(row.transpose());
-  }
-  return out;
+  return {bending.matrixL().solve(missing), bending.matrixL().solve(unit_forces(p, places))};
 }
 
 std::vector<LoadedRod::Point> LoadedRod::points(const Shape& shape, std::span<const double> arc_lengths) const {
@@ -390,7 +274,7 @@ std::vector<LoadedRod::Point> LoadedRod::points(const Shape& shape, std::span<co
   MovingPoint point(p.chain());
   std::vector<Point> out;
   for (const double s : arc_lengths) {
-    point.move(p.backbone(), p.piece_at(s), s);
+    p.place(point, s);
     out.push_back({point.position(), point.angle(), point.curvature()});
   }
   return out;

@@ -100,6 +100,9 @@ class TENDRIL_API LoadedRod {
   class Pieces;
   /// The pieces for forces in these stretches between fixed knots; made once each.
   Pieces& pieces(std::span<const NormalForce> forces) const;
+  Eigen::VectorXd coordinates(std::span<const NormalForce> forces, const Curvature& curvature) const;
+  /// What unit normal forces at places do to the coordinates of a state, one column each.
+  static Eigen::MatrixXd unit_forces(Pieces& pieces, std::span<const double> places);
   Shape newton(std::vector<NormalForce> forces, Eigen::VectorXd coordinates) const;
   void move_apart(std::vector<NormalForce>& forces) const;
   std::vector<int> stretches(std::span<const NormalForce> forces) const;

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <vector>
 
 #include "grasp/frames.hpp"
@@ -14,67 +13,16 @@
 namespace tendril {
 namespace {
 
-/// A term's value for made-up quantities of some fingers: all different, none zero.
-class Trial {
- public:
-  Trial(std::size_t samples, const std::array<std::size_t, 2>& moments) {
-    for (std::size_t which = 0; which < 2; ++which) {
-      samples_[which].resize(samples);
-      for (auto& p : samples_[which]) p = {next(), next(), next(), next()};
-      moments_[which].resize(moments[which]);
-      for (double& m : moments_[which]) m = next();
-      const double turn = next();
-      contacts_[which] = {next(), next(), next(), std::cos(turn), std::sin(turn), next(), next(), next(), next()};
-      FingerQuantities<double>& f = fingers_[which];
-      f.tip = {next(), next(), next(), next()};
-      f.samples = samples_[which];
-      f.contacts = {&contacts_[which], 1};
-      f.moments = moments_[which];
-      f.bending_energy = next();
-    }
-  }
-
-  double value(const ObjectiveTerm& term, std::size_t first, std::size_t count) const {
-    Quantities<double> x;
-    x.fingers = {&fingers_[first], count};
-    x.palm_distance = 0.83;
-    std::vector<double> residuals(64);
-    for (;;) {
-      Contribution<double> out{residuals};
-      term.evaluate(x, out);
-      if (out.residual_count() > residuals.size()) {
-        residuals.resize(out.residual_count());
-        continue;
-      }
-      double sum = out.linear_part() + out.smooth_part();
-      for (std::size_t i = 0; i < out.residual_count(); ++i) sum += residuals[i] * residuals[i];
-      return sum;
-    }
-  }
-
- private:
-  double next() { return seed_ += 0.0173; }
-
-  double seed_ = 0.1;
-  std::array<std::vector<BackboneQuantities<double>>, 2> samples_;
-  std::array<std::vector<double>, 2> moments_;
-  std::array<ContactQuantities<double>, 2> contacts_{};
-  std::array<FingerQuantities<double>, 2> fingers_{};
-};
-
-/// Each finger has a program of its own, so a term has to be the sum of what it is for either.
-void require_sums(const Task& upper, const Task& lower, const Scene& scene) {
+/// Each finger has a program of its own, so a term has to say what it says for either alone.
+void require_terms_of_one_finger(const Task& upper, const Scene& scene) {
   for (const PoseProgramTerm& t : upper.terms) {
-    const Trial trial(t.term->reads().samples.size(), {upper.rod.actuators.size(), lower.rod.actuators.size()});
-    const double apart = trial.value(*t.term, 0, 1) + trial.value(*t.term, 1, 1);
-    const double together = trial.value(*t.term, 0, 2);
-    if (std::abs(together - apart) <= 1e-9 * (std::abs(apart) + std::abs(together))) continue;
+    if (!t.term->reads().mirrored) continue;
     std::size_t at = 0;
     while (at + 1 < scene.objectives.size() && scene.objectives[at].plugin != t.name.substr(0, t.name.find('#'))) ++at;
     throw SceneError("objective[" + std::to_string(at) + "].plugin",
                      "objective '" + t.name +
-                         "' is no sum over the fingers, which is all that can be planned where both fingers are; "
-                         "expected terms that read each finger for itself, such as 'actuation_effort'");
+                         "' takes one finger for the other one's mirror image, but both fingers are planned; expected "
+                         "terms that read each finger for itself, such as 'actuation_effort'");
   }
 }
 
@@ -108,7 +56,7 @@ void add_lower_finger(Task& upper, const Scene& scene) {
   set_up_grasp(lower);
   lower.terms = upper.terms;
   lower.objective_scale = upper.objective_scale;
-  require_sums(upper, lower, scene);
+  require_terms_of_one_finger(upper, scene);
   lower.nodes = lower.first_nodes();
 
   // Both stand on one palm.

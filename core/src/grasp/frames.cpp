@@ -62,8 +62,8 @@ FingerPlan reflected(const GripperSpec& gripper, FingerPlan finger) {
   }
   const auto angle_of = [&](double angle) { return 2.0 * gripper.angle - angle; };
   for (BackbonePoint& p : finger.backbone) {
-    const Vec2 at = mirrored(gripper, {p[1], p[2]});
-    p = {p[0], at.x, at.y, angle_of(p[3]), -p[4]};
+    const Vec2 at = mirrored(gripper, p.position());
+    p = {p.s, at.x, at.y, angle_of(p.angle), -p.curvature};
   }
   const Vec2 tip = mirrored(gripper, {finger.tip_x, finger.tip_y});
   finger.tip_x = tip.x;
@@ -227,15 +227,15 @@ void finger_to_world(const GripperSpec& gripper, double distance, Plan& plan) {
     c.normal = rotated(c.normal, gripper.angle);
   }
   for (BackbonePoint& p : plan.backbone) {
-    const Vec2 at = palm_to_world(gripper, {p[1] + distance, p[2]});
-    p[1] = at.x;
-    p[2] = at.y;
-    p[3] += gripper.angle;
+    const Vec2 at = palm_to_world(gripper, {p.x + distance, p.y});
+    p.x = at.x;
+    p.y = at.y;
+    p.angle += gripper.angle;
   }
   if (!plan.backbone.empty()) {
-    plan.tip_x = plan.backbone.back()[1];
-    plan.tip_y = plan.backbone.back()[2];
-    plan.tip_angle = plan.backbone.back()[3];
+    plan.tip_x = plan.backbone.back().x;
+    plan.tip_y = plan.backbone.back().y;
+    plan.tip_angle = plan.backbone.back().angle;
   }
 }
 

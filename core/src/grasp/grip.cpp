@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "grasp/frames.hpp"
 
@@ -18,11 +17,7 @@ class PinchedObject : public Grip {
   void finish(const Task& data, PoseProgram& program, ConstVectorRef x, Plan& plan) const override;
 };
 
-std::string metres(double value) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.6g m", value);
-  return text;
-}
+std::string metres(double value) { return shown(value) + " m"; }
 
 std::string PinchedObject::obstruction(const Task& data, double reach) const {
   const double radius = data.obstacles[0]->smallest_radius();

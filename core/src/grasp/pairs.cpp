@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 
 #include "certificate/both_fingers.hpp"
 #include "certificate/check_points.hpp"
@@ -8,6 +9,7 @@
 #include "rod/self_overlap.hpp"
 #include "scene/plan_report.hpp"
 #include "search/earlier_plan.hpp"
+#include "search/parameters.hpp"
 #include "search/planner.hpp"
 #include "search/steps.hpp"
 #include "tendril/error.hpp"
@@ -17,8 +19,6 @@ namespace tendril {
 namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-constexpr int most_exchanges = 25;
-constexpr int most_refinements = 5;  ///< of the quadrature
 
 template <class T>
 using Both = std::array<T, 2>;  ///< of the upper and the lower finger
@@ -35,23 +35,16 @@ class GraspPlanner {
   Plan run();
 
  private:
-  struct Best {
+  struct Best : Judged {
     std::unique_ptr<GraspProgram> program;
     std::unique_ptr<GraspCertifier> certifier;
     Eigen::VectorXd x;
-    Certificate certificate;
-    double objective = infinity;  ///< scaled
-    OptimalityReport solver;
-    bool has_point() const { return program != nullptr; }
-    bool certified() const { return program && certificate.valid(); }
   };
-  struct Pair : Attempt {
+  struct Pair : Way {
     Both<const Mode*> modes{};
-    std::string skip;
     Best best;
-    bool deferred = false;      ///< nothing feasible was near the last start, and no solver was asked
-    bool left_out = false;      ///< on request: not tried, which proves nothing
     int violations_before = 0;  ///< stationary ones, before the last start
+    const Judged& judged() const override { return best; }
   };
   /// What a program is made of beside its pair of modes.
   struct Assembly {
@@ -76,7 +69,6 @@ class GraspPlanner {
   /// Exchange and certificate; keeps the point if it is better than the pair's best.
   void complete(Pair& pair, Assembly parts, Eigen::VectorXd x);
   void search();
-  void judge(Plan& plan, const Pair* shown) const;
   Plan report();
   /// The shape, moments and contacts of one finger, in the world of its own scene.
   Plan finger_plan(int which, Best& best) const;
@@ -84,7 +76,7 @@ class GraspPlanner {
   Both<Task*> fingers_;
   const PlanControl& control_;
   ProgramSearch steps_;
-  std::vector<Pair> pairs_;
+  std::deque<Pair> pairs_;
   Pair* winner_ = nullptr;
 };
 
@@ -162,21 +154,25 @@ void GraspPlanner::consider(Pair& pair, const Both<StartShape>& shapes, bool onl
   const bool near = restore(pair, *program, feasible);
   if (!near && only_promising) {
     pair.deferred = true;
+    pair.trouble = "nothing feasible is near its starts, and there is a plan without it";
   } else {
     ++pair.starts_used;
     const OptimalityReport r = solve(pair, *program, start);
-    const bool usable = r.x.allFinite() && r.x.size() == start.size() && r.infeasibility <= nearly_feasible;
+    const bool usable =
+        r.x.allFinite() && r.x.size() == start.size() && r.infeasibility <= search_parameters().nearly_feasible;
     Eigen::VectorXd x = usable ? r.x : feasible;
     if (!usable && near) {
       const OptimalityReport again = solve(pair, *program, feasible);
-      if (again.x.allFinite() && again.x.size() == x.size() && again.infeasibility <= nearly_feasible) x = again.x;
+      if (again.x.allFinite() && again.x.size() == x.size() &&
+          again.infeasibility <= search_parameters().nearly_feasible)
+        x = again.x;
     }
     if (usable || near) complete(pair, parts, x);
   }
   // One start is one piece of evidence, however many programs it led to.
   pair.stationary_violations = std::min(pair.stationary_violations, pair.violations_before + 1);
   pair.record.seconds += now() - begin;
-  if (pair.best.certified() && pair.best.objective < best_objective() - beats) winner_ = &pair;
+  if (pair.best.certified() && pair.best.objective < best_objective() - search_parameters().beats) winner_ = &pair;
 }
 
 bool GraspPlanner::exchange(GraspProgram& program, GraspCertifier& certifier, const Eigen::VectorXd& x,
@@ -210,12 +206,12 @@ void GraspPlanner::complete(Pair& pair, Assembly parts, Eigen::VectorXd x) {
   build();
   bool sharp = sharpened();
   const bool exchanges = upper().scene.contact.check_points == 0;
-  for (int round = 0; exchanges && sharp && round < most_exchanges && !must_stop(); ++round) {
+  for (int round = 0; exchanges && sharp && round < search_parameters().most_exchanges && !must_stop(); ++round) {
     if (!x.allFinite() || !exchange(*c.program, *c.certifier, x, parts)) break;
     build();
     sharp = sharpened();
   }
-  for (int refinement = 0; refinement < most_refinements; ++refinement) {
+  for (int refinement = 0; refinement < search_parameters().most_refinements; ++refinement) {
     const double begin = now();
     c.certificate = c.certifier->certify(*c.program, x);
     steps_.tally.seconds_certifying += now() - begin;
@@ -233,9 +229,10 @@ void GraspPlanner::complete(Pair& pair, Assembly parts, Eigen::VectorXd x) {
     pair.trouble = "an objective gives a number that is not finite";
     return;
   }
+  c.has_point = true;
   Best& best = pair.best;
-  const bool better = !best.has_point() || (c.certified() && !best.certified()) ||
-                      (c.certified() == best.certified() && c.objective < best.objective - beats);
+  const bool better = !best.has_point || (c.certified() && !best.certified()) ||
+                      (c.certified() == best.certified() && c.objective < best.objective - search_parameters().beats);
   if (better) best = std::move(c);
 }
 
@@ -269,57 +266,6 @@ Plan GraspPlanner::finger_plan(int which, Best& best) const {
   return plan;
 }
 
-void GraspPlanner::judge(Plan& plan, const Pair* shown) const {
-  const bool by_bound = std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& p) { return !p.skip.empty(); });
-  const bool infeasible = std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& p) {
-    return !p.skip.empty() || (!p.best.has_point() && p.stationary_violations >= most_starts);
-  });
-  const bool stopped = steps_.deadline().interrupted();
-  const bool late = steps_.deadline().cut();
-  plan.search_cut = late;
-  if (steps_.tally.solver_did_nothing() && (winner_ != nullptr || (!stopped && !late))) {
-    plan.status = PlanStatus::failed;
-    plan.message = told_uselessness(plan.solver_name, plan.solver);
-  } else if (winner_ != nullptr) {
-    plan.status = PlanStatus::solved;
-  } else if (stopped) {
-    plan.status = PlanStatus::interrupted;
-    plan.message = "interrupted before a plan was certified";
-  } else if (late) {
-    plan.status = PlanStatus::time_limit;
-    plan.message = "the time limit of " + std::to_string(upper().scene.solver.time_limit) +
-                   " s was reached before a plan was certified";
-  } else if (by_bound) {
-    plan.status = PlanStatus::infeasible;
-    plan.message = "infeasible by a bound: " + pairs_.back().skip;
-  } else if (infeasible) {
-    plan.status = PlanStatus::infeasible;
-    plan.message = "infeasible: from " + std::to_string(most_starts) +
-                   " starts per pair of contacts every search ended where no change of the plan reduces the violation "
-                   "of its constraints";
-    const auto least = std::min_element(pairs_.begin(), pairs_.end(),
-                                        [](const Pair& a, const Pair& b) { return a.violation < b.violation; });
-    plan.message += told_failure(*least);
-  } else if (shown != nullptr) {
-    const Certificate& c = shown->best.certificate;
-    const bool only_unstable =
-        c.failures.size() == 1 && c.contact_convexity > tolerance::convexity && !(c.stability > tolerance::stability);
-    plan.status = only_unstable ? PlanStatus::unstable : PlanStatus::not_converged;
-    plan.message = c.failures.empty() ? "no plan" : c.failures.front();
-  } else {
-    const SolveStatus last = plan.solver.status;
-    const bool refused =
-        last == SolveStatus::unsupported || last == SolveStatus::failed || last == SolveStatus::not_finite;
-    plan.status = last == SolveStatus::diverged ? PlanStatus::diverged
-                  : refused                     ? PlanStatus::failed
-                                                : PlanStatus::not_converged;
-    plan.message = plan.solver.message.empty() ? "no pair of contacts led to a plan" : plan.solver.message;
-    for (const Pair& pair : pairs_) {
-      if (!refused && !pair.trouble.empty()) plan.message = pair.record.mode + ": " + pair.trouble;
-    }
-  }
-}
-
 Plan GraspPlanner::report() {
   const Task& d = upper();
   Plan plan;
@@ -328,53 +274,22 @@ Plan GraspPlanner::report() {
   plan.split_at_contact = d.scene.coordinates.split_at_contact;
   plan.left_out = d.left_out;
   plan.solver_name = d.scene.solver.plugin;
-  // Without a certified plan the nearest one is shown, for what it is worth.
-  Pair* shown = winner_;
-  for (Pair& pair : pairs_) {
-    if (winner_ != nullptr || !pair.best.has_point()) continue;
-    const auto rank = [](const Pair& p) { return std::pair(p.best.certificate.failures.size(), p.best.objective); };
-    if (shown == nullptr || rank(pair) < rank(*shown)) shown = &pair;
-  }
-  for (Pair& pair : pairs_) {
-    if (!pair.skip.empty()) {
-      pair.record.outcome = "skipped: " + pair.skip;
-    } else if (pair.best.has_point()) {
-      pair.record.certified = pair.best.certified();
-      pair.record.objective = pair.best.objective * d.objective_scale;
-      char text[80];
-      std::snprintf(text, sizeof text, "%s, objective %.6g", pair.best.certified() ? "certified" : "not certified",
-                    pair.best.objective * d.objective_scale);
-      pair.record.outcome = text;
-      if (!pair.best.certified()) {
-        pair.record.outcome += ": " + pair.best.certificate.failures.front();
-        if (!pair.trouble.empty()) pair.record.outcome += "; " + pair.trouble;
-      }
-    } else if (pair.starts_used > 0) {
-      pair.record.outcome =
-          "not solved: " + (pair.trouble.empty() ? std::string(to_string(pair.last.status)) : pair.trouble);
-    } else if (pair.left_out) {
-      pair.record.outcome = left_out_outcome;
-    } else if (pair.record.outcome.empty()) {
-      pair.record.outcome = pair.trouble.empty() ? "not tried: stopped before"
-                                                 : "not solved: nothing feasible is near its starts, and there is a "
-                                                   "plan without it";
-    }
-    plan.modes.push_back(pair.record);
-  }
-  if (shown != nullptr) {
-    plan.solver = shown->best.solver;
-  } else {
-    // The last one that was asked; where restoration settled everything none was.
-    plan.solver.status = SolveStatus::infeasible;
-    for (const Pair& pair : pairs_) {
-      if (pair.record.solves > 0) plan.solver = pair.last;
-    }
-  }
-  report_tally(steps_.tally, plan);
-  judge(plan, shown);
-  if (shown == nullptr) return plan;
+  Ways ways;
+  for (Pair& pair : pairs_) ways.push_back(&pair);
+  tell_outcomes(ways, d.objective_scale, "not tried: stopped before", plan);
+  // Without a certified plan the nearest one is reported, for what it is worth.
+  Pair* reported = winner_ != nullptr ? winner_ : static_cast<Pair*>(nearest_way(ways));
+  Grounds grounds;
+  grounds.search = &steps_;
+  grounds.time_limit = d.scene.solver.time_limit;
+  grounds.solved = winner_ != nullptr;
+  grounds.grasp = true;
+  grounds.chosen = reported == nullptr ? nullptr : &reported->best;
+  grounds.unit = "pair of contacts";
+  judge(ways, grounds, plan);
+  if (reported == nullptr) return plan;
 
-  Best& best = shown->best;
+  Best& best = reported->best;
   best.program->cost(best.x);
   plan.certificate = best.certificate;
   plan.objective = best.objective * d.objective_scale;
@@ -420,7 +335,10 @@ Plan GraspPlanner::run() {
   const auto excluded = [&](const Pair& pair) {
     return std::find(control_.without.begin(), control_.without.end(), pair.record.mode) != control_.without.end();
   };
-  for (Pair& pair : pairs_) pair.left_out = excluded(pair);
+  for (Pair& pair : pairs_) {
+    pair.left_out = excluded(pair);
+    if (pair.left_out) pair.record.outcome = left_out_outcome;
+  }
   search();
   return report();
 }

@@ -42,9 +42,6 @@ ComplementarityProgram::ComplementarityProgram(NonlinearProgram& base, std::vect
       base_rows_(base.row_count()) {
   base_x_.setZero(base_variables_);
   base_multipliers_.setZero(base_rows_);
-  const bool in_cost = treatment == Treatment::penalty || treatment == Treatment::slack;
-  has_rest_ = base.has_rest() || (in_cost && !pairs_.empty());
-  rest_is_linear_ = (base.rest_is_linear() || !base.has_rest()) && (treatment != Treatment::penalty || pairs_.empty());
   refresh_bounds();
 }
 

@@ -142,12 +142,15 @@ class Polisher::Newton {
     double merit() const { return std::max(rows, slope); }
   };
 
+  void lagrangian_gradient(const Eigen::VectorXd& x, const Eigen::VectorXd& y, Eigen::VectorXd& slope) {
+    slope = program_->gradient(x);
+    slope.noalias() += program_->jacobian(x).transpose() * y;
+  }
+
   /// Residual of the first-order conditions at x with multipliers y, and the gradient of the Lagrangian.
   Residual residual(const Eigen::VectorXd& x, const Eigen::VectorXd& y, Eigen::VectorXd& slope) {
     const VectorView c = program_->constraints(x);
-    const MatrixView jacobian = program_->jacobian(x);
-    slope = program_->gradient(x);
-    slope.noalias() += jacobian.transpose() * y;
+    lagrangian_gradient(x, y, slope);
     Residual r{0.0, 0.0};
     for (const int i : active_) r.rows = std::max(r.rows, std::abs(c[i] - row_target(i)));
     for (const int i : free_) r.slope = std::max(r.slope, std::abs(slope[i]));
@@ -170,85 +173,30 @@ class Polisher::Newton {
     return std::numeric_limits<double>::epsilon() * largest;
   }
 
+  bool give_up(const char* reason) {
+    report_.reason = reason;
+    return false;
+  }
+
   /// Newton on the current active set. False: no convergence.
   bool newton() {
     pin_bounds();
     collect();
-    const auto nf = static_cast<Eigen::Index>(free_.size());
-    const auto na = static_cast<Eigen::Index>(active_.size());
     Residual now = residual(x_, y_, slope_);
-    if (!std::isfinite(now.merit())) {
-      report_.reason = "a value is not finite";
-      return false;
-    }
-    kkt_.resize(nf + na, nf + na);
-    rhs_.resize(nf + na);
-    step_.resize(nf + na);
-    left_.resize(nf + na);
+    if (!std::isfinite(now.merit())) return give_up("a value is not finite");
     double best = now.merit();
     int without_progress = 0;
     while (now.rows > options_.row_tolerance || now.slope > options_.slope_tolerance) {
-      if (report_.iterations++ >= options_.max_iterations) {
-        report_.reason = "too many steps";
-        return false;
-      }
-      if (options_.stop && options_.stop()) {
-        report_.reason = "stopped";
-        return false;
-      }
-      // The order matters: hessian() moves the program to x.
-      const MatrixView hessian = program_->hessian(x_, 1.0, y_);
-      const MatrixView jacobian = program_->jacobian(x_);
-      const VectorView c = program_->constraints(x_);
-      kkt_.setZero();
-      for (Eigen::Index i = 0; i < nf; ++i) {
-        const int vi = free_[static_cast<std::size_t>(i)];
-        rhs_[i] = -slope_[vi];
-        for (Eigen::Index k = 0; k < nf; ++k) kkt_(k, i) = hessian(free_[static_cast<std::size_t>(k)], vi);
-        for (Eigen::Index r = 0; r < na; ++r) {
-          kkt_(nf + r, i) = kkt_(i, nf + r) = jacobian(active_[static_cast<std::size_t>(r)], vi);
-        }
-      }
-      for (Eigen::Index r = 0; r < na; ++r) {
-        const int i = active_[static_cast<std::size_t>(r)];
-        rhs_[nf + r] = row_target(i) - c[i];
-      }
-      lu_.compute(kkt_);
-      step_ = lu_.solve(rhs_);
-      left_.noalias() = kkt_ * step_;
-      left_ -= rhs_;
-      const double scale = 1.0 + rhs_.cwiseAbs().maxCoeff();
-      if (!step_.allFinite() || left_.cwiseAbs().maxCoeff() > 1e-8 * scale || step_.head(nf).norm() > 1e3) {
-        // Dependent rows or a flat direction: the shortest step that does as well as any.
-        step_ = kkt_.completeOrthogonalDecomposition().solve(rhs_);
-        if (!step_.allFinite()) {
-          report_.reason = "the KKT system has no solution";
-          return false;
-        }
-      }
-      bool accepted = false;
-      double length = 1.0;
-      x_new_ = x_;
-      y_new_ = y_;
-      Residual next;
-      for (int halving = 0; halving < 6 && !accepted; ++halving, length *= 0.5) {
-        for (Eigen::Index i = 0; i < nf; ++i) {
-          const int v = free_[static_cast<std::size_t>(i)];
-          x_new_[v] = x_[v] + length * step_[i];
-        }
-        for (Eigen::Index r = 0; r < na; ++r) {
-          const int i = active_[static_cast<std::size_t>(r)];
-          y_new_[i] = y_[i] + length * step_[nf + r];
-        }
-        next = residual(x_new_, y_new_, slope_new_);
-        accepted = next.merit() < 0.95 * now.merit();
-      }
-      if (!accepted) {
+      if (report_.iterations++ >= options_.max_iterations) return give_up("too many steps");
+      if (options_.stop && options_.stop()) return give_up("stopped");
+      assemble();
+      if (!solve()) return give_up("the KKT system has no solution");
+      const Residual next = search_along_step(now);
+      if (!(next.merit() < infinity)) {
         // At the floor of rounding a Newton step cannot make things better.
         const double floor = std::max(10.0 * options_.row_tolerance, rounding());
         if (now.rows <= floor && now.slope <= 100.0 * options_.slope_tolerance) return true;
-        report_.reason = "Newton steps do not reduce the residual";
-        return false;
+        return give_up("Newton steps do not reduce the residual");
       }
       x_.swap(x_new_);
       y_.swap(y_new_);
@@ -256,12 +204,64 @@ class Polisher::Newton {
       now = next;
       without_progress = now.merit() < 0.5 * best ? 0 : without_progress + 1;
       best = std::min(best, now.merit());
-      if (without_progress > 8) {
-        report_.reason = "slow convergence";
-        return false;
-      }
+      if (without_progress > 8) return give_up("slow convergence");
     }
     return true;
+  }
+
+  /// The KKT system at x: free variables first, then active rows.
+  void assemble() {
+    const auto nf = static_cast<Eigen::Index>(free_.size());
+    const auto na = static_cast<Eigen::Index>(active_.size());
+    // The order matters: hessian() moves the program to x.
+    const MatrixView hessian = program_->hessian(x_, 1.0, y_);
+    const MatrixView jacobian = program_->jacobian(x_);
+    const VectorView c = program_->constraints(x_);
+    rhs_.resize(nf + na);
+    kkt_.setZero(nf + na, nf + na);
+    for (Eigen::Index i = 0; i < nf; ++i) {
+      const int vi = free_[static_cast<std::size_t>(i)];
+      rhs_[i] = -slope_[vi];
+      for (Eigen::Index k = 0; k < nf; ++k) kkt_(k, i) = hessian(free_[static_cast<std::size_t>(k)], vi);
+      for (Eigen::Index r = 0; r < na; ++r) {
+        kkt_(nf + r, i) = kkt_(i, nf + r) = jacobian(active_[static_cast<std::size_t>(r)], vi);
+      }
+    }
+    for (Eigen::Index r = 0; r < na; ++r) {
+      const int i = active_[static_cast<std::size_t>(r)];
+      rhs_[nf + r] = row_target(i) - c[i];
+    }
+  }
+
+  /// The step that solves the system. False: there is none.
+  bool solve() {
+    lu_.compute(kkt_);
+    step_.resize(rhs_.size());
+    left_.resize(rhs_.size());
+    step_ = lu_.solve(rhs_);
+    left_.noalias() = kkt_ * step_;
+    left_ -= rhs_;
+    const double scale = 1.0 + rhs_.cwiseAbs().maxCoeff();
+    const auto nf = static_cast<Eigen::Index>(free_.size());
+    if (step_.allFinite() && left_.cwiseAbs().maxCoeff() <= 1e-8 * scale && step_.head(nf).norm() <= 1e3) return true;
+    // Dependent rows or a flat direction: the shortest step that does as well as any.
+    step_ = kkt_.completeOrthogonalDecomposition().solve(rhs_);
+    return step_.allFinite();
+  }
+
+  /// Goes along the step, halved until the residual falls; infinite where it does not.
+  Residual search_along_step(const Residual& now) {
+    x_new_ = x_;
+    y_new_ = y_;
+    double length = 1.0;
+    for (int halving = 0; halving < 6; ++halving, length *= 0.5) {
+      Eigen::Index k = 0;
+      for (const int i : free_) x_new_[i] = x_[i] + length * step_[k++];
+      for (const int i : active_) y_new_[i] = y_[i] + length * step_[k++];
+      const Residual next = residual(x_new_, y_new_, slope_new_);
+      if (next.merit() < 0.95 * now.merit()) return next;
+    }
+    return {};
   }
 
   /// Adds what is violated, else drops the worst multiplier of the wrong sign. False: nothing to correct.
@@ -284,8 +284,7 @@ class Polisher::Newton {
       changed = changed || side != Side::inactive;
     }
     if (changed) return true;
-    slope_ = program_->gradient(x_);
-    slope_.noalias() += program_->jacobian(x_).transpose() * y_;
+    lagrangian_gradient(x_, y_, slope_);
     // A multiplier counts as wrong only beyond the accuracy of the slopes themselves.
     double worst = 1e-9 * (1.0 + (y_.size() > 0 ? y_.cwiseAbs().maxCoeff() : 0.0));
     Side* drop = nullptr;
@@ -309,8 +308,7 @@ class Polisher::Newton {
     report_.converged = converged;
     report_.x = x_;
     report_.multipliers = y_;
-    slope_ = program_->gradient(x_);
-    slope_.noalias() += program_->jacobian(x_).transpose() * y_;
+    lagrangian_gradient(x_, y_, slope_);
     report_.bound_multipliers.setZero(program_->variable_count());
     report_.stationarity = 0.0;
     for (int i = 0; i < program_->variable_count(); ++i) {

@@ -1,69 +1,51 @@
 #include "objective/term_set.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "obstacle/surface.hpp"
 #include "tendril/error.hpp"
 
 namespace tendril {
+
+template <class T>
+TermEvaluator::View<T>::View(const Reads& reads, int contact_count, int moment_count)
+    : samples(reads.samples.size()),
+      contacts(static_cast<std::size_t>(reads.any_contact() ? contact_count : 0)),
+      moments(static_cast<std::size_t>(reads.moments ? moment_count : 0)) {
+  seen.samples = samples;
+  seen.contacts = contacts;
+  seen.moments = moments;
+}
+
+template <class T>
+Contribution<T> TermEvaluator::View<T>::run(const ObjectiveTerm& term) {
+  Contribution<T> out{residuals};
+  term.evaluate(seen, out);
+  return out;
+}
+
 TermEvaluator::TermEvaluator(WeightedTerm term, const Target& target, int contacts, int moments, const TermUnits& units)
-    : weighted_(std::move(term)), reads_(weighted_.term->reads()), units_(units) {
+    : weighted_(std::move(term)),
+      reads_(weighted_.term->reads()),
+      units_(units),
+      plain_(reads_, contacts, moments),
+      dual_(reads_, contacts, moments) {
   for (const double s : reads_.samples) {
     if (!(s >= 0.0 && s <= 1.0)) {
-      throw Error("objective '" + weighted_.name +
-                  "' asks for a backbone sample outside the rod (s/L = " + std::to_string(s) + ")");
+      throw Error("objective '" + weighted_.name + "' asks for a backbone sample outside the rod (s/L = " + shown(s) +
+                  ")");
     }
   }
-  finger_.resize(1);
-  dual_finger_.resize(1);
-  samples_.resize(reads_.samples.size());
-  dual_samples_.resize(samples_.size());
-  if (reads_.any_contact()) {
-    contacts_.resize(static_cast<std::size_t>(contacts));
-    dual_contacts_.resize(contacts_.size());
-  }
-  if (reads_.moments) {
-    moments_.resize(static_cast<std::size_t>(moments));
-    dual_moments_.resize(moments_.size());
-  }
-  finger_[0].samples = samples_;
-  finger_[0].contacts = contacts_;
-  finger_[0].moments = moments_;
-  dual_finger_[0].samples = dual_samples_;
-  dual_finger_[0].contacts = dual_contacts_;
-  dual_finger_[0].moments = dual_moments_;
-  quantities_.fingers = finger_;
-  dual_quantities_.fingers = dual_finger_;
   set_target(target);
-
-  // The number of residuals and the parts that the term uses show in one dry run. Its quantities are all different from
-  // zero, so that a part that is used is not zero by accident.
-  double probe = 0.1;
-  const auto next = [&probe] { return probe += 0.0173; };
-  for (auto* p : {&finger_[0].tip}) *p = {next(), next(), next(), next()};
-  for (auto& p : samples_) p = {next(), next(), next(), next()};
-  for (auto& c : contacts_) c = {next(), next(), next(), 0.6, 0.8, next(), next(), next(), next()};
-  for (double& m : moments_) m = next();
-  finger_[0].bending_energy = next();
-  quantities_.palm_distance = next();
-  Contribution<double> dry{std::span<double>{}};
-  weighted_.term->evaluate(quantities_, dry);
-  residuals_ = static_cast<int>(dry.residual_count());
-  has_linear_ = dry.linear_part() != 0.0;
-  has_smooth_ = dry.smooth_part() != 0.0;
-  finger_[0].tip = {};
-  finger_[0].bending_energy = 0.0;
-  quantities_.palm_distance = 0.0;
-  for (auto& p : samples_) p = {};
-  for (auto& c : contacts_) c = {};
-  for (double& m : moments_) m = 0.0;
-  residual_values_.resize(static_cast<std::size_t>(residuals_));
-  dual_residuals_.resize(static_cast<std::size_t>(residuals_));
+  // How many residuals there are is the same at every point.
+  plain_.residuals.resize(plain_.run(*weighted_.term).residual_count());
+  dual_.residuals.resize(plain_.residuals.size());
 }
 
 void TermEvaluator::set_target(const Target& target) {
-  quantities_.target = target;
-  dual_quantities_.target = target;
+  plain_.seen.target = target;
+  dual_.seen.target = target;
 }
 
 void TermEvaluator::add_input(double& value, HyperDual& dual, int base, double unit) {
@@ -94,43 +76,50 @@ void TermEvaluator::bind(const BaseIndex& index, std::size_t first_sample) {
   inputs_.clear();
   const double length = units_.length;
   const double moment = units_.force * units_.length;
-  FingerQuantities<double>& f = finger_[0];
-  FingerQuantities<HyperDual>& d = dual_finger_[0];
+  Quantities<double>& p = plain_.seen;
+  Quantities<HyperDual>& d = dual_.seen;
   if (reads_.tip_position) {
-    add_input(f.tip.x, d.tip.x, index.tip.x, length);
-    add_input(f.tip.y, d.tip.y, index.tip.y, length);
+    add_input(p.tip.x, d.tip.x, index.tip.x, length);
+    add_input(p.tip.y, d.tip.y, index.tip.y, length);
   }
-  if (reads_.tip_angle) add_input(f.tip.angle, d.tip.angle, index.tip.angle, 1.0);
-  for (std::size_t i = 0; i < samples_.size(); ++i) {
-    const BaseIndex::Point& p = index.samples[first_sample + i];
-    add_input(samples_[i].x, dual_samples_[i].x, p.x, length);
-    add_input(samples_[i].y, dual_samples_[i].y, p.y, length);
-    add_input(samples_[i].angle, dual_samples_[i].angle, p.angle, 1.0);
-    add_input(samples_[i].curvature, dual_samples_[i].curvature, p.curvature, 1.0 / length);
+  if (reads_.tip_angle) add_input(p.tip.angle, d.tip.angle, index.tip.angle, 1.0);
+  for (std::size_t i = 0; i < plain_.samples.size(); ++i) {
+    const BaseIndex::Point& at = index.samples[first_sample + i];
+    BackboneQuantities<double>& plain = plain_.samples[i];
+    BackboneQuantities<HyperDual>& dual = dual_.samples[i];
+    add_input(plain.x, dual.x, at.x, length);
+    add_input(plain.y, dual.y, at.y, length);
+    add_input(plain.angle, dual.angle, at.angle, 1.0);
+    add_input(plain.curvature, dual.curvature, at.curvature, 1.0 / length);
   }
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const BaseIndex::Contact& c = index.contacts[k];
-    if (reads_.contact_point) {
-      add_input(contacts_[k].x, dual_contacts_[k].x, c.point.x, length);
-      add_input(contacts_[k].y, dual_contacts_[k].y, c.point.y, length);
-    }
-    if (reads_.contact_gap) add_surface_input(contacts_[k].gap, dual_contacts_[k].gap, Kind::gap, static_cast<int>(k));
-    if (reads_.contact_normal) {
-      add_surface_input(contacts_[k].normal_x, dual_contacts_[k].normal_x, Kind::normal_x, static_cast<int>(k));
-      add_surface_input(contacts_[k].normal_y, dual_contacts_[k].normal_y, Kind::normal_y, static_cast<int>(k));
-    }
-    if (reads_.contact_force) add_input(contacts_[k].force, dual_contacts_[k].force, c.force, units_.force);
-    if (reads_.contact_arc_length)
-      add_input(contacts_[k].arc_length, dual_contacts_[k].arc_length, c.arc_length, length);
+  for (std::size_t k = 0; k < plain_.contacts.size(); ++k) bind_contact(static_cast<int>(k));
+  for (std::size_t a = 0; a < plain_.moments.size(); ++a) {
+    add_input(plain_.moments[a], dual_.moments[a], index.moments[a], moment);
   }
-  for (std::size_t a = 0; a < moments_.size(); ++a) add_input(moments_[a], dual_moments_[a], index.moments[a], moment);
-  if (reads_.bending_energy) add_input(f.bending_energy, d.bending_energy, index.energy, moment);
-  if (reads_.palm_distance) add_input(quantities_.palm_distance, dual_quantities_.palm_distance, index.palm, length);
+  if (reads_.bending_energy) add_input(p.bending_energy, d.bending_energy, index.energy, moment);
+  if (reads_.palm_distance) add_input(p.palm_distance, d.palm_distance, index.palm, length);
   input_gradient_.resize(inputs_.size());
   input_hessian_.resize(inputs_.size() * inputs_.size());
 }
 
-void TermEvaluator::evaluate(const BaseValues& at, double& cost, double& rest, double* residuals) {
+void TermEvaluator::bind_contact(int k) {
+  const BaseIndex::Contact& at = index_->contacts[static_cast<std::size_t>(k)];
+  ContactQuantities<double>& plain = plain_.contacts[static_cast<std::size_t>(k)];
+  ContactQuantities<HyperDual>& dual = dual_.contacts[static_cast<std::size_t>(k)];
+  if (reads_.contact_point) {
+    add_input(plain.x, dual.x, at.point.x, units_.length);
+    add_input(plain.y, dual.y, at.point.y, units_.length);
+  }
+  if (reads_.contact_gap) add_surface_input(plain.gap, dual.gap, Kind::gap, k);
+  if (reads_.contact_normal) {
+    add_surface_input(plain.normal_x, dual.normal_x, Kind::normal_x, k);
+    add_surface_input(plain.normal_y, dual.normal_y, Kind::normal_y, k);
+  }
+  if (reads_.contact_force) add_input(plain.force, dual.force, at.force, units_.force);
+  if (reads_.contact_arc_length) add_input(plain.arc_length, dual.arc_length, at.arc_length, units_.length);
+}
+
+void TermEvaluator::read_inputs(const BaseValues& at) {
   for (Input& input : inputs_) {
     if (input.kind == Kind::plain) {
       *input.value = input.unit * at.base[input.base[0]];
@@ -141,46 +130,39 @@ void TermEvaluator::evaluate(const BaseValues& at, double& cost, double& rest, d
                    : input.kind == Kind::normal_x ? s.normal.x
                                                   : s.normal.y;
   }
-  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+  for (std::size_t k = 0; k < plain_.contacts.size(); ++k) {
     // A tip contact has no arc length among its variables, yet sits at 1.
     if (reads_.contact_arc_length && index_->contacts[k].arc_length < 0) {
-      contacts_[k].arc_length = units_.length;
-      dual_contacts_[k].arc_length = units_.length;
+      dual_.contacts[k].arc_length = plain_.contacts[k].arc_length = units_.length;
     }
     if (!reads_.contact_point) continue;
     const Vec2 reference = units_.length * at.references[k];
-    contacts_[k].reference_x = reference.x;
-    contacts_[k].reference_y = reference.y;
-    dual_contacts_[k].reference_x = reference.x;
-    dual_contacts_[k].reference_y = reference.y;
+    dual_.contacts[k].reference_x = plain_.contacts[k].reference_x = reference.x;
+    dual_.contacts[k].reference_y = plain_.contacts[k].reference_y = reference.y;
   }
   if (reads_.palm_distance && index_->palm < 0) {
-    quantities_.palm_distance = units_.length * at.palm;
-    dual_quantities_.palm_distance = units_.length * at.palm;
+    dual_.seen.palm_distance = plain_.seen.palm_distance = units_.length * at.palm;
   }
-  Contribution<double> out{residual_values_};
-  weighted_.term->evaluate(quantities_, out);
-  if (static_cast<int>(out.residual_count()) != residuals_) {
+}
+
+void TermEvaluator::evaluate(const BaseValues& at, double& cost, double& rest, double* residuals) {
+  read_inputs(at);
+  const Contribution<double> out = plain_.run(*weighted_.term);
+  if (out.residual_count() != plain_.residuals.size()) {
     throw Error("objective '" + weighted_.name + "' changed its number of residuals from " +
-                std::to_string(residuals_) + " to " + std::to_string(out.residual_count()));
+                std::to_string(plain_.residuals.size()) + " to " + std::to_string(out.residual_count()));
   }
   const double root = std::sqrt(weighted_.weight);
   double squares = 0.0;
-  for (int i = 0; i < residuals_; ++i) {
-    const double r = root * residual_values_[static_cast<std::size_t>(i)];
-    residuals[i] = r;
+  for (const double residual : plain_.residuals) {
+    const double r = root * residual;
+    *residuals++ = r;
     squares += r * r;
   }
-  const double extra = weighted_.weight * (out.linear_part() + out.smooth_part());
+  const double extra = weighted_.weight * out.smooth_part();
   value_ = squares + extra;
   cost += value_;
   rest += extra;
-}
-
-Contribution<HyperDual> TermEvaluator::run_dual() {
-  Contribution<HyperDual> out{dual_residuals_};
-  weighted_.term->evaluate(dual_quantities_, out);
-  return out;
 }
 
 void TermEvaluator::refresh_factors(const BaseValues& at) {
@@ -205,20 +187,18 @@ void TermEvaluator::differentiate(const BaseValues& at, Eigen::VectorXd& gradien
   refresh_factors(at);
   const double weight = weighted_.weight;
   const double root = std::sqrt(weight);
+  const int residuals = residual_count();
   const auto scatter = [&](const Input& input, auto direction, const Contribution<HyperDual>& out) {
-    const double extra = weight * (direction(out.linear_part()) + direction(out.smooth_part()));
+    const double extra = weight * direction(out.smooth_part());
     double total = extra;
-    for (int r = 0; r < residuals_; ++r) {
-      const HyperDual& value = dual_residuals_[static_cast<std::size_t>(r)];
-      total += 2.0 * weight * value.v * direction(value);
-    }
+    for (const HyperDual& value : dual_.residuals) total += 2.0 * weight * value.v * direction(value);
     for (int side = 0; side < 2; ++side) {
       if (input.base[side] < 0) continue;
       gradient[input.base[side]] += input.factor[side] * total;
       rest_gradient[input.base[side]] += input.factor[side] * extra;
-      for (int r = 0; r < residuals_; ++r) {
+      for (int r = 0; r < residuals; ++r) {
         jacobian(first + r, input.base[side]) +=
-            input.factor[side] * root * direction(dual_residuals_[static_cast<std::size_t>(r)]);
+            input.factor[side] * root * direction(dual_.residuals[static_cast<std::size_t>(r)]);
       }
     }
   };
@@ -227,7 +207,7 @@ void TermEvaluator::differentiate(const BaseValues& at, Eigen::VectorXd& gradien
     const bool pair = i + 1 < inputs_.size();
     inputs_[i].dual->a = 1.0;
     if (pair) inputs_[i + 1].dual->b = 1.0;
-    const Contribution<HyperDual> out = run_dual();
+    const Contribution<HyperDual> out = dual_.run(*weighted_.term);
     inputs_[i].dual->a = 0.0;
     scatter(
         inputs_[i], [](const HyperDual& x) { return x.a; }, out);
@@ -238,20 +218,18 @@ void TermEvaluator::differentiate(const BaseValues& at, Eigen::VectorXd& gradien
   }
 }
 
-void TermEvaluator::add_hessian(const BaseValues& at, double sigma, Eigen::MatrixXd& hessian) {
-  refresh_factors(at);
-  const double weight = sigma * weighted_.weight;
+void TermEvaluator::differentiate_twice(double weight) {
   const std::size_t n = inputs_.size();
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t k = i; k < n; ++k) {
       inputs_[i].dual->a = 1.0;
       inputs_[k].dual->b = 1.0;
-      const Contribution<HyperDual> out = run_dual();
+      const Contribution<HyperDual> out = dual_.run(*weighted_.term);
       inputs_[i].dual->a = 0.0;
       inputs_[k].dual->b = 0.0;
-      double second = out.linear_part().ab + out.smooth_part().ab;
-      double slope = out.linear_part().a + out.smooth_part().a;
-      for (const HyperDual& r : dual_residuals_) {
+      double second = out.smooth_part().ab;
+      double slope = out.smooth_part().a;
+      for (const HyperDual& r : dual_.residuals) {
         second += 2.0 * (r.a * r.b + r.v * r.ab);
         slope += 2.0 * r.v * r.a;
       }
@@ -259,21 +237,27 @@ void TermEvaluator::add_hessian(const BaseValues& at, double sigma, Eigen::Matri
       input_hessian_[i * n + k] = input_hessian_[k * n + i] = weight * second;
     }
   }
+}
+
+void TermEvaluator::add_hessian(const BaseValues& at, double sigma, Eigen::MatrixXd& hessian) {
+  refresh_factors(at);
+  differentiate_twice(sigma * weighted_.weight);
+  const std::size_t n = inputs_.size();
   for (std::size_t i = 0; i < n; ++i) {
+    const Input& input = inputs_[i];
     for (std::size_t k = 0; k < n; ++k) {
       const double value = input_hessian_[i * n + k];
       if (value == 0.0) continue;
       for (int a = 0; a < 2; ++a) {
-        if (inputs_[i].base[a] < 0) continue;
+        if (input.base[a] < 0) continue;
         for (int b = 0; b < 2; ++b) {
           if (inputs_[k].base[b] < 0) continue;
-          hessian(inputs_[i].base[a], inputs_[k].base[b]) += inputs_[i].factor[a] * inputs_[k].factor[b] * value;
+          hessian(input.base[a], inputs_[k].base[b]) += input.factor[a] * inputs_[k].factor[b] * value;
         }
       }
     }
-    // Gap and normal are themselves curved functions of the contact point.
-    const Input& input = inputs_[i];
     if (input.kind == Kind::plain) continue;
+    // Gap and normal are themselves curved functions of the contact point.
     const SurfacePoint& s = at.surfaces[static_cast<std::size_t>(input.contact)];
     const Symmetric2 second = input.kind == Kind::gap
                                   ? distance_hessian(s)
@@ -295,17 +279,12 @@ TermSet::TermSet(const std::vector<WeightedTerm>& terms, const Target& target, i
 }
 
 bool TermSet::reads_tip() const {
-  for (const TermEvaluator& t : terms_) {
-    if (t.reads().tip_position || t.reads().tip_angle) return true;
-  }
-  return false;
+  return std::any_of(terms_.begin(), terms_.end(),
+                     [](const TermEvaluator& t) { return t.reads().tip_position || t.reads().tip_angle; });
 }
 
 bool TermSet::reads_energy() const {
-  for (const TermEvaluator& t : terms_) {
-    if (t.reads().bending_energy) return true;
-  }
-  return false;
+  return std::any_of(terms_.begin(), terms_.end(), [](const TermEvaluator& t) { return t.reads().bending_energy; });
 }
 
 std::vector<double> TermSet::sample_arc_lengths() const {
@@ -325,20 +304,6 @@ void TermSet::bind(const BaseIndex& index) {
 
 void TermSet::set_target(const Target& target) {
   for (TermEvaluator& t : terms_) t.set_target(target);
-}
-
-bool TermSet::has_rest() const {
-  for (const TermEvaluator& t : terms_) {
-    if (t.has_linear() || t.has_smooth()) return true;
-  }
-  return false;
-}
-
-bool TermSet::rest_is_linear() const {
-  for (const TermEvaluator& t : terms_) {
-    if (t.has_smooth()) return false;
-  }
-  return true;
 }
 
 void TermSet::evaluate(const BaseValues& at, double& cost, double& rest, Eigen::VectorXd& residuals) {

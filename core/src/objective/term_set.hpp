@@ -58,9 +58,7 @@ class TermEvaluator {
 
   const std::string& name() const { return weighted_.name; }
   const Reads& reads() const { return reads_; }
-  int residual_count() const { return residuals_; }
-  bool has_linear() const { return has_linear_; }
-  bool has_smooth() const { return has_smooth_; }
+  int residual_count() const { return static_cast<int>(plain_.residuals.size()); }
   /// Weighted value at the last point.
   double value() const { return value_; }
 
@@ -76,6 +74,18 @@ class TermEvaluator {
   void add_hessian(const BaseValues& at, double sigma, Eigen::MatrixXd& hessian);
 
  private:
+  /// What the term sees and says, with the storage behind it.
+  template <class T>
+  struct View {
+    View(const Reads& reads, int contact_count, int moment_count);
+    Contribution<T> run(const ObjectiveTerm& term);
+
+    std::vector<BackboneQuantities<T>> samples;
+    std::vector<ContactQuantities<T>> contacts;
+    std::vector<T> moments;
+    Quantities<T> seen;
+    std::vector<T> residuals;
+  };
   enum class Kind { plain, gap, normal_x, normal_y };
   struct Input {
     double* value = nullptr;
@@ -90,29 +100,20 @@ class TermEvaluator {
   void add_surface_input(double& value, HyperDual& dual, Kind kind, int contact);
   /// Derivatives of the inputs with respect to base quantities at the current surfaces.
   void refresh_factors(const BaseValues& at);
-  Contribution<HyperDual> run_dual();
+  void bind_contact(int contact);
+  void read_inputs(const BaseValues& at);
+  /// Derivatives of the term by its inputs, times `weight`, into input_gradient_ and input_hessian_.
+  void differentiate_twice(double weight);
 
   WeightedTerm weighted_;
   Reads reads_;
   TermUnits units_;
   const BaseIndex* index_ = nullptr;
   std::vector<Input> inputs_;
-  int residuals_ = 0;
-  bool has_linear_ = false, has_smooth_ = false;
   double value_ = 0.0;
 
-  std::vector<FingerQuantities<double>> finger_;
-  std::vector<BackboneQuantities<double>> samples_;
-  std::vector<ContactQuantities<double>> contacts_;
-  std::vector<double> moments_;
-  std::vector<FingerQuantities<HyperDual>> dual_finger_;
-  std::vector<BackboneQuantities<HyperDual>> dual_samples_;
-  std::vector<ContactQuantities<HyperDual>> dual_contacts_;
-  std::vector<HyperDual> dual_moments_;
-  Quantities<double> quantities_;
-  Quantities<HyperDual> dual_quantities_;
-  std::vector<double> residual_values_;
-  std::vector<HyperDual> dual_residuals_;
+  View<double> plain_;
+  View<HyperDual> dual_;
   std::vector<double> input_gradient_, input_hessian_;
 };
 
@@ -129,8 +130,6 @@ class TermSet {
   void set_target(const Target& target);
 
   int residual_count() const { return residual_count_; }
-  bool has_rest() const;
-  bool rest_is_linear() const;
   std::size_t size() const { return terms_.size(); }
   const TermEvaluator& operator[](std::size_t i) const { return terms_[i]; }
 

@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <sstream>
 #include <string>
 
 #include "tendril/error.hpp"
+#include "tendril/numbers.hpp"
 
 namespace tendril {
 
@@ -14,12 +14,6 @@ namespace {
 
 [[noreturn]] void refuse(std::string_view name, const std::string& found, const std::string& expected) {
   throw Error("option '" + std::string(name) + "': found " + found + "; expected " + expected);
-}
-
-std::string text(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
 }
 
 Eigen::MatrixXd square_matrix(const NumberTable& table, int size, std::string_view name) {
@@ -56,21 +50,21 @@ NumberTable weight_root(const NumberTable& table, int size, std::string_view nam
       if (std::abs(q(i, k) - q(k, i)) <= tolerance * largest) continue;
       refuse(name,
              "a matrix that is not symmetric: entry (" + std::to_string(k + 1) + "," + std::to_string(i + 1) + ") is " +
-                 text(q(k, i)) + ", entry (" + std::to_string(i + 1) + "," + std::to_string(k + 1) + ") is " +
-                 text(q(i, k)),
+                 shown(q(k, i)) + ", entry (" + std::to_string(i + 1) + "," + std::to_string(k + 1) + ") is " +
+                 shown(q(i, k)),
              "a symmetric matrix");
     }
   }
   if (q.isDiagonal(0.0)) {
     if (q.diagonal().minCoeff() < 0.0) {
-      refuse(name, "the weight " + text(q.diagonal().minCoeff()), "weights >= 0");
+      refuse(name, "the weight " + shown(q.diagonal().minCoeff()), "weights >= 0");
     }
     return as_table(q.cwiseSqrt());
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(q);
   const double smallest = eigen.eigenvalues()[0];
   if (smallest < -tolerance * largest) {
-    refuse(name, "a matrix with the eigenvalue " + text(smallest), "a positive semidefinite matrix");
+    refuse(name, "a matrix with the eigenvalue " + shown(smallest), "a positive semidefinite matrix");
   }
   return as_table(eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose());
 }

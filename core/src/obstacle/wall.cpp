@@ -65,9 +65,9 @@ Component<Obstacle> wall_component() {
             // Numbers whose square under- or overflows are no directions either.
             const double length = norm(out);
             if (!(length > 1e-150 && length < 1e150)) {
-              throw OptionError("normal", {},
-                                "option 'normal' of a wall: found a vector of length " + std::to_string(length) +
-                                    "; expected a direction");
+              throw OptionError(
+                  "normal", {},
+                  "option 'normal' of a wall: found a vector of length " + shown(length) + "; expected a direction");
             }
             return std::make_unique<Wall>(point_of(options, "point"), out);
           }};

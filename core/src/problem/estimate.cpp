@@ -2,9 +2,9 @@
 
 #include <Eigen/QR>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
+#include "base/deadline.hpp"
 #include "estimate/estimate_fit.hpp"
 #include "estimate/significance.hpp"
 #include "scene/make_rod.hpp"
@@ -27,11 +27,7 @@ constexpr int orders[] = {12, 18, 26, 38};
 constexpr double order_tolerance = 1e-10;
 constexpr int most_refining_steps = 200;
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", value);
-  return buffer;
-}
+std::string text(double value) { return shown(value, 3); }
 
 /// The scene made dimensionless.
 struct Input {
@@ -143,7 +139,7 @@ struct Refined {
   double change = infinity;
 };
 
-Refined refine(const Input& in, const LoadedRod& coarse, const ShapeFit& fit, double turn, const FitLimits& limits,
+Refined refine(const Input& in, const LoadedRod& coarse, const ShapeFit& fit, double turn, const Deadline& deadline,
                int& solves) {
   Refined out;
   out.fit = fit;
@@ -151,7 +147,7 @@ Refined refine(const Input& in, const LoadedRod& coarse, const ShapeFit& fit, do
   for (const int order : orders) {
     auto rod = std::make_unique<LoadedRod>(in.rod, in.moments, order, turn);
     const LoadedRod::Shape start = rod->solve(out.fit.shape.forces, source->curvature(out.fit.shape));
-    ShapeFit next = fit_shape(*rod, in.measured, start, final_accuracy, most_refining_steps, limits);
+    ShapeFit next = fit_shape(*rod, in.measured, start, final_accuracy, most_refining_steps, deadline);
     solves += rod->solve_count();
     if (!next.converged) return out;
     out.change = (next.response.points - out.fit.response.points).lpNorm<Eigen::Infinity>();
@@ -183,9 +179,9 @@ const ShapeFit* rival_of(const std::vector<ShapeFit>& fits, const Eigen::MatrixX
     if (other.sum - fits.front().sum > equally_good * variance) break;
     for (std::size_t k = 0; k < best.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(2 * k);
-      const double slide = std::abs(other.shape.forces[k].arc_length - best[k].arc_length);
+      const double shift = std::abs(other.shape.forces[k].arc_length - best[k].arc_length);
       const double error = std::sqrt(covariance(i + 1, i + 1));
-      if (slide > 0.02 && slide > 3.0 * error) return &other;
+      if (shift > 0.02 && shift > 3.0 * error) return &other;
     }
   }
   return nullptr;
@@ -266,6 +262,59 @@ void conclude(const Input& in, Estimate& out) {
   }
 }
 
+/// Fits with no contact, one, and so on, each tested against the one before; fewer where time is over.
+std::vector<Level> fit_levels(const Input& in, const LoadedRod& rod, const Deadline& deadline, int& starts) {
+  const LoadedRod::Curvature curvature = measured_curvature(in.rod, in.measured);
+  std::vector<Level> levels;
+  for (int contacts = 0; contacts <= in.most_contacts; ++contacts) {
+    Level level;
+    level.test.contacts = contacts;
+    level.test.degrees_of_freedom = in.measured.degrees_of_freedom(contacts);
+    const ShapeFit none;
+    const ShapeFit& fewer = contacts == 0 || levels.back().fits.empty() ? none : levels.back().fits.front();
+    if (contacts == 0) {
+      level.fits = {fit_shape(rod, in.measured, rod.solve({}, curvature), search_accuracy, 1, deadline)};
+    } else {
+      level.fits = search(rod, in.measured, curvature, contacts, fewer, deadline, starts);
+    }
+    if (deadline.over()) return levels;
+    std::erase_if(level.fits, [](const ShapeFit& f) { return !std::isfinite(f.sum); });
+    // Without an equilibrium of fewer contacts only more of them can explain the shape.
+    level.test.converged = level.test.supported = !level.fits.empty();
+    if (contacts > 0) level.test.probability = level.test.converged ? 0.0 : 1.0;
+    if (contacts > 0 && level.test.converged && !levels.back().fits.empty()) {
+      test_improvement(rod, in.measured, fewer, level);
+    }
+    levels.push_back(std::move(level));
+  }
+  return levels;
+}
+
+/// What the points say with the number of contacts that they support.
+void report_fit(const Input& in, const Refined& refined, const std::vector<ShapeFit>& fits, Estimate& out) {
+  const ShapeFit& fit = refined.fit;
+  out.order = refined.rod->order();
+  out.model_error = refined.change * in.scale.length;
+  const double variance = in.measured.variance(fit.sum, fit.contacts());
+  out.noise_estimated = in.measured.noise == 0.0;
+  out.noise = std::sqrt(variance) * in.scale.length;
+  out.residual_rms = std::sqrt(fit.sum / static_cast<double>(in.measured.points.size())) * in.scale.length;
+  out.chi_square = fit.sum / variance;
+  out.degrees_of_freedom = in.measured.degrees_of_freedom(fit.contacts());
+  if (!out.noise_estimated) out.fit_probability = chi_square_probability(out.chi_square, out.degrees_of_freedom);
+  report_contacts(in, refined, fits, out);
+
+  constexpr std::size_t drawn = 101;
+  std::vector<double> places(drawn);
+  for (std::size_t i = 0; i < drawn; ++i) places[i] = static_cast<double>(i) / (drawn - 1);
+  const std::vector<LoadedRod::Point> points = refined.rod->points(fit.shape, places);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    out.backbone.push_back({places[i] * in.scale.length, in.scale.length * points[i].position.x,
+                            in.scale.length * points[i].position.y, points[i].angle,
+                            points[i].curvature / in.scale.length});
+  }
+}
+
 std::vector<LeftOut> left_out_of(const Scene& scene) {
   std::vector<LeftOut> out;
   out.push_back({"coordinates plugin", "an estimate uses Legendre functions whose order it chooses itself"});
@@ -299,57 +348,29 @@ std::string_view to_string(EstimateStatus status) {
 }
 
 Estimate estimate(const Scene& scene, const PlanControl& control) {
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin = now();
   const Input in = read(scene);
   Estimate out;
   out.moments = known_moments(scene);
   out.left_out = left_out_of(scene);
-  FitLimits limits{control.stop, begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                             std::chrono::duration<double>(scene.solver.time_limit))};
+  const Deadline deadline(control.stop, scene.solver.time_limit);
   const auto finish = [&] {
-    if (limits.interrupted()) {
+    if (deadline.interrupted()) {
       out.status = EstimateStatus::interrupted;
       out.message = "interrupted";
-    } else if (limits.late()) {
+    } else if (deadline.over()) {
       out.status = EstimateStatus::time_limit;
       out.message = "the time limit of " + text(scene.solver.time_limit) + " s was reached";
     }
-    out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    out.seconds = now() - begin;
     return out;
   };
 
   // A piece may turn by somewhat more than the noisy chords of the whole rod show.
   const double turn = std::min(30.0, measured_turn(in.rod, in.measured) + 1.0);
   const LoadedRod rod(in.rod, in.moments, first_order, turn);
-  const LoadedRod::Curvature curvature = measured_curvature(in.rod, in.measured);
-
-  std::vector<Level> levels;
-  for (int contacts = 0; contacts <= in.most_contacts; ++contacts) {
-    Level level;
-    level.test.contacts = contacts;
-    level.test.degrees_of_freedom = in.measured.degrees_of_freedom(contacts);
-    if (contacts == 0) {
-      level.fits = {fit_shape(rod, in.measured, rod.solve({}, curvature), search_accuracy, 1, limits)};
-    } else {
-      const ShapeFit none;
-      const Level& before = levels.back();
-      level.fits = search(rod, in.measured, curvature, contacts, before.fits.empty() ? none : before.fits.front(),
-                          limits, out.starts);
-    }
-    if (limits.reached()) return finish();
-    std::erase_if(level.fits, [](const ShapeFit& f) { return !std::isfinite(f.sum); });
-    level.test.converged = !level.fits.empty();
-    if (contacts == 0) {
-      level.test.supported = level.test.converged;
-    } else if (level.test.converged && !levels.back().fits.empty()) {
-      test_improvement(rod, in.measured, levels.back().fits.front(), level);
-    } else {
-      // Without an equilibrium of fewer contacts only more of them can explain the shape.
-      level.test.supported = level.test.converged;
-      level.test.probability = level.test.converged ? 0.0 : 1.0;
-    }
-    levels.push_back(std::move(level));
-  }
+  const std::vector<Level> levels = fit_levels(in, rod, deadline, out.starts);
+  if (deadline.over()) return finish();
   out.solves = rod.solve_count();
 
   const Level* chosen = nullptr;
@@ -367,33 +388,13 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
     return finish();
   }
 
-  const Refined refined = refine(in, rod, chosen->fits.front(), turn, limits, out.solves);
-  if (limits.reached()) return finish();
+  const Refined refined = refine(in, rod, chosen->fits.front(), turn, deadline, out.solves);
+  if (deadline.over()) return finish();
   if (!refined.rod) {
     out.message = "the fit did not converge with more functions per piece";
     return finish();
   }
-  const ShapeFit& fit = refined.fit;
-  out.order = refined.rod->order();
-  out.model_error = refined.change * in.scale.length;
-  variance = in.measured.variance(fit.sum, fit.contacts());
-  out.noise_estimated = in.measured.noise == 0.0;
-  out.noise = std::sqrt(variance) * in.scale.length;
-  out.residual_rms = std::sqrt(fit.sum / static_cast<double>(in.measured.points.size())) * in.scale.length;
-  out.chi_square = fit.sum / variance;
-  out.degrees_of_freedom = in.measured.degrees_of_freedom(fit.contacts());
-  if (!out.noise_estimated) out.fit_probability = chi_square_probability(out.chi_square, out.degrees_of_freedom);
-  report_contacts(in, refined, chosen->fits, out);
-
-  constexpr std::size_t drawn = 101;
-  std::vector<double> places(drawn);
-  for (std::size_t i = 0; i < drawn; ++i) places[i] = static_cast<double>(i) / (drawn - 1);
-  const std::vector<LoadedRod::Point> points = refined.rod->points(fit.shape, places);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    out.backbone.push_back({places[i] * in.scale.length, in.scale.length * points[i].position.x,
-                            in.scale.length * points[i].position.y, points[i].angle,
-                            points[i].curvature / in.scale.length});
-  }
+  report_fit(in, refined, chosen->fits, out);
   conclude(in, out);
   return finish();
 }

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
-#include "base/clock.hpp"
+#include "base/deadline.hpp"
 #include "certificate/clearance.hpp"
 #include "rod/self_overlap.hpp"
 #include "scene/make_rod.hpp"
 #include "scene/plan_report.hpp"
 #include "statics/loading.hpp"
 #include "tendril/coordinate_model.hpp"
+#include "tendril/numbers.hpp"
 #include "tendril/scale.hpp"
 #include "tendril/tolerances.hpp"
 
@@ -21,7 +21,7 @@ class Executor {
  public:
   Executor(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
            const std::vector<double>& moments, const ExecuteControl& control)
-      : scene_(scene), moments_(moments), control_(control), deadline_(now() + control.time_limit) {
+      : scene_(scene), moments_(moments), control_(control), deadline_(control.stop, control.time_limit) {
     validate(scene);
     scale_ = scale_of(scene);
     names_ = obstacle_names(scene);
@@ -31,7 +31,7 @@ class Executor {
                   std::to_string(moments.size()));
     }
     for (const double m : moments) {
-      if (!std::isfinite(m)) throw Error("expected finite moments, found " + std::to_string(m));
+      if (!std::isfinite(m)) throw Error("expected finite moments, found " + shown(m));
       last_.push_back(scale_.to_dimensionless(m, dimension::moment));
     }
     if (!control.with_obstacles) return;
@@ -40,26 +40,28 @@ class Executor {
       obstacles_.push_back(obstacles[i].get());
       const double distance = obstacles_.back()->at(rod_.base).distance;
       if (distance >= 0.0) continue;
-      char text[64];
-      std::snprintf(text, sizeof text, "%.6g m", -scale_.to_si(distance, dimension::length));
-      throw SceneError("obstacle[" + std::to_string(i) + "]",
-                       names_[i] + " lies around the rod's base (" + text + " deep): no shape is free of it");
+      throw SceneError("obstacle[" + std::to_string(i) + "]", names_[i] + " lies around the rod's base (" +
+                                                                  shown(-scale_.to_si(distance, dimension::length)) +
+                                                                  " m deep): no shape is free of it");
     }
   }
 
   Execution run();
 
  private:
-  bool must_stop() const { return (control_.stop != nullptr && control_.stop->load()) || now() > deadline_; }
-  RodState earlier_state() const;
+  State earlier_state() const;
+  /// Where the start lies inside of obstacles; empty if it does not.
+  std::string overlaps(const Loading& loading) const;
   void report(Tracker& tracker, bool arrived, Execution& out);
-  void report(const Loading::Lying& lying, LoadPath& path, Execution& out);
+  /// The part of a report that concerns the shape alone.
+  void report_shape(const PoseProgram& program, const Eigen::VectorXd& coordinates, Execution& out);
+  void report(const Loading::Lying& lying, const LoadPath& path, Execution& out);
   Snap to_si(TrackedSnap& snap, const LoadPath& path) const;
 
   const Scene& scene_;
   const std::vector<double>& moments_;
   const ExecuteControl& control_;
-  double deadline_;
+  Deadline deadline_;
   Scale scale_;
   Rod rod_;
   std::vector<std::string> names_;
@@ -67,8 +69,8 @@ class Executor {
   std::vector<double> last_;
 };
 
-RodState Executor::earlier_state() const {
-  RodState state;
+State Executor::earlier_state() const {
+  State state;
   state.curvature = curvature_of(*control_.start, scale_.length);
   if (!control_.with_obstacles) return state;
   for (const PlannedContact& c : control_.start->contacts) {
@@ -88,7 +90,7 @@ RodState Executor::earlier_state() const {
 Execution Executor::run() {
   Execution out;
   const double begin = now();
-  const auto stop = [this] { return must_stop(); };
+  const auto stop = [this] { return deadline_.over(); };
   std::optional<Loading> loading;
   if (control_.start == nullptr) {
     loading.emplace(rod_, obstacles_, scene_.start_tip_angle, last_, stop);
@@ -110,6 +112,10 @@ Execution Executor::run() {
   if (!arrived) {
     if (const auto lying = loading->lie()) report(*lying, loading->path(), out);
   }
+  if (const std::string inside = overlaps(*loading); !inside.empty()) {
+    std::string& message = out.result.message;
+    message = inside + (message.empty() ? ", which takes its place as the loads grow" : ": " + message);
+  }
   out.result.start_backbone = control_.start != nullptr
                                   ? control_.start->backbone
                                   : outline(constant_curvature(scene_.start_tip_angle), rod_, scale_.length);
@@ -117,54 +123,21 @@ Execution Executor::run() {
   return out;
 }
 
-void Executor::report(const Loading::Lying& lying, LoadPath& path, Execution& out) {
-  const Descent& down = lying.down;
-  Statics statics(path, down.basis, {}, suggested_nodes(down.basis->function_count(), 4.0));
-  const Eigen::VectorXd z = statics.point({[&shape = down.shape](double s) { return shape.curvature(s); }, {}, 1.0});
-  const PoseProgram& program = statics.at(z);
-  Curve curve(program.chain().curve_tables());
-  curve.follow(program.backbone());
-  const std::vector<PressedPoint>& points = down.points;
-  std::vector<PlannedContact> contacts;
-  const std::span<const double> no_knots;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const PressedPoint& p = points[i];
-    const auto o = static_cast<std::size_t>(p.obstacle);
-    const int j = p.at_tip ? program.chain().piece_count() - 1 : program.chain().piece_at(p.s, no_knots);
-    const double from_start = p.s - program.chain().start(j, no_knots);
-    const Vec2 point = curve.position(j, std::clamp(from_start / program.chain().length(j, no_knots), 0.0, 1.0));
-    const SurfacePoint surface = path.obstacles()[o]->at(point);
-    PlannedContact c;
-    c.obstacle = p.obstacle;
-    c.obstacle_name = names_[o];
-    c.at_tip = p.at_tip;
-    c.arc_length = p.s * scale_.length;
-    c.point = scale_.length * point;
-    c.normal = surface.normal;
-    c.force = p.force * scale_.force();
-    c.gap = surface.distance * scale_.length;
-    c.extended = lies(points, i);
-    contacts.push_back(c);
+std::string Executor::overlaps(const Loading& loading) const {
+  std::string all;
+  for (const Loading::Overlap& o : loading.overlaps()) {
+    const double depth = 1e3 * scale_.to_si(o.depth, dimension::length);
+    all +=
+        (all.empty() ? "the start shape lies " : " and ") + shown(depth, 4) + " mm inside '" + names_[o.obstacle] + "'";
   }
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "; carried on to the final loads: between %.4f L and %.4f L the rod lies on check points, a run of "
-                "contacts that stands for a distributed force",
-                lying.first, lying.last);
+  return all;
+}
+
+void Executor::report_shape(const PoseProgram& program, const Eigen::VectorXd& coordinates, Execution& out) {
   Plan& plan = out.result;
-  plan.contacts = std::move(contacts);
-  plan.message += text;
-  plan.certificate = {};
-  plan.certificate.equilibrium = down.gradient;
-  plan.certificate.penetration = 0.0;
-  for (const Obstacle* o : path.obstacles()) {
-    plan.certificate.penetration = std::max(plan.certificate.penetration, certified_depth(curve, *o));
-  }
-  plan.certificate.failures = {plan.message};
   plan.order = program.chain().functions();
   out.pieces = program.chain().piece_count();
-  out.load = 1.0;
-  plan.coordinates.assign(z.data(), z.data() + statics.coordinates());
+  plan.coordinates.assign(coordinates.data(), coordinates.data() + program.layout().coordinates);
   const Vec2 tip = program.backbone().tip();
   plan.tip_x = tip.x * scale_.length;
   plan.tip_y = tip.y * scale_.length;
@@ -172,6 +145,49 @@ void Executor::report(const Loading::Lying& lying, LoadPath& path, Execution& ou
   if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
   plan.backbone = sampled_backbone(program, scale_.length);
   plan.self_overlap = self_overlap(plan.backbone);
+}
+
+void Executor::report(const Loading::Lying& lying, const LoadPath& path, Execution& out) {
+  const Descent& down = lying.down;
+  Statics statics(path, down.basis, {}, suggested_nodes(down.basis->function_count(), 4.0));
+  const Eigen::VectorXd z = statics.point({down.state.curvature, {}, 1.0});
+  const PoseProgram& program = statics.at(z);
+  Curve curve(program.chain().curve_tables());
+  curve.follow(program.backbone());
+  std::vector<PlannedContact> contacts;
+  const std::span<const double> no_knots;
+  for (const PointContact& p : down.state.contacts) {
+    const auto o = static_cast<std::size_t>(p.setup.obstacle);
+    const int j = p.setup.at_tip ? program.chain().piece_count() - 1 : program.chain().piece_at(p.s, no_knots);
+    const double from_start = p.s - program.chain().start(j, no_knots);
+    const Vec2 point = curve.position(j, std::clamp(from_start / program.chain().length(j, no_knots), 0.0, 1.0));
+    const SurfacePoint surface = path.obstacles()[o]->at(point);
+    PlannedContact c;
+    c.obstacle = p.setup.obstacle;
+    c.obstacle_name = names_[o];
+    c.at_tip = p.setup.at_tip;
+    c.arc_length = p.s * scale_.length;
+    c.point = scale_.length * point;
+    c.normal = surface.normal;
+    c.force = p.force * scale_.force();
+    c.gap = surface.distance * scale_.length;
+    c.extended = p.extended;
+    contacts.push_back(c);
+  }
+  Plan& plan = out.result;
+  plan.contacts = std::move(contacts);
+  plan.message += "; carried on to the final loads: between " + shown(lying.first, 4) + " L and " +
+                  shown(lying.last, 4) +
+                  " L the rod lies on check points, a run of contacts that stands for a distributed force";
+  plan.certificate = {};
+  plan.certificate.equilibrium = down.gradient;
+  plan.certificate.penetration = 0.0;
+  for (const Obstacle* o : path.obstacles()) {
+    plan.certificate.penetration = std::max(plan.certificate.penetration, certified_depth(curve, *o));
+  }
+  plan.certificate.failures = {plan.message};
+  out.load = 1.0;
+  report_shape(program, z, out);
 }
 
 Snap Executor::to_si(TrackedSnap& snap, const LoadPath& path) const {
@@ -201,12 +217,12 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   plan.solver.iterations = tracker.steps();
   plan.moments = moments_;
   plan.message = tracker.trouble();
-  const bool stopped = control_.stop != nullptr && control_.stop->load();
+  const bool stopped = deadline_.interrupted();
   Settled& end = tracker.current();
   if (end.statics == nullptr) {
-    plan.status = stopped             ? PlanStatus::interrupted
-                  : now() > deadline_ ? PlanStatus::time_limit
-                                      : PlanStatus::not_converged;
+    plan.status = stopped            ? PlanStatus::interrupted
+                  : deadline_.over() ? PlanStatus::time_limit
+                                     : PlanStatus::not_converged;
     return;
   }
   if (arrived) tracker.refine_fully();
@@ -214,10 +230,8 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   Statics& statics = *end.statics;
   plan.certificate = statics.certify(end.z);
   if (!(plan.certificate.moment_balance <= tolerance::moment_balance)) {
-    char text[96];
-    std::snprintf(text, sizeof text, "local moment balance %.2e is above %.0e", plan.certificate.moment_balance,
-                  tolerance::moment_balance);
-    plan.certificate.failures.emplace_back(text);
+    plan.certificate.failures.push_back("local moment balance " + shown_with_exponent(plan.certificate.moment_balance) +
+                                        " is above " + shown_with_exponent(tolerance::moment_balance, 1));
   }
   plan.seconds_certify = now() - begin;
   out.load = end.z[statics.size()];
@@ -230,27 +244,16 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   } else if (stopped) {
     plan.status = PlanStatus::interrupted;
     plan.message = "interrupted before the final loads were reached";
-  } else if (now() > deadline_) {
+  } else if (deadline_.over()) {
     plan.status = PlanStatus::time_limit;
-    plan.message =
-        "the time limit of " + std::to_string(control_.time_limit) + " s was reached before the final loads were";
+    plan.message = "the time limit of " + shown(control_.time_limit) + " s was reached before the final loads were";
   } else {
     plan.status = PlanStatus::not_converged;
   }
   const PoseProgram& program = statics.at(end.z);
-  const Chain& chain = program.chain();
-  plan.order = chain.functions();
-  out.pieces = chain.piece_count();
-  plan.coordinates.assign(end.z.data(), end.z.data() + statics.coordinates());
-  const Vec2 tip = program.backbone().tip();
-  plan.tip_x = tip.x * scale_.length;
-  plan.tip_y = tip.y * scale_.length;
-  plan.tip_angle = program.backbone().tip_angle();
-  if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
+  report_shape(program, end.z, out);
   plan.contacts = planned_contacts(program, names_, scale_);
   std::erase_if(plan.contacts, [&](const PlannedContact& c) { return !(c.force > tolerance::force * scale_.force()); });
-  plan.backbone = sampled_backbone(program, scale_.length);
-  plan.self_overlap = self_overlap(plan.backbone);
 }
 
 }  // namespace

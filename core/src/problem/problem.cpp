@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "base/clock.hpp"
@@ -11,6 +10,7 @@
 #include "scene/plan_report.hpp"
 #include "search/contacts.hpp"
 #include "search/follower.hpp"
+#include "search/parameters.hpp"
 #include "search/planner.hpp"
 #include "search/task.hpp"
 #include "tendril/grasp.hpp"
@@ -57,10 +57,9 @@ Problem::Problem(const Scene& scene, Components components) : task_(std::make_un
       const Obstacle& o = *d.components.obstacles[i];
       d.obstacles.push_back(&o);
       if (const double distance = o.at(d.rod.base).distance; !(distance >= 0.0)) {
-        char text[64];
-        std::snprintf(text, sizeof text, "%.6g m", -d.scale.to_si(distance, dimension::length));
         throw SceneError("obstacle[" + std::to_string(i) + "]", d.obstacle_names[i] + " lies around the rod's base (" +
-                                                                    text + " deep): no shape is free of it");
+                                                                    shown(-d.scale.to_si(distance, dimension::length)) +
+                                                                    " m deep): no shape is free of it");
       }
     }
   }
@@ -172,7 +171,7 @@ Problem::Problem(const Scene& scene, Components components) : task_(std::make_un
     const int obstacles = d.contact_obstacles;
     const int count = scene.contact.count;
     const std::vector<ContactSetup> slots = contact_slots(static_cast<int>(stretches), obstacles);
-    const auto few = every_assignment(slots, count, most_enumerated);
+    const auto few = every_assignment(slots, count, search_parameters().most_enumerated);
     d.enumerated = few.has_value() || count == 1;
     for (const std::vector<ContactSetup>& contacts : few ? *few : *every_assignment(slots, 1, slots.size())) {
       d.modes.push_back(d.mode(contacts));
@@ -202,8 +201,9 @@ Description Problem::describe() const {
   out.force_unit = d.scale.force();
   std::size_t largest = 0;
   int most = -1;
-  std::vector<Mode> shown(d.modes.begin(),
-                          d.modes.begin() + static_cast<std::ptrdiff_t>(std::min(d.modes.size(), most_enumerated + 1)));
+  std::vector<Mode> shown(
+      d.modes.begin(),
+      d.modes.begin() + static_cast<std::ptrdiff_t>(std::min(d.modes.size(), search_parameters().most_enumerated + 1)));
   if (shown.size() < d.modes.size()) {
     out.left_out.push_back(
         {"programs of " + std::to_string(d.modes.size() - shown.size()) + " ways of being in contact",

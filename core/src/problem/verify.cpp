@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 
 #include "tendril/execute.hpp"
+#include "tendril/numbers.hpp"
 #include "tendril/problem.hpp"
 #include "tendril/scale.hpp"
 #include "tendril/tolerances.hpp"
@@ -55,9 +55,7 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
     return std::hypot(plan.tip_x - other.tip_x, plan.tip_y - other.tip_y);
   };
   const auto percent = [&](double metres) {
-    char text[64];
-    std::snprintf(text, sizeof text, "%.3g m (%.2g %% of the length)", metres, 100.0 * metres / scale.length);
-    return std::string(text);
+    return shown(metres, 3) + " m (" + shown(100.0 * metres / scale.length, 2) + " % of the length)";
   };
   std::string trouble;
   if (reached.result.status == PlanStatus::solved) {

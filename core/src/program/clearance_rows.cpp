@@ -13,11 +13,19 @@ class ClearanceRows : public RowBlock {
  public:
   explicit ClearanceRows(PoseState& state)
       : RowBlock("non_penetration", state.layout.first_check, state.layout.checks, 0.0, infinity), d_(state) {
+    std::vector<Places::Station> stations;
+    stations.reserve(d_.spec.checks.size());
     for (const CheckPoint& c : d_.spec.checks) {
       if (c.piece < 0 || c.piece >= d_.chain.piece_count() || !(c.sigma > 0.0 && c.sigma <= 1.0)) {
         throw Error("a check point lies outside its piece");
       }
-      checks_.push_back({d_.places.add_station(c.piece, c.sigma), c.obstacle, d_.carried(c.obstacle), {}});
+      stations.push_back({c.piece, c.sigma});
+    }
+    const std::vector<int> places = d_.places.add_stations(stations);
+    checks_.reserve(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const int obstacle = d_.spec.checks[i].obstacle;
+      checks_.push_back({places[i], obstacle, d_.carried(obstacle), {}});
     }
     row_.setZero(d_.layout.coordinates + d_.layout.arc_lengths + (d_.layout.palm >= 0 ? 1 : 0));
     by_row_.setZero(row_.size(), count());
@@ -29,7 +37,7 @@ class ClearanceRows : public RowBlock {
     for (int i = 0; i < count(); ++i) {
       Check& c = checks_[static_cast<std::size_t>(i)];
       const Vec2 point = d_.places.point(c.place);
-      c.surface = d_.spec.obstacles[static_cast<std::size_t>(c.obstacle)]->at(c.carried ? point - d_.shift : point);
+      c.surface = d_.surface(c.obstacle, c.carried ? point - d_.shift : point);
       values[i] = c.surface.distance;
       if (!derivatives) continue;
       fill(c, c.surface.normal, row_.data());

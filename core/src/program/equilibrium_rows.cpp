@@ -14,7 +14,7 @@ class EquilibriumRows : public RowBlock {
 
   void evaluate(ConstVectorRef x, bool derivatives, VectorRef values, MatrixRef rows) override {
     values.setZero();
-    d_.places.pull_back(d_.loads, values.data());
+    d_.places.pull_back(d_.forces, values.data());
     d_.places.add_energy_row(-1.0, {values.data(), nullptr});
     for (std::size_t a = 0; a < d_.moment_variable.size(); ++a) {
       const int variable = d_.moment_variable[a];
@@ -48,7 +48,7 @@ class EquilibriumRows : public RowBlock {
     rows.setZero();
     const SecondPart by{rows.leftCols(at.coordinates), rows.middleCols(at.first_arc_length, at.arc_lengths),
                         rows.topLeftCorner(0, 0)};
-    d_.places.second_pull_back(d_.loads, nullptr, by);
+    d_.places.second_pull_back(d_.forces, nullptr, by);
     d_.places.add_energy_second(-1.0, nullptr, by);
     for (std::size_t a = 0; a < d_.moment_variable.size(); ++a) {
       const int variable = d_.moment_variable[a];
@@ -58,18 +58,25 @@ class EquilibriumRows : public RowBlock {
     for (int k = 0; k < at.forces; ++k) {
       const PoseProgram::ContactState& c = d_.contacts[static_cast<std::size_t>(k)];
       rows.col(at.first_force + k) = d_.contact_row(k, c.surface.normal).head(at.coordinates);
-      const double factor = c.force * c.surface.curvature;
+      // Along a surface it is that which bends the normal, else the rod itself turns it.
+      const bool turns_with_rod = d_.spec.contacts[static_cast<std::size_t>(k)].obstacle < 0;
+      const double factor = turns_with_rod ? c.force : c.force * c.surface.curvature;
       if (factor == 0.0) continue;
       along_ = d_.contact_row(k, turned(c.surface.normal));
+      if (turns_with_rod) {
+        turning_ = d_.base.row(d_.base.index.contacts[static_cast<std::size_t>(k)].point.angle);
+      } else {
+        turning_ = along_;
+      }
       for (int column = 0; column < d_.variables; ++column) {
-        const double scaled = factor * along_[column];
+        const double scaled = factor * turning_[column];
         if (scaled != 0.0) rows.col(column) += scaled * along_.head(at.coordinates);
       }
     }
   }
 
   PoseState& d_;
-  Eigen::VectorXd along_ = Eigen::VectorXd::Zero(d_.variables);
+  Eigen::VectorXd along_ = Eigen::VectorXd::Zero(d_.variables), turning_ = along_;
 };
 
 }  // namespace

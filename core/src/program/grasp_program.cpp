@@ -98,14 +98,10 @@ GraspProgram::GraspProgram(const GraspProgramSpec& spec) : GraspProgram(std::mak
 GraspProgram::GraspProgram(std::unique_ptr<Data> data)
     : NonlinearProgram(data->variables, data->rows, data->residuals), data_(std::move(data)) {
   Data& d = *data_;
-  has_rest_ = false;
-  rest_is_linear_ = true;
   lower_[d.force_variable] = 0.0;
   upper_[d.force_variable] = infinity;
   for (const Data::Finger& f : d.fingers) {
     const PoseProgram& program = *f.program;
-    has_rest_ = has_rest_ || program.has_rest();
-    rest_is_linear_ = rest_is_linear_ && program.rest_is_linear();
     lower_.segment(f.first_variable, f.own_variables) = program.lower().head(f.own_variables);
     upper_.segment(f.first_variable, f.own_variables) = program.upper().head(f.own_variables);
     row_lower_.segment(f.first_row, f.own_rows) = program.row_lower().head(f.own_rows);

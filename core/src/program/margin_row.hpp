@@ -12,6 +12,7 @@ class MarginRow {
   /// For the program of `spec`, whose own row is left out here.
   explicit MarginRow(const PoseProgramSpec& spec);
 
+  void set_loads(const Loads& loads) { program_.set_loads(loads); }
   double value(ConstVectorRef x);
   /// The value as well; gradient() is then that of x.
   double differentiate(ConstVectorRef x);

@@ -33,8 +33,6 @@ PoseProgram::PoseProgram(std::unique_ptr<Data> data)
       data_(std::move(data)) {
   const Layout& at = data_->layout;
   const PoseProgramSpec& s = data_->spec;
-  has_rest_ = data_->base.terms.has_rest();
-  rest_is_linear_ = data_->base.terms.rest_is_linear();
   lower_.setConstant(-infinity);
   upper_.setConstant(infinity);
   for (std::size_t a = 0; a < s.rod->actuators.size(); ++a) {
@@ -114,6 +112,13 @@ void PoseProgram::set_target(const Target& target) {
   invalidate();
 }
 
+void PoseProgram::set_loads(const Loads& loads) {
+  data_->loads = loads;
+  invalidate();
+}
+
+const Loads& PoseProgram::loads() const { return data_->loads; }
+
 std::string PoseProgram::row_name(int row) const {
   const auto holds = [row](const auto& block) { return row < block->first() + block->count(); };
   const RowBlock& block = **std::find_if(data_->blocks.begin(), data_->blocks.end(), holds);
@@ -160,7 +165,7 @@ void PoseProgram::do_hessian(ConstVectorRef /*x*/, double sigma, ConstVectorRef 
   const int first = d.layout.first_arc_length;
   d.mixed.setZero();
   const SecondPart by{h.topLeftCorner(q, q), d.mixed, h.block(first, first, s, s)};
-  d.places.second_pull_back(d.pushes, &d.loads, by);
+  d.places.second_pull_back(d.pushes, &d.forces, by);
   d.places.add_energy_second(d.base.energy_slope(), multipliers.data(), by);
   h.block(0, first, q, s) += d.mixed;
   h.block(first, 0, s, q) += d.mixed.transpose();

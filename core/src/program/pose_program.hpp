@@ -19,7 +19,10 @@ namespace tendril {
 
 /// One contact that a program plans with.
 struct ContactSetup {
-  int obstacle = 0;     ///< index in PoseProgramSpec::obstacles
+  /// Instead of an obstacle: whatever pushes there pushes along the rod's own normal (-sin phi, cos phi). Gap and
+  /// closest point are then always 0, and there are no second derivatives.
+  static constexpr int along_normal = -1;
+  int obstacle = 0;     ///< index in PoseProgramSpec::obstacles, or along_normal
   bool at_tip = false;  ///< at the rod's end; else inside
   /// Interior contacts: the stretch between fixed knots (split) or the piece (not split) in which the contact may
   /// slide.
@@ -31,6 +34,14 @@ struct CheckPoint {
   int piece = 0;       ///< of the chain
   double sigma = 0.5;  ///< place on the piece, in [0,1]
   int obstacle = 0;    ///< index in PoseProgramSpec::obstacles
+};
+
+/// What a program's rod carries besides moments and contact forces, and how far its obstacles are from their size: what
+/// changes along a path of loads.
+struct Loads {
+  Vec2 gravity{};                ///< as Rod::gravity
+  Vec2 tip_force{};              ///< as Rod::tip_force
+  std::vector<double> shrink{};  ///< of each obstacle: its surface lies this much farther inward (units of L)
 };
 
 /// What is known about a contact's complementarity g f = 0.
@@ -150,6 +161,10 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   Branch branch(int contact) const;  ///< The branch that set_branch() chose; open at first.
   /// Another target for terms that read one. Calls invalidate().
   void set_target(const Target& target);
+  /// Other loads and sizes of obstacles than those that it was assembled with; one that acts on nothing then has to
+  /// stay zero. Calls invalidate().
+  void set_loads(const Loads& loads);
+  const Loads& loads() const;  ///< Of the next evaluation.
 
   /// A start of the given shape; contacts sit where the shape comes nearest to their obstacles unless the shape says
   /// where.

@@ -75,8 +75,9 @@ PoseState::PoseState(PoseProgramSpec s)
       contact_places(places_of_contacts(spec, chain, places)),
       base(spec, layout, moment_variable, contact_places, places),
       contacts(spec.contacts.size()),
+      loads{spec.rod->gravity, spec.rod->tip_force, std::vector<double>(spec.obstacles.size(), 0.0)},
       variables(layout.first_force + layout.forces + (layout.palm >= 0 ? 1 : 0)) {
-  loads.on.resize(contact_places.size());
+  forces.on.resize(contact_places.size());
 }
 
 void PoseState::move(ConstVectorRef x) {
@@ -86,9 +87,9 @@ void PoseState::move(ConstVectorRef x) {
     places.place(rod.base + shift);
   }
   places.move(x.head(layout.coordinates), arc_lengths(x));
-  loads.tip = rod.tip_force;
-  loads.gravity = rod.gravity;
-  loads.payload = rod.payload;
+  forces.tip = loads.tip_force;
+  forces.gravity = loads.gravity;
+  forces.payload = rod.payload;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     PoseProgram::ContactState& c = contacts[k];
     const auto variable = static_cast<int>(k);
@@ -98,10 +99,18 @@ void PoseState::move(ConstVectorRef x) {
     c.angle = places.angle(place);
     c.tangent = places.tangent(place);
     c.arc_length = spec.contacts[k].at_tip ? 1.0 : x[layout.first_arc_length + variable];
-    c.surface = spec.obstacles[static_cast<std::size_t>(spec.contacts[k].obstacle)]->at(c.point);
-    loads.on[static_cast<std::size_t>(place)].force = c.force * c.surface.normal;
+    const int obstacle = spec.contacts[k].obstacle;
+    c.surface = obstacle < 0 ? SurfacePoint{0.0, turned(c.tangent)} : surface(obstacle, c.point);
+    forces.on[static_cast<std::size_t>(place)].force = c.force * c.surface.normal;
   }
   base.move(x, contacts);
+}
+
+SurfacePoint PoseState::surface(int obstacle, Vec2 point) const {
+  const auto o = static_cast<std::size_t>(obstacle);
+  SurfacePoint p = spec.obstacles[o]->at(point);
+  p.distance += loads.shrink[o];
+  return p;
 }
 
 void PoseState::differentiate() {

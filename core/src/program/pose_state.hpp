@@ -25,8 +25,9 @@ struct PoseState {
   std::vector<int> contact_places;
   BaseQuantities base;
   std::vector<PoseProgram::ContactState> contacts;
-  Vec2 shift{};   ///< of the base
-  Forces loads;   ///< on the rod: its own ones and those of contacts
+  Vec2 shift{};  ///< of the base
+  Loads loads;
+  Forces forces;  ///< on the rod: its loads and those of contacts
   Forces pushes;  ///< what second derivatives of rows and terms leave on places
   int variables = 0;
 
@@ -41,6 +42,8 @@ struct PoseState {
   bool ordered(int contact) const;
   /// Obstacles that stand on the palm.
   bool carried(int obstacle) const { return obstacle >= static_cast<int>(spec.obstacles.size()) - spec.carried; }
+  /// Of an obstacle in its present size, next to a point.
+  SurfacePoint surface(int obstacle, Vec2 point) const;
   /// direction . dP of contact k by all variables.
   auto contact_row(int k, Vec2 direction) const {
     const BaseIndex::Point& p = base.index.contacts[static_cast<std::size_t>(k)].point;

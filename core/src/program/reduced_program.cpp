@@ -20,6 +20,7 @@ constexpr double straightness = 0.5;  ///< what the correction may be of the ste
 constexpr double settling = 1e-7;     ///< ... and besides: the start is given to this
 /// A way to other moments is cut into halves as often as this before the branch counts as ended.
 constexpr double shortest_way = 1e-4;
+constexpr double anchor_spacing = 0.5;  ///< of the grid of moments (EI/L)
 
 bool is_equation(const PoseProgram& program, int row) { return program.row_lower()[row] == program.row_upper()[row]; }
 
@@ -59,21 +60,18 @@ ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts par
       program_(program),
       equations_(equations_alone(program.spec())),
       parts_(std::move(parts)),
-      x_(x),
-      anchor_(x) {
+      x_(x) {
   const auto chosen = static_cast<Eigen::Index>(parts_.chosen.size());
   const auto following = static_cast<Eigen::Index>(parts_.following.size());
   for (int k = 0; k < program.layout().forces; ++k) equations_.set_branch(k, program.branch(k));
   reached_at_ = Eigen::VectorXd::Constant(chosen, std::numeric_limits<double>::quiet_NaN());
-  has_rest_ = program.has_rest();
-  rest_is_linear_ = !program.has_rest();
   start_.resize(chosen);
   for (int j = 0; j < chosen; ++j) {
     const int i = parts_.chosen[static_cast<std::size_t>(j)];
     lower_[j] = program.lower()[i];
     upper_[j] = program.upper()[i];
     start_[j] = std::clamp(x[i], lower_[j], upper_[j]);
-    x_[i] = anchor_[i] = start_[j];
+    x_[i] = start_[j];
   }
   const auto others = static_cast<int>(parts_.others.size());
   for (int r = 0; r < others; ++r) {
@@ -89,7 +87,6 @@ ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts par
   factors_ = Eigen::PartialPivLU<Eigen::MatrixXd>(following);
   right_.setZero(following, chosen);
   slope_.setZero(following, chosen);
-  anchor_slope_.setZero(following, chosen);
   residual_.setZero(following);
   correction_.setZero(following);
   adjoint_.setZero(following);
@@ -98,11 +95,12 @@ ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts par
   for (int j = 0; j < chosen; ++j) tangent_(parts_.chosen[static_cast<std::size_t>(j)], j) = 1.0;
   bent_.setZero(program.variable_count(), chosen);
   predicted_ = x_;
+  middle_ = start_;
+  cell_.assign(parts_.chosen.size(), 0);
+  Anchor& first = anchors_[cell_];
   if (!correct()) return;
   find_slopes();
-  anchor_ = x_;
-  anchor_slope_ = slope_;
-  anchor_sign_ = sign_;
+  first = {x_, slope_, sign_};
 }
 
 ReducedProgram::~ReducedProgram() = default;
@@ -174,46 +172,69 @@ double ReducedProgram::distance(const Eigen::VectorXd& from, const Eigen::Vector
 }
 
 bool ReducedProgram::follow(ConstVectorRef u) {
-  if (!u.allFinite() || anchor_sign_ == 0) return false;
-  const auto at = [&](Eigen::Index j) { return parts_.chosen[static_cast<std::size_t>(j)]; };
-  kept_ = anchor_;
-  kept_slope_ = anchor_slope_;
-  double left = 1.0;  // of the way from where the anchor stood at first
-  double share = 1.0;
-  while (true) {
+  if (!u.allFinite()) return false;
+  for (Eigen::Index j = 0; j < u.size(); ++j) {
+    // Beyond any number of cells that could be followed through, one is as good as another.
+    const double cells = std::clamp((u[j] - start_[j]) / anchor_spacing, -1e6, 1e6);
+    cell_[static_cast<std::size_t>(j)] = static_cast<int>(std::lround(cells));
+  }
+  return follow(anchor(cell_), u);
+}
+
+const ReducedProgram::Anchor& ReducedProgram::anchor(const std::vector<int>& cell) {
+  if (const auto known = anchors_.find(cell); known != anchors_.end()) return known->second;
+  std::vector<int> nearer = cell;
+  for (int& i : nearer) i /= 2;
+  const Anchor& from = anchor(nearer);
+  for (std::size_t j = 0; j < cell.size(); ++j) {
+    const auto i = static_cast<Eigen::Index>(j);
+    middle_[i] = std::clamp(start_[i] + anchor_spacing * cell[j], lower_[i], upper_[i]);
+  }
+  Anchor& made = anchors_[cell];
+  if (follow(from, middle_)) {
+    made = {x_, slope_, sign_};
+  } else {
+    made = from;
+  }
+  return made;
+}
+
+bool ReducedProgram::follow(const Anchor& from, ConstVectorRef u) {
+  if (from.sign == 0) return false;
+  const auto variable = [&](Eigen::Index j) { return parts_.chosen[static_cast<std::size_t>(j)]; };
+  at_ = from;
+  double left = 1.0;  // of the way
+  for (double share = 1.0; share >= shortest_way;) {
     const bool whole = share >= left;
-    predicted_ = anchor_;
+    predicted_ = at_.x;
     for (Eigen::Index j = 0; j < u.size(); ++j) {
-      const double moved = whole ? u[j] - anchor_[at(j)] : share / left * (u[j] - anchor_[at(j)]);
-      predicted_[at(j)] = whole ? u[j] : anchor_[at(j)] + moved;
-      for (Eigen::Index c = 0; c < anchor_slope_.rows(); ++c) {
-        predicted_[parts_.following[static_cast<std::size_t>(c)]] += anchor_slope_(c, j) * moved;
+      const double way = u[j] - at_.x[variable(j)];
+      const double moved = whole ? way : share / left * way;
+      predicted_[variable(j)] = whole ? u[j] : at_.x[variable(j)] + moved;
+      for (Eigen::Index c = 0; c < at_.slope.rows(); ++c) {
+        predicted_[parts_.following[static_cast<std::size_t>(c)]] += at_.slope(c, j) * moved;
       }
     }
     // On its own branch the rod is found near where its slopes point to, if these point no farther than they hold, and
     // the determinant of the equations keeps its sign.
-    const double pointed = distance(anchor_, predicted_);
+    const double pointed = distance(at_.x, predicted_);
     x_ = predicted_;
     bool found = pointed <= longest_step && correct() && distance(predicted_, x_) <= straightness * pointed + settling;
     if (found) {
       find_slopes();
-      found = sign_ == anchor_sign_;
+      found = sign_ == from.sign;
     }
-    if (found) {
-      anchor_ = x_;
-      anchor_slope_ = slope_;
-      if (whole) return true;
-      left -= share;
-      share *= 2.0;
+    if (!found) {
+      share *= 0.5;
       continue;
     }
-    share *= 0.5;
-    if (share >= shortest_way) continue;
-    // What was tried in vain leaves no trace: beside the end of the branch there is no way to go on from.
-    anchor_ = kept_;
-    anchor_slope_ = kept_slope_;
-    return false;
+    if (whole) return true;
+    at_.x = x_;
+    at_.slope = slope_;
+    left -= share;
+    share *= 2.0;
   }
+  return false;
 }
 
 const Eigen::VectorXd& ReducedProgram::full(ConstVectorRef u) {

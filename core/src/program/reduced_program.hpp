@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/LU>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ namespace tendril {
 ///
 /// However many coordinates a model has, this program is as small as the rod has actuators. It is never anywhere but in
 /// equilibrium, and never leaves the branch of equilibria that it began on: where that ends, its values are not finite.
+/// A value depends on the moments and the start alone, not on what was asked for before.
 class TENDRIL_API ReducedProgram : public NonlinearProgram {
  public:
   /// Whether the equations of `program` decide all but the moments, and there is a moment to choose.
@@ -48,7 +50,17 @@ class TENDRIL_API ReducedProgram : public NonlinearProgram {
   static Parts parts_of(const PoseProgram& program);
   ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts parts);
 
+  /// A point of the branch with its slopes, to follow it from.
+  struct Anchor {
+    Eigen::VectorXd x;      ///< of the pose program
+    Eigen::MatrixXd slope;  ///< following x chosen
+    int sign = 0;           ///< of the determinant of the equations; 0: there is no point
+  };
+  /// The anchor for a cell of a grid of moments around the start: in its middle, if the branch reaches that from the
+  /// anchor of the cell half as far from the start; else that one. Made when it is first asked for.
+  const Anchor& anchor(const std::vector<int>& cell);
   /// Follows the branch to moments u: x_ is then the point. False: it does not reach.
+  bool follow(const Anchor& from, ConstVectorRef u);
   bool follow(ConstVectorRef u);
   /// Newton's method on the equations from x_, whose moments stay.
   bool correct();
@@ -63,10 +75,12 @@ class TENDRIL_API ReducedProgram : public NonlinearProgram {
   PoseProgram equations_;  ///< with the variables of `program_`, to follow the branch with
   Parts parts_;
   Eigen::VectorXd start_;
-  Eigen::VectorXd x_, anchor_;  ///< of the pose program: of the last call, and the last one in equilibrium
-  Eigen::MatrixXd anchor_slope_, kept_slope_;  ///< following x chosen, at the anchor
-  Eigen::VectorXd predicted_, kept_;
-  int sign_ = 0, anchor_sign_ = 0;
+  Eigen::VectorXd x_;  ///< of the pose program, of the last call
+  std::map<std::vector<int>, Anchor> anchors_;
+  Anchor at_;  ///< the last point in equilibrium on the way
+  Eigen::VectorXd predicted_, middle_;
+  std::vector<int> cell_;
+  int sign_ = 0;
   bool reached_ = false;
   Eigen::VectorXd reached_at_;  ///< moments
   Eigen::MatrixXd system_, slope_, right_;

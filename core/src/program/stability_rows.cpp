@@ -9,9 +9,12 @@ namespace {
 class StabilityRows : public RowBlock {
  public:
   explicit StabilityRows(const PoseState& state)
-      : RowBlock("stability", state.layout.first_margin, 1, *state.spec.least_margin, infinity), row_(state.spec) {}
+      : RowBlock("stability", state.layout.first_margin, 1, *state.spec.least_margin, infinity),
+        d_(state),
+        row_(state.spec) {}
 
   void evaluate(ConstVectorRef x, bool derivatives, VectorRef values, MatrixRef rows) override {
+    row_.set_loads(d_.loads);
     values[0] = derivatives ? row_.differentiate(x) : row_.value(x);
     if (derivatives) rows.row(0) = row_.gradient().transpose();
   }
@@ -21,6 +24,7 @@ class StabilityRows : public RowBlock {
   }
 
  private:
+  const PoseState& d_;
   MarginRow row_;
 };
 

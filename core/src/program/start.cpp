@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "program/pose_program_data.hpp"
+#include "rod/outline.hpp"
 
 namespace tendril {
 namespace {
@@ -36,8 +37,8 @@ std::vector<double> holding_moments(const Rod& rod, const std::function<double(d
 }
 
 /// The palm distance at which the first contact's part of a shape comes nearest to touching its obstacle, and the rest
-/// overlaps it least. `points`: of the shape at equal steps of arc length, with the base at Rod::base.
-double start_distance(const PoseProgram& program, const StartShape& shape, const std::vector<Vec2>& points) {
+/// overlaps it least. `line`: of the shape, with the base at Rod::base.
+double start_distance(const PoseProgram& program, const StartShape& shape, const std::vector<OutlinePoint>& line) {
   const PoseProgramSpec& spec = program.spec();
   const double low = spec.palm->minimum;
   const double high = spec.palm->maximum;
@@ -54,11 +55,10 @@ double start_distance(const PoseProgram& program, const StartShape& shape, const
     const double trial = low + (high - low) * c / candidates;
     double own = infinity;
     double any = infinity;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double s = static_cast<double>(i) / static_cast<double>(points.size() - 1);
-      const double gap = obstacle.at(points[i] - trial * spec.palm->axis).distance;
+    for (const OutlinePoint& p : line) {
+      const double gap = obstacle.at(p.position - trial * spec.palm->axis).distance;
       any = std::min(any, gap);
-      if (s >= from && s <= to) own = std::min(own, gap);
+      if (p.s >= from && p.s <= to) own = std::min(own, gap);
     }
     const double defect = std::abs(own) + std::max(0.0, -any);
     if (!(defect < best)) continue;
@@ -88,12 +88,12 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
   }
 
   // Contacts start where the shape comes nearest to their obstacles.
-  constexpr int steps = 400;
-  std::vector<Vec2> points = drawn(*d.spec.rod, shape.curvature, steps);
+  std::vector<OutlinePoint> line;
+  outline(*d.spec.rod, shape.curvature, 400, line);
   if (d.spec.palm) {
-    const double distance = at.palm < 0 ? d.spec.palm->minimum : start_distance(*this, shape, points);
+    const double distance = at.palm < 0 ? d.spec.palm->minimum : start_distance(*this, shape, line);
     if (at.palm >= 0) x[at.palm] = distance;
-    for (Vec2& p : points) p += -distance * d.spec.palm->axis;
+    for (OutlinePoint& p : line) p.position += -distance * d.spec.palm->axis;
   }
   for (int k = 0; k < at.arc_lengths; ++k) {
     const int variable = at.first_arc_length + k;
@@ -106,13 +106,12 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
     }
     const Obstacle& obstacle = *d.spec.obstacles[static_cast<std::size_t>(d.spec.contacts[index].obstacle)];
     double nearest = infinity;
-    for (int i = 0; i <= steps; ++i) {
-      const double s = static_cast<double>(i) / steps;
-      if (s < low || s > high) continue;
-      const double distance = obstacle.at(points[static_cast<std::size_t>(i)]).distance;
+    for (const OutlinePoint& p : line) {
+      if (p.s < low || p.s > high) continue;
+      const double distance = obstacle.at(p.position).distance;
       if (distance >= nearest) continue;
       nearest = distance;
-      x[variable] = s;
+      x[variable] = p.s;
     }
     // A start in the middle of what is allowed leaves room to slide; the ends leave pieces without length.
     const double margin = 0.05 * (high - low);
@@ -133,15 +132,7 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
 
   const std::span<const double> knots(x.data() + at.first_arc_length,
                                       d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
-  std::vector<double> scaled(static_cast<std::size_t>(d.chain.nodes()));
-  for (int j = 0; j < d.chain.piece_count(); ++j) {
-    const double from = d.chain.start(j, knots);
-    const double length = d.chain.length(j, knots);
-    for (int g = 0; g < d.chain.nodes(); ++g) {
-      scaled[static_cast<std::size_t>(g)] = length * shape.curvature(from + length * d.chain.table().sigma[g]);
-    }
-    x.segment(j * d.chain.functions(), d.chain.functions()) = d.chain.project(scaled);
-  }
+  x.head(at.coordinates) = d.chain.coordinates_of(shape.curvature, knots);
   return x;
 }
 

@@ -16,7 +16,7 @@ constexpr int largest_tabulated_basis = 12;
 
 std::span<const double> span_of(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
-BasisTable make_table(const CoordinateModel& model, const Quadrature& rule) {
+BasisTable make_table(const CoordinateModel& model, const Quadrature& rule, const Eigen::MatrixXd& transform) {
   BasisTable t;
   t.functions = model.function_count();
   if (t.functions < 1) throw Error("a coordinate model needs at least one function");
@@ -29,7 +29,6 @@ BasisTable make_table(const CoordinateModel& model, const Quadrature& rule) {
   model.evaluate(span_of(t.sigma), t.by_function, first, second);
   t.by_node = t.by_function.transpose();
   t.stiffness = first.transpose() * t.weight.asDiagonal() * first;
-  const Eigen::MatrixXd transform = CurveTables(rule).transform();
   for (int from = 0; from < t.nodes; from += rule.nodes_per_interval()) {
     t.bend_series.emplace_back((transform * second.middleRows(from, rule.nodes_per_interval())).transpose());
   }
@@ -79,7 +78,9 @@ int suggested_nodes(int functions, double angle) {
 }
 
 ChainTables::ChainTables(const CoordinateModel& model, int nodes)
-    : rule(nodes, model.breaks()), basis(make_table(model, rule)), curve(std::make_shared<CurveTables>(rule)) {}
+    : rule(nodes, model.breaks()),
+      curve(std::make_shared<CurveTables>(rule)),
+      basis(make_table(model, rule, curve->transform())) {}
 
 std::shared_ptr<const ChainTables> TableStore::of(const CoordinateModel& model, int nodes) {
   for (const Entry& entry : entries_) {
@@ -193,6 +194,21 @@ Eigen::VectorXd Chain::project(std::span<const double> scaled_curvature) const {
   const Eigen::Map<const Eigen::VectorXd> target(scaled_curvature.data(), nodes());
   const Eigen::VectorXd rhs = first.transpose() * table().weight.cwiseProduct(target);
   return table().stiffness.ldlt().solve(rhs);
+}
+
+Eigen::VectorXd Chain::coordinates_of(const std::function<double(double)>& curvature,
+                                      std::span<const double> knots) const {
+  Eigen::VectorXd q(coordinate_count());
+  std::vector<double> scaled(static_cast<std::size_t>(nodes()));
+  for (int j = 0; j < piece_count(); ++j) {
+    const double from = start(j, knots);
+    const double h = length(j, knots);
+    for (int g = 0; g < nodes(); ++g) {
+      scaled[static_cast<std::size_t>(g)] = h * curvature(from + h * table().sigma[g]);
+    }
+    q.segment(static_cast<Eigen::Index>(j) * functions(), functions()) = project(scaled);
+  }
+  return q;
 }
 
 int Chain::piece_at(double s, std::span<const double> knots) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -36,8 +37,8 @@ struct ChainTables {
   /// The rule has `nodes` points on each smooth interval of `model`.
   ChainTables(const CoordinateModel& model, int nodes);
   Quadrature rule;                           ///< cut at the model's breaks
-  BasisTable basis;                          ///< at the nodes of `rule`
   std::shared_ptr<const CurveTables> curve;  ///< for the same rule
+  BasisTable basis;                          ///< at the nodes of `rule`, made with the former
 };
 
 /// Makes the tables of each model and number of nodes once: the many small programs of a plan share them. Models must
@@ -121,6 +122,9 @@ class TENDRIL_API Chain {
 
   /// Coordinates of a piece that come nearest (in curvature, L2) to curvature(sigma) * length given at the nodes.
   Eigen::VectorXd project(std::span<const double> scaled_curvature) const;
+
+  /// The same for all pieces, from a curvature along the rod (times L, of s/L) and moving knots at `knots`.
+  Eigen::VectorXd coordinates_of(const std::function<double(double)>& curvature, std::span<const double> knots) const;
 
   /// The piece that holds arc length s (the earlier one at a knot).
   int piece_at(double s, std::span<const double> knots) const;

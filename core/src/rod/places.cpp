@@ -56,21 +56,32 @@ int Places::add_fixed(double arc_length) {
   return place;
 }
 
-int Places::add_station(int piece, double sigma) {
-  Stations& s = stations_[static_cast<std::size_t>(piece)];
-  const auto found = std::find(s.sigma.begin(), s.sigma.end(), sigma);
-  if (found != s.sigma.end()) return s.place[static_cast<std::size_t>(found - s.sigma.begin())];
-  const auto own = static_cast<int>(s.sigma.size());
-  s.place.push_back(count());
-  s.sigma.push_back(sigma);
-  std::vector<double> weights(static_cast<std::size_t>(chain_->nodes()));
-  chain_->rule().partial_weights(sigma, weights);
-  s.by_node.conservativeResize(own + 1, chain_->nodes());
-  s.by_node.row(own) = Eigen::Map<const Eigen::RowVectorXd>(weights.data(), chain_->nodes());
-  s.sum.setZero(2 * chain_->functions(), own + 1);
-  for (Eigen::VectorXd* v : {&s.chord_x, &s.chord_y, &s.push_x, &s.push_y}) v->setZero(own + 1);
-  places_.push_back({.kind = Kind::station, .piece = piece, .own = own});
-  return count() - 1;
+std::vector<int> Places::add_stations(std::span<const Station> stations) {
+  std::vector<int> made;
+  made.reserve(stations.size());
+  for (const auto [piece, sigma] : stations) {
+    Stations& s = stations_[static_cast<std::size_t>(piece)];
+    const auto found = std::find(s.sigma.begin(), s.sigma.end(), sigma);
+    const auto own = static_cast<int>(found - s.sigma.begin());
+    if (found == s.sigma.end()) {
+      s.place.push_back(count());
+      s.sigma.push_back(sigma);
+      places_.push_back({.kind = Kind::station, .piece = piece, .own = own});
+    }
+    made.push_back(s.place[static_cast<std::size_t>(own)]);
+  }
+  for (Stations& s : stations_) {
+    const auto count = static_cast<Eigen::Index>(s.sigma.size());
+    s.by_node.resize(count, chain_->nodes());
+    s.sum.setZero(2 * chain_->functions(), count);
+    for (Eigen::VectorXd* v : {&s.chord_x, &s.chord_y, &s.push_x, &s.push_y}) v->setZero(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      chain_->rule().partial_weights(s.sigma[static_cast<std::size_t>(i)],
+                                     {node_buffer_.data(), static_cast<std::size_t>(chain_->nodes())});
+      s.by_node.row(i) = node_buffer_.transpose();
+    }
+  }
+  return made;
 }
 
 void Places::move(ConstVectorRef q, std::span<const double> arc_lengths) {

@@ -50,8 +50,13 @@ class TENDRIL_API Places {
   int add_tip() { return add_knot(chain_->piece_count() - 1); }
   int add_sliding(int piece, int arc_length);  ///< Inside a piece, at an arc length that is no knot.
   int add_fixed(double arc_length);            ///< At a fixed arc length, whatever piece holds it.
-  /// At a fixed sigma in (0,1] of a piece. Points that are asked for twice are the same place.
-  int add_station(int piece, double sigma);
+  /// A fixed sigma in (0,1] of a piece.
+  struct Station {
+    int piece;
+    double sigma;
+  };
+  /// All stations at once: the place of each. Those that are asked for twice are the same place.
+  std::vector<int> add_stations(std::span<const Station> stations);
 
   const Backbone& backbone() const { return backbone_; }
   /// Where the next move() begins.

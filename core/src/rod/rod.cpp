@@ -1,7 +1,6 @@
 #include "rod/rod.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace tendril {
 
@@ -32,18 +31,6 @@ const Rod::Segment& Rod::segment_at(double s) const {
     if (s < segment.to) return segment;
   }
   return segments.back();
-}
-
-std::vector<Vec2> drawn(const Rod& rod, const std::function<double(double)>& curvature, int steps) {
-  std::vector<Vec2> points{rod.base};
-  double angle = rod.base_angle;
-  const double h = 1.0 / steps;
-  for (int i = 0; i < steps; ++i) {
-    const double middle = angle + 0.5 * h * curvature((i + 0.25) * h);
-    points.push_back(points.back() + h * Vec2{std::cos(middle), std::sin(middle)});
-    angle += h * curvature((i + 0.5) * h);
-  }
-  return points;
 }
 
 }  // namespace tendril

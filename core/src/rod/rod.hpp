@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "tendril/export.hpp"
@@ -45,10 +44,6 @@ struct TENDRIL_API Rod {
   /// The segment that holds arc length s: the later one at a joint, the last one beyond the end.
   const Segment& segment_at(double s) const;
 };
-
-/// Points at steps + 1 equal distances along a rod of this curvature, integrated by midpoints: to begin with, not to
-/// judge by.
-TENDRIL_API std::vector<Vec2> drawn(const Rod& rod, const std::function<double(double)>& curvature, int steps);
 
 /// Two fixed knots closer than this are one (units of L): below it pieces would be all rounding.
 inline constexpr double knot_merge_distance = 1e-9;

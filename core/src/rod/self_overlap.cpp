@@ -39,11 +39,11 @@ std::optional<std::pair<double, double>> meeting(Vec2 a, Vec2 b, Vec2 c, Vec2 d)
 
 std::optional<std::pair<double, double>> self_overlap(std::span<const BackbonePoint> backbone) {
   // A curve whose tangent turns by less than half a turn moves on along some direction all the time.
-  const auto by_angle = [](const BackbonePoint& a, const BackbonePoint& b) { return a[3] < b[3]; };
+  const auto by_angle = [](const BackbonePoint& a, const BackbonePoint& b) { return a.angle < b.angle; };
   const auto [least, most] = std::minmax_element(backbone.begin(), backbone.end(), by_angle);
-  if (least == backbone.end() || (*most)[3] - (*least)[3] < 3.0) return std::nullopt;
-  const auto point = [&](std::size_t i) { return Vec2{backbone[i][1], backbone[i][2]}; };
-  const auto arc = [&](std::size_t i, double t) { return backbone[i][0] + t * (backbone[i + 1][0] - backbone[i][0]); };
+  if (least == backbone.end() || most->angle - least->angle < 3.0) return std::nullopt;
+  const auto point = [&](std::size_t i) { return backbone[i].position(); };
+  const auto arc = [&](std::size_t i, double t) { return backbone[i].s + t * (backbone[i + 1].s - backbone[i].s); };
   for (std::size_t later = 2; later + 1 < backbone.size(); ++later) {
     for (std::size_t earlier = 0; earlier + 2 <= later; ++earlier) {
       const auto met = meeting(point(earlier), point(earlier + 1), point(later), point(later + 1));
@@ -55,9 +55,9 @@ std::optional<std::pair<double, double>> self_overlap(std::span<const BackbonePo
 
 std::optional<std::pair<double, double>> meeting_of(std::span<const BackbonePoint> a,
                                                     std::span<const BackbonePoint> b) {
-  const auto point = [](const BackbonePoint& p) { return Vec2{p[1], p[2]}; };
+  const auto point = [](const BackbonePoint& p) { return p.position(); };
   const auto arc = [](std::span<const BackbonePoint> rod, std::size_t i, double t) {
-    return rod[i][0] + t * (rod[i + 1][0] - rod[i][0]);
+    return rod[i].s + t * (rod[i + 1].s - rod[i].s);
   };
   for (std::size_t i = 0; i + 1 < a.size(); ++i) {
     for (std::size_t k = 0; k + 1 < b.size(); ++k) {

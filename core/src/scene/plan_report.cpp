@@ -93,7 +93,7 @@ std::vector<BackbonePoint> outline(const StartShape& shape, const Rod& rod, doub
 
 std::function<double(double)> curvature_of(const Plan& plan, double length) {
   std::vector<std::pair<double, double>> table;
-  for (const BackbonePoint& p : plan.backbone) table.emplace_back(p[0] / length, p[4] * length);
+  for (const BackbonePoint& p : plan.backbone) table.emplace_back(p.s / length, p.curvature * length);
   return [table = std::move(table)](double s) {
     const auto after =
         std::lower_bound(table.begin(), table.end(), s, [](const auto& entry, double at) { return entry.first < at; });

@@ -6,25 +6,19 @@
 namespace tendril {
 namespace {
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.6g", value);
-  return buffer;
-}
-
 void require_finite(double value, const std::string& path) {
-  if (!std::isfinite(value)) throw SceneError(path, "the value " + text(value) + " must be finite");
+  if (!std::isfinite(value)) throw SceneError(path, "the value " + shown(value) + " must be finite");
 }
 
 void require_positive(double value, const std::string& path, const char* what, const char* unit) {
   if (!std::isfinite(value) || !(value > 0.0)) {
-    throw SceneError(path, std::string(what) + " must be positive and finite, but is " + text(value) + " " + unit);
+    throw SceneError(path, std::string(what) + " must be positive and finite, but is " + shown(value) + " " + unit);
   }
 }
 
 void require_not_negative(double value, const std::string& path, const char* what, const char* unit) {
   if (!std::isfinite(value) || value < 0.0) {
-    throw SceneError(path, std::string(what) + " must not be negative, but is " + text(value) + " " + unit);
+    throw SceneError(path, std::string(what) + " must not be negative, but is " + shown(value) + " " + unit);
   }
 }
 
@@ -73,17 +67,17 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
     const ActuatorSpec& a = rod.actuators[i];
     // A part in 1e9 of the length is the rounding of unit conversions, not a mistake.
     if (!(a.from >= 0.0 && a.from < length)) {
-      throw SceneError(path + ".from", "the actuator starts at " + text(a.from) + " m, but the rod reaches from 0 to " +
-                                           text(length) + " m");
+      throw SceneError(path + ".from", "the actuator starts at " + shown(a.from) +
+                                           " m, but the rod reaches from 0 to " + shown(length) + " m");
     }
     if (!(a.to > a.from && a.to <= length * (1.0 + 1e-9))) {
-      throw SceneError(path + ".to", "the actuator ends at " + text(a.to) + " m, expected more than its start (" +
-                                         text(a.from) + " m) and at most the rod's length (" + text(length) + " m)");
+      throw SceneError(path + ".to", "the actuator ends at " + shown(a.to) + " m, expected more than its start (" +
+                                         shown(a.from) + " m) and at most the rod's length (" + shown(length) + " m)");
     }
     if (std::isnan(a.minimum) || std::isnan(a.maximum) || a.minimum > a.maximum) {
       throw SceneError(path + (a.minimum > a.maximum ? ".min" : ".limit"),
-                       "the limits contradict each other: at least " + text(a.minimum) + " N m and at most " +
-                           text(a.maximum) + " N m");
+                       "the limits contradict each other: at least " + shown(a.minimum) + " N m and at most " +
+                           shown(a.maximum) + " N m");
     }
     if (a.minimum == infinity || a.maximum == -infinity) {
       throw SceneError(path + ".limit", "no moment is within the limits");
@@ -97,11 +91,11 @@ void require_force_limits(double least, double largest, const std::string& at) {
   require_not_negative(least, at + ".min_force", "the least contact force", "N");
   if (std::isnan(largest) || largest < 0.0) {
     throw SceneError(at + ".max_force",
-                     "the largest contact force must not be negative, but is " + text(largest) + " N");
+                     "the largest contact force must not be negative, but is " + shown(largest) + " N");
   }
   if (least > largest) {
-    throw SceneError(at + ".min_force", "the limits contradict each other: at least " + text(least) +
-                                            " N and at most " + text(largest) + " N");
+    throw SceneError(at + ".min_force", "the limits contradict each other: at least " + shown(least) +
+                                            " N and at most " + shown(largest) + " N");
   }
 }
 
@@ -121,7 +115,7 @@ void validate_gripper(const Scene& scene) {
     throw SceneError(path,
                      "the fingers have to point away from the palm: expected an angle between "
                      "-pi/2 and pi/2, found " +
-                         text(angle) + " rad");
+                         shown(angle) + " rad");
   };
   require_away(g.finger_angle, "gripper.finger_angle");
   if (!scene.fingers.empty() && scene.fingers.size() != 2) {
@@ -160,8 +154,8 @@ void validate_gripper(const Scene& scene) {
     require_positive(g.palm_distance_range->second, "gripper.palm_distance_range", "the largest palm distance", "m");
     if (g.palm_distance_range->first > g.palm_distance_range->second) {
       throw SceneError("gripper.palm_distance_range", "the limits contradict each other: at least " +
-                                                          text(g.palm_distance_range->first) + " m and at most " +
-                                                          text(g.palm_distance_range->second) + " m");
+                                                          shown(g.palm_distance_range->first) + " m and at most " +
+                                                          shown(g.palm_distance_range->second) + " m");
     }
   }
   if (!scene.obstacles.empty()) {
@@ -223,7 +217,7 @@ void validate(const Scene& scene) {
   require_positive(scene.solver.tolerance, "solver.tolerance", "the tolerance", "");
   if (std::isnan(scene.solver.time_limit) || !(scene.solver.time_limit > 0.0)) {
     throw SceneError("solver.time_limit",
-                     "the time limit must be positive, but is " + text(scene.solver.time_limit) + " s");
+                     "the time limit must be positive, but is " + shown(scene.solver.time_limit) + " s");
   }
   if (scene.solver.max_iterations < 1) {
     throw SceneError("solver.max_iterations",

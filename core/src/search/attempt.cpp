@@ -3,6 +3,7 @@
 
 #include "nlp/feasibility.hpp"
 #include "search/earlier_plan.hpp"
+#include "search/parameters.hpp"
 #include "search/planner.hpp"
 #include "search/task.hpp"
 
@@ -10,8 +11,6 @@ namespace tendril {
 namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-constexpr int most_retries = 3;  ///< of a start whose check points let the rod slip to the wrong side of an obstacle
-constexpr int most_pieces_away = 3;  ///< of an unsplit rod, from where the start comes nearest to the obstacle
 
 }  // namespace
 
@@ -22,7 +21,7 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
   const bool required = d_.min_force > 0.0;
   // From a start without a feasible point near, a solver takes far the longest, and mostly in vain: the contact is on
   // a part of the finger that cannot hold the object. It is spent only where nothing else led to a plan.
-  if (balanced_by_row() && (deferring_ || have_plan_) && !promising(spec, checks, shape)) {
+  if (search_parameters().defer && balanced_by_row() && (deferring_ || have_plan_) && !promising(spec, checks, shape)) {
     state.deferred = true;
     if (!state.best.has_point) state.trouble = "nothing feasible is near its starts, and there is a plan without it";
     return;
@@ -30,7 +29,7 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
   // From the same start, with every place checked where the rod went through an obstacle before.
   const auto search = [&](Branch branch) {
     bool touching = false;
-    for (int retry = 0; retry <= most_retries && !must_stop(); ++retry) {
+    for (int retry = 0; retry <= search_parameters().most_retries && !must_stop(); ++retry) {
       spec.checks = checks;
       PoseProgram program(spec);
       Eigen::VectorXd x = program.start_from(shape);
@@ -101,7 +100,7 @@ void Planner::try_start(ModeState& state, const StartShape& shape) {
     return j >= 0 && j < chain.piece_count() && chain.piece(j).stretch == mode.contacts[k].region;
   };
   std::vector<std::vector<int>> outward;
-  for (int distance = 1; distance <= most_pieces_away; ++distance) {
+  for (int distance = 1; distance <= search_parameters().most_pieces_away; ++distance) {
     for (const int side : {1, -1}) {
       for (std::size_t k = 0; k < pieces.size(); ++k) {
         std::vector<int> candidate = pieces;

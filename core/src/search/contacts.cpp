@@ -1,8 +1,10 @@
 #include "search/contacts.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
+
+#include "rod/outline.hpp"
+#include "search/parameters.hpp"
 
 namespace tendril {
 namespace {
@@ -91,8 +93,6 @@ int stretch_at(const Rod& rod, double arc_length) {
 
 std::vector<Extension> extensions(const Task& problem, const std::vector<ContactSetup>& contacts,
                                   const StartShape& shape) {
-  // The order of distances is all that counts.
-  constexpr int steps = 400;
   const Rod& rod = problem.rod;
   const auto stretches = rod.fixed_knots().size() - 1;
   struct Nearest {
@@ -101,15 +101,15 @@ std::vector<Extension> extensions(const Task& problem, const std::vector<Contact
   };
   std::vector<std::vector<Nearest>> nearest(problem.obstacles.size(), std::vector<Nearest>(stretches));
   std::vector<double> of_tip;
-  const std::vector<Vec2> points = drawn(rod, shape.curvature, steps);
-  for (int i = 1; i <= steps; ++i) {
-    const Vec2 at = points[static_cast<std::size_t>(i)];
-    const double s = i * (1.0 / steps);
+  std::vector<OutlinePoint> line;
+  outline(rod, shape.curvature, 400, line);
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const double s = line[i].s;
     const auto stretch = static_cast<std::size_t>(stretch_at(rod, s));
     for (std::size_t o = 0; o < problem.obstacles.size(); ++o) {
-      const double distance = problem.obstacles[o]->at(at).distance;
+      const double distance = problem.obstacles[o]->at(line[i].position).distance;
       if (distance < nearest[o][stretch].distance) nearest[o][stretch] = {distance, s};
-      if (i == steps) of_tip.push_back(distance);
+      if (i + 1 == line.size()) of_tip.push_back(distance);
     }
   }
 
@@ -148,13 +148,13 @@ std::vector<Extension> extensions(const Task& problem, const std::vector<Contact
 LeftOut search_note(const Task& problem) {
   const int stretches = static_cast<int>(problem.rod.fixed_knots().size()) - 1;
   const double count = assignment_count(stretches, problem.contact_obstacles, problem.scene.contact.count);
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "%.0f ways of assigning up to %d contacts are too many: a heuristic search tries every single contact, "
-                "then gives the %zu best plans of each size one more contact at each of the %zu obstacles that their "
-                "rod comes nearest to, in the order in which the rod meets them",
-                count, problem.scene.contact.count, beam_width, most_extensions);
-  return {"other contact assignments", text};
+  return {"other contact assignments",
+          shown(count, 15) + " ways of assigning up to " + std::to_string(problem.scene.contact.count) +
+              " contacts are too many: a heuristic search tries every single contact, then gives the " +
+              std::to_string(search_parameters().beam_width) +
+              " best plans of each size one more contact at each of the " +
+              std::to_string(search_parameters().most_extensions) +
+              " obstacles that their rod comes nearest to, in the order in which the rod meets them"};
 }
 
 }  // namespace tendril

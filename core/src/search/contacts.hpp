@@ -13,15 +13,6 @@ namespace tendril {
 /// Whether both are the same contacts in the same order along the rod.
 bool same_contacts(const std::vector<ContactSetup>& a, const std::vector<ContactSetup>& b);
 
-/// Up to so many assignments are all tried.
-inline constexpr std::size_t most_enumerated = 64;
-/// Up to so many where the search found no plan.
-inline constexpr std::size_t most_enumerated_at_last = 512;
-/// Plans of one size that are grown: the best certified ones, then those nearest to feasible.
-inline constexpr std::size_t beam_width = 4;
-/// Contacts that each of them is given in turn.
-inline constexpr std::size_t most_extensions = 6;
-
 /// Places for a contact: in each stretch with each obstacle, then at the tip with each obstacle.
 std::vector<ContactSetup> contact_slots(int stretches, int obstacles);
 

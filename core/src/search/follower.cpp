@@ -131,7 +131,7 @@ void Follower::write(Plan& plan, double begin, double certifying, const Evaluati
     if (!followed && record.outcome.rfind("skipped: ", 0) != 0) set_outcome(record.outcome, not_tried_outcome);
     if (followed) {
       char text[outcome_size];
-      std::snprintf(text, sizeof text, "%scertified, objective %.6g", followed_outcome, objective);
+      std::snprintf(text, sizeof text, "%scertified, objective %s", followed_outcome, shown(objective).c_str());
       set_outcome(record.outcome, text);
     }
     record.solves = record.iterations = 0;

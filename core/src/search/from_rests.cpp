@@ -2,8 +2,10 @@
 #include <cmath>
 
 #include "certificate/check_points.hpp"
+#include "nlp/multipliers.hpp"
 #include "program/reduced_program.hpp"
 #include "search/contacts.hpp"
+#include "search/parameters.hpp"
 #include "search/planner.hpp"
 #include "search/task.hpp"
 #include "statics/loading.hpp"
@@ -13,12 +15,6 @@ namespace tendril {
 namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-constexpr int few_values = 60;         ///< coordinates, up to which the rod settles in those of the plan
-constexpr int many_values = 150;       ///< coordinates of programs that led to no plan, before the rod itself is asked
-constexpr int most_exchanges = 8;      ///< rounds in which check points are added along equilibria
-constexpr int useless_rests = 6;       ///< in a row, before plans are sought in other ways
-constexpr double sampling_work = 2e6;  ///< (Tally::work) for all rests before the ordinary search goes on
-constexpr double deepest = 1e-2;       ///< (L) of soft obstacles: a rod that is pressed in farther is not resting
 constexpr double shares_of_bend[] = {0.9, 0.75, 0.6, 0.5,
                                      0.4, 0.25, 0.1};  ///< of a rest that coordinates cannot follow
 
@@ -36,26 +32,24 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, int lo
     Settled& end = loading.tracker().current();
     if (end.statics == nullptr) return std::nullopt;
     if (arrived) loading.tracker().refine_fully();
-    const RodState state = end.statics->state(end.z);
+    const State state = end.statics->state(end.z);
     const auto lying = arrived ? std::nullopt : loading.lie();
-    return lying ? rest_of(d_, moments, lying->down) : rest_of(d_, moments, state);
+    return lying ? rest_of(d_, moments, lying->down.state) : rest_of(d_, moments, state);
   }
   return std::nullopt;
 }
 
 std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from, int looks) const {
-  if (d_.coordinate_count({}) > few_values) return executed(moments, looks);
-  LoadPath path(d_.rod, d_.obstacles, {moments, moments, false});
-  path.apply(1.0);
+  if (d_.coordinate_count({}) > search_parameters().few_values) return executed(moments, looks);
+  const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false});
   Allowance allowance(steps_.deadline(), looks);
   const Descent down =
-      descend_in(*d_.components.coordinates, path, from.curvature, [&allowance] { return allowance.spent(); });
+      descend_in(*d_.components.coordinates, path, 1.0, from.curvature, [&allowance] { return allowance.spent(); });
   if (!down.converged) return std::nullopt;
-  Rest rest{[shape = down.shape](double s) { return shape.curvature(s); }, moments, {}};
-  for (const PressedRun& run : down.runs) {
+  Rest rest{down.state.curvature, moments, {}};
+  for (PointContact c : down.state.contacts) {
     // Held between obstacles that leave no room it rests nowhere.
-    if (run.contact.force > deepest * down.stiffness) return std::nullopt;
-    PointContact c = run.contact;
+    if (c.force > search_parameters().deepest * down.stiffness) return std::nullopt;
     if (c.setup.at_tip) c.s = 1.0;
     c.setup.region = c.setup.at_tip ? 0 : stretch_at(d_.rod, c.s);
     rest.contacts.push_back(c);
@@ -81,7 +75,9 @@ void Planner::slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) 
   if (const Eigen::VectorXd& reached = reduced.full(r.x); reached.allFinite()) x = reached;
 }
 
-bool Planner::slides(const Mode& mode) const { return !d_.palm && d_.coordinate_count(mode) > many_values; }
+bool Planner::slides(const Mode& mode) const {
+  return search_parameters().reduce_large && !d_.palm && d_.coordinate_count(mode) > search_parameters().many_values;
+}
 
 bool Planner::come_to_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
   close_contacts(program);
@@ -96,53 +92,105 @@ bool Planner::come_to_point(ModeState& state, PoseProgram& program, Eigen::Vecto
   return true;
 }
 
-void Planner::start_from_rest(ModeState& state, const Rest& rest) {
-  ++state.starts_used;
-  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
-  std::vector<double> places;
-  for (const PointContact& c : rest.contacts) places.push_back(c.s);
-  const std::vector<int> regions = d_.regions_of(mode, places);
-  const StartShape shape = shape_of(rest, mode);
-  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
-  PoseProgramSpec resting = spec;  // it is stable where it rests
-  resting.least_margin.reset();
-  resting.least_convexity.reset();
-  std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
-  const std::vector<Branch> touching(mode.contacts.size(), Branch::touching);
-  Eigen::VectorXd at_rest;
-  for (int round = 0; round <= most_exchanges && !must_stop(); ++round) {
-    spec.checks = checks;
-    PoseProgram program(spec);
-    if (round == 0) {
-      resting.checks = checks;
-      PoseProgram rests(resting);
-      close_contacts(rests);
-      at_rest = rests.start_from(shape);
-      FeasibilityReport f = steps_.look(rests, at_rest);
-      // What few coordinates leave of a sharp bend can lie on the wrong side of all that is near: less of it may do.
-      for (const double share : shares_of_bend) {
-        if (f.feasible || must_stop()) break;
-        StartShape less = shape;
-        less.curvature = [&shape, share](double s) { return share * shape.curvature(s); };
-        const FeasibilityReport again = steps_.look(rests, rests.start_from(less));
-        if (again.feasible) f = again;
-      }
-      at_rest = f.x;
+std::vector<int> Planner::regions_near(const Mode& mode, const StartShape& shape) const {
+  std::vector<double> places = shape.arc_lengths;
+  if (!d_.scene.coordinates.split_at_contact && places.empty() && !mode.contacts.empty()) {
+    // With stretches for regions, only to place the contacts where the shape comes nearest.
+    std::vector<int> stretches;
+    for (const ContactSetup& c : mode.contacts) stretches.push_back(c.region);
+    PoseProgramSpec whole = d_.spec(mode, stretches, d_.nodes);
+    whole.split = true;
+    const PoseProgram placer(whole);
+    const Eigen::VectorXd placed = placer.start_from(shape);
+    for (std::size_t k = 0; k < mode.contacts.size(); ++k) {
+      const int variable = placer.arc_length_variable(static_cast<int>(k));
+      places.push_back(variable >= 0 ? placed[variable] : 1.0);
     }
-    Eigen::VectorXd x = at_rest;
-    if (!come_to_point(state, program, x)) return;
+  }
+  return d_.regions_of(mode, places);
+}
+
+Eigen::VectorXd Planner::feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape, bool rests) {
+  FeasibilityReport f = steps_.look(program, program.start_from(shape));
+  // What few coordinates leave of a sharp bend can lie on the wrong side of all that is near: less of it may do.
+  for (const double share : shares_of_bend) {
+    if (f.feasible || must_stop() || !rests) break;
+    StartShape less = shape;
+    less.curvature = [&shape, share](double s) { return share * shape.curvature(s); };
+    const FeasibilityReport again = steps_.look(program, program.start_from(less));
+    if (again.feasible) f = again;
+  }
+  if (f.feasible) return f.x;
+  const double least = state.violation;
+  ProgramSearch::note(state, program, f);
+  keep_nearest(state, program, f, least);
+  return {};
+}
+
+void Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
+  const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
+  ++state.starts_used;
+  const std::vector<int> regions = regions_near(mode, shape);
+  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+  std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
+  spec.checks = checks;
+  PoseProgramSpec unheld = spec;  // rows that hold a plan back are for the way to better moments
+  unheld.least_margin.reset();
+  unheld.least_convexity.reset();
+  PoseProgram program(unheld);
+  close_contacts(program);
+  const Eigen::VectorXd feasible = feasible_near(state, program, shape, rests);
+  if (feasible.size() == 0) return;
+  if (!slides(mode)) {
+    PoseProgram held(spec);
+    close_contacts(held);
+    FeasibilityReport f;
+    if (spec.least_margin) f = steps_.look(held, feasible);
+    const OptimalityReport r = solve(state, held, f.feasible ? f.x : feasible);
+    // What breaks its promises is no part of any plan.
+    const bool broken = r.status == SolveStatus::failed || r.status == SolveStatus::unsupported ||
+                        r.status == SolveStatus::not_finite || r.x.size() != feasible.size();
+    if (broken) return;
+    const bool usable = r.x.allFinite() && r.infeasibility <= search_parameters().nearly_feasible;
+    if (usable && finish(state, held, regions, checks, r.x)) return;
+  }
+  // What the backend cannot do with all variables it may do with the moments alone.
+  Eigen::VectorXd x = feasible;
+  for (int round = 0; round <= search_parameters().exchanges_along && !must_stop(); ++round) {
+    spec.checks = checks;
+    PoseProgram along(spec);
+    if (!come_to_point(state, along, x)) return;
     // Where the way to better moments went through an obstacle, it is watched there, and begins anew.
     Certifier certifier(spec);
     std::vector<CheckPoint> more = checks;
-    const bool through = !d_.obstacles.empty() && d_.scene.contact.check_points == 0 && round < most_exchanges &&
-                         exchange_checks(program, x, certifier, more, violation_level, true);
-    if (through) {
-      checks = std::move(more);
-      continue;
+    const bool through = !d_.obstacles.empty() && d_.scene.contact.check_points == 0 &&
+                         round < search_parameters().exchanges_along &&
+                         exchange_checks(along, x, certifier, more, violation_level, true);
+    if (!through) {
+      const double reached = along.cost(x);
+      if (!finish(state, along, regions, checks, x) && std::isfinite(state.unstable_objective) && !spec.least_margin) {
+        // Equilibria were stable up to here: a plan that is held at the limit is near.
+        state.unstable = along.shape_of(x);
+        state.unstable_objective = reached;
+      }
+      return;
     }
-    complete(state, regions, checks, x, touching);
-    return;
+    checks = std::move(more);
   }
+}
+
+bool Planner::finish(ModeState& state, PoseProgram& program, const std::vector<int>& regions,
+                     std::vector<CheckPoint>& checks, const Eigen::VectorXd& x) {
+  // Clearance that is still to be added makes nothing cheaper.
+  const double cost = program.cost(x);
+  if (have_plan_ && d_.enumerated && cost > best_objective() + search_parameters().dearer &&
+      infeasibility(program, x) <= restored) {
+    state.dearer = std::min(state.dearer, cost);
+    return true;
+  }
+  certified_ = false;
+  complete(state, regions, checks, x, branches_of(program));
+  return certified_;
 }
 
 void Planner::consider_rest(const Rest& rest) {
@@ -151,18 +199,20 @@ void Planner::consider_rest(const Rest& rest) {
   const std::size_t i = state_of(*contacts);
   // From a stable shape the plan is wanted that is still stable, and the way there ends where stability does.
   // Eigenvalues of many coordinates take long: there they are looked at only where the way led too far.
-  if (d_.coordinate_count({}) > many_values) {
-    consider(states_[i], [&] { start_from_rest(states_[i], rest); });
+  if (d_.coordinate_count({}) > search_parameters().many_values) {
+    consider(states_[i], [&] { refine(states_[i], shape_of(rest, modes_[i]), true); });
     if (states_[i].best.certified() || must_stop()) return;
   }
   const HeldStable held(d_);
-  consider(states_[i], [&] { start_from_rest(states_[i], rest); });
+  consider(states_[i], [&] { refine(states_[i], shape_of(rest, modes_[i]), true); });
 }
 
 bool Planner::rest_is_due(const Mode& mode) {
-  if (rested_ || d_.palm || have_plan_ || following_ || must_stop() || !mode.skip.empty()) return false;
+  if (!search_parameters().ask_rests || rested_ || d_.palm || have_plan_ || following_ || must_stop() ||
+      !mode.skip.empty())
+    return false;
   values_tried_ += d_.coordinate_count({});
-  return values_tried_ > many_values;
+  return values_tried_ > search_parameters().many_values;
 }
 
 void Planner::start_from_rests() {
@@ -170,17 +220,17 @@ void Planner::start_from_rests() {
   std::vector<StartShape> from{d_.scene_start()};
   if (loaded()) from.insert(from.end(), {hanging(false), hanging(true)});
   const std::vector<std::vector<double>> samples = sampled_moments();
-  const double most_work = steps_.tally.work + sampling_work;
+  const double most_work = steps_.tally.work + search_parameters().sampling_work;
   std::size_t enough = samples.size();
   int useless = 0;
   bool has_plan = have_plan_;
   for (std::size_t i = 0; i < enough; ++i) {
     for (const StartShape& shape : from) {
       if (must_stop() || steps_.tally.work > most_work) return;
-      const std::optional<Rest> rest = come_to_rest(samples[i], shape, looks_at_a_rest);
+      const std::optional<Rest> rest = come_to_rest(samples[i], shape, search_parameters().looks_at_a_rest);
       // No contact where one is asked for, or more of them than there may be: such rests say little.
       useless = rest && contacts_of_rest(*rest) ? 0 : useless + 1;
-      if (useless > useless_rests) return;
+      if (useless > search_parameters().useless_rests) return;
       if (rest) consider_rest(*rest);
       // The first plan is seldom the best: as many samples as led to it may follow.
       if (have_plan_ && !has_plan) enough = std::min(enough, 2 * (i + 1));

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "search/contacts.hpp"
+#include "search/parameters.hpp"
 #include "search/planner.hpp"
 #include "search/task.hpp"
 
@@ -10,12 +11,7 @@ namespace tendril {
 namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-constexpr int most_settlings = 3;         ///< executions of unstable plans, for a stable shape to start from
-constexpr int looks_at_unstable = 16000;  ///< steps that the rod may take from one of these
-constexpr double unlimited_moment = 6.3;  ///< (EI/L) stands for no limit: it bends the rod to a circle
 constexpr double towards_limit[] = {0.25, 1.0, 0.5, 0.1};  ///< of a limit, in the order in which they are tried
-constexpr std::size_t sampled_alone = 2;  ///< the first so many are tried with one actuator before several are
-constexpr std::size_t most_samples = 64;
 
 }  // namespace
 
@@ -47,10 +43,10 @@ std::vector<std::vector<double>> Planner::sampled_moments() const {
   std::vector<std::vector<double>> samples{least};
   const auto add = [&samples](std::vector<double> moments) {
     const bool known = std::find(samples.begin(), samples.end(), moments) != samples.end();
-    if (!known && samples.size() < most_samples) samples.push_back(std::move(moments));
+    if (!known && samples.size() < search_parameters().most_samples) samples.push_back(std::move(moments));
   };
   // What the loads do with a lever of the rod's length, moments may have to hold.
-  const double largest = unlimited_moment + (d_.palm ? 0.0 : load_size());
+  const double largest = search_parameters().unlimited_moment + (d_.palm ? 0.0 : load_size());
   const auto value = [&](std::size_t a, double share) {
     const Rod::Actuator& actuator = d_.rod.actuators[a];
     const double limit = share < 0.0 ? std::max(actuator.minimum, -largest) : std::min(actuator.maximum, largest);
@@ -68,7 +64,7 @@ std::vector<std::vector<double>> Planner::sampled_moments() const {
       }
     }
   };
-  alone(0, sampled_alone);
+  alone(0, search_parameters().sampled_alone);
   for (std::size_t a = 0; a < actuators; ++a) {
     for (std::size_t b = a + 1; b < actuators; ++b) {
       for (const double share : {towards_limit[0], towards_limit[1]}) {
@@ -83,7 +79,7 @@ std::vector<std::vector<double>> Planner::sampled_moments() const {
       }
     }
   }
-  alone(sampled_alone, std::size(towards_limit));
+  alone(search_parameters().sampled_alone, std::size(towards_limit));
   return samples;
 }
 
@@ -95,9 +91,9 @@ void Planner::settle(const std::vector<std::size_t>& order) {
   // A coarse model rests elsewhere than the rod, unless it has a knot where the rod touches.
   const std::vector<double> least = moments_of(nullptr);
   std::optional<Rest> of_least;
-  if (winner_ < 0 && !must_stop()) of_least = executed(least, looks_at_unstable);
+  if (winner_ < 0 && !must_stop()) of_least = executed(least, search_parameters().looks_at_unstable);
   if (of_least) consider_rest(*of_least);
-  for (int attempt = 0; attempt < most_settlings && winner_ < 0 && !must_stop(); ++attempt) {
+  for (int attempt = 0; attempt < search_parameters().most_settlings && winner_ < 0 && !must_stop(); ++attempt) {
     const Candidate* unstable = best_unstable();
     const bool nothing =
         std::none_of(states_.begin(), states_.end(), [](const ModeState& s) { return s.best.has_point; });
@@ -107,7 +103,8 @@ void Planner::settle(const std::vector<std::size_t>& order) {
     const bool known =
         std::any_of(rests.begin(), rests.end(), [&](const Rest& rest) { return rest.moments == moments; });
     if (known) break;
-    const std::optional<Rest> rest = moments == least ? of_least : executed(moments, looks_at_unstable);
+    const std::optional<Rest> rest =
+        moments == least ? of_least : executed(moments, search_parameters().looks_at_unstable);
     if (!rest) break;
     if (moments != least) consider_rest(*rest);
     for (std::size_t i = 0; i < modes; ++i) consider(states_[i], shape_of(*rest, modes_[i]));
@@ -117,7 +114,7 @@ void Planner::settle(const std::vector<std::size_t>& order) {
 }
 
 void Planner::hold_stable(const std::vector<Rest>& rests, const std::vector<std::size_t>& order) {
-  if (best_unstable() == nullptr) return;
+  if (!search_parameters().hold || best_unstable() == nullptr) return;
   const HeldStable held(d_);
   for (const Rest& rest : rests) {
     for (const std::size_t i : order) consider(states_[i], shape_of(rest, modes_[i]));
@@ -125,7 +122,7 @@ void Planner::hold_stable(const std::vector<Rest>& rests, const std::vector<std:
   bool first = true;
   for (const std::vector<double>& moments : sampled_moments()) {
     if (must_stop()) return;
-    const std::optional<Rest> rest = come_to_rest(moments, d_.scene_start(), looks_at_a_rest);
+    const std::optional<Rest> rest = come_to_rest(moments, d_.scene_start(), search_parameters().looks_at_a_rest);
     if (!rest) continue;
     consider_rest(*rest);
     // Every mode is worth the shape of the rod without moments; the others start those whose contacts they have.
@@ -144,11 +141,13 @@ void Planner::look_for_stable(const std::vector<std::size_t>& order) {
   for (std::size_t i = 0; i < states_.size(); ++i) {
     if (states_[i].starts_used > 0 && std::find(order.begin(), order.end(), i) == order.end()) all.push_back(i);
   }
-  const auto unfinished = [this](std::size_t i) { return !without_stable_plan(states_[i]); };
+  const auto unfinished = [this](std::size_t i) { return !states_[i].infeasible(); };
   if (std::none_of(all.begin(), all.end(), unfinished)) return;
   const HeldStable held(d_);
   proving_ = true;
-  for (int start = -1; start < most_starts + further_starts && winner_ < 0 && !must_stop(); ++start) {
+  for (int start = -1;
+       start < search_parameters().most_starts + search_parameters().further_starts && winner_ < 0 && !must_stop();
+       ++start) {
     for (const std::size_t i : all) {
       if (winner_ >= 0 || must_stop() || !unfinished(i)) continue;
       const Candidate& best = states_[i].best;

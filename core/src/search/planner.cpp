@@ -8,6 +8,8 @@
 #include "search/contacts.hpp"
 #include "search/earlier_plan.hpp"
 #include "search/follower.hpp"
+#include "search/parameters.hpp"
+#include "search/sides.hpp"
 #include "search/task.hpp"
 
 namespace tendril {
@@ -18,8 +20,9 @@ void Planner::consider(ModeState& state, const StartShape& shape) {
     // Where nothing presses, a plan of another mode nearly belongs to this one too: what costs more lies on another
     // side of an obstacle, and the better side is worth a start. The contacts of a grasp always press, but where its
     // balance is left to an objective, that has as many sides.
-    if (balanced_by_row() || winner_ < 0 || winner_ == state.mode || !state.best.certified() || must_stop() ||
-        !(state.best.objective > best_objective() + beats)) {
+    if (!search_parameters().other_side || balanced_by_row() || winner_ < 0 || winner_ == state.mode ||
+        !state.best.certified() || must_stop() ||
+        !(state.best.objective > best_objective() + search_parameters().beats)) {
       return;
     }
     const Candidate& better = states_[static_cast<std::size_t>(winner_)].best;
@@ -32,7 +35,7 @@ void Planner::consider(ModeState& state, const StartShape& shape) {
 
 void Planner::consider(ModeState& state, const std::function<void()>& trial) {
   if (state.left_out || !modes_[static_cast<std::size_t>(state.mode)].skip.empty() || must_stop()) return;
-  if (best_objective() <= d_.objective_bound + beats) {
+  if (best_objective() <= d_.objective_bound + search_parameters().beats) {
     if (state.starts_used == 0) state.record.outcome = "skipped: no plan can cost less than the one found";
     return;
   }
@@ -49,7 +52,8 @@ void Planner::consider(ModeState& state, const std::function<void()>& trial) {
   // A grown mode whose new contact does not press is the smaller one with one more knot: no better a plan.
   const bool grown = static_cast<std::size_t>(state.mode) >= d_.modes.size();
   const bool repeats = grown && winner_ >= 0 && state.best.has_point && !all_press(state);
-  if (state.best.certified() && !repeats && state.best.objective < best_objective() - beats) winner_ = state.mode;
+  if (state.best.certified() && !repeats && state.best.objective < best_objective() - search_parameters().beats)
+    winner_ = state.mode;
   have_plan_ = winner_ >= 0;
 }
 
@@ -67,6 +71,7 @@ void Planner::name_state(std::size_t i) {
   ModeState& state = states_[i];
   state.mode = static_cast<int>(i);
   state.record.mode = modes_[i].name;
+  state.skip = modes_[i].skip;
   state.left_out =
       std::find(control_.without.begin(), control_.without.end(), modes_[i].name) != control_.without.end();
   if (state.left_out) state.record.outcome = left_out_outcome;
@@ -88,7 +93,7 @@ std::vector<std::size_t> Planner::parents(int contacts) const {
     return std::tuple(best.certified() ? 0 : best.has_point ? 1 : 2, value);
   };
   std::stable_sort(found.begin(), found.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
-  if (found.size() > beam_width) found.resize(beam_width);
+  if (found.size() > search_parameters().beam_width) found.resize(search_parameters().beam_width);
   return found;
 }
 
@@ -99,7 +104,7 @@ void Planner::grow() {
       const StartShape shape = from.best.has_point ? from.best.program->shape_of(from.best.x) : from.nearest;
       std::size_t added = 0;
       for (const Extension& extension : extensions(d_, modes_[parent].contacts, shape)) {
-        if (added == most_extensions || must_stop()) break;
+        if (added == search_parameters().most_extensions || must_stop()) break;
         if (!d_.mode(extension.contacts).skip.empty()) continue;
         ++added;
         const std::size_t known = states_.size();
@@ -149,20 +154,23 @@ Plan Planner::run() {
   }
   std::erase_if(order, [this](std::size_t i) { return states_[i].left_out; });
   if (control_.follow && control_.start != nullptr) winner_ = follow();
-  if (winner_ >= 0) return report(states_, winner_);
-  if (d_.palm && !d_.palm->balance) start_from_balance(order);
+  if (winner_ >= 0) return report();
+  if (search_parameters().balance_first && d_.palm && !d_.palm->balance) start_from_balance(order);
   search(order);
+  if (winner_ >= 0 || d_.palm) hold_cheaper();
   search_further(starts(), order);
-  settle(order);
-  look_for_stable(order);
+  if (search_parameters().settle) settle(order);
+  if (search_parameters().prove) look_for_stable(order);
   // Where moments can be chosen and every search ended stationary, there is no plan; where none can, what the rod does
   // is worth telling.
-  if (winner_ < 0 && !(chooses() && all_infeasible())) look_for_spread();
-  return report(states_, winner_);
+  if (search_parameters().tell_spread && winner_ < 0 && !(chooses() && all_infeasible())) look_for_spread();
+  return report();
 }
 
 void Planner::search(const std::vector<std::size_t>& order) {
   const int earlier = control_.start != nullptr ? 1 : 0;
+  // Where assignments are too many to be listed, those that grow come first.
+  if (d_.enumerated) search_sides(order);
   for (int round = 0; round < starts() && !must_stop(); ++round) {
     // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
     // families with several valleys of the effort; what follows its own starts is no equilibrium.
@@ -171,20 +179,84 @@ void Planner::search(const std::vector<std::size_t>& order) {
       break;
     round_ = round;
     // Before the second start per mode the rod itself shows where it can be.
-    if (round > 0 && !d_.palm && !rested_ && winner_ < 0) {
+    if (search_parameters().ask_rests && round > 0 && !d_.palm && !rested_ && winner_ < 0) {
       start_from_rests();
       if (winner_ >= 0 && chooses()) break;
     }
     deferring_ = balanced_by_row();
     for (const std::size_t i : order) {
       states_[i].deferred = false;
-      consider(states_[i], start_shape(round, modes_[i]));
+      const StartShape shape = start_shape(round, modes_[i]);
+      if (!looked_at(states_[i])) consider(states_[i], shape);
     }
     deferring_ = false;
     for (const std::size_t i : order) {
       if (states_[i].deferred && winner_ < 0) consider(states_[i], start_shape(round, modes_[i]));
     }
-    if (!d_.enumerated) grow();
+    if (!d_.enumerated && search_parameters().grow_contacts) grow();
+  }
+  if (!d_.enumerated) search_sides(order);
+}
+
+void Planner::search_sides(const std::vector<std::size_t>& order) {
+  if (d_.palm || !search_parameters().sides) return;
+  const std::vector<SideStart> starts = starts_by_sides(d_);
+  if (starts.size() < 2) return;
+  const SideStart own = start_by_sides(d_, d_.scene_start());
+  struct Trial {
+    double merit;
+    std::size_t way;
+    const SideStart* start;
+  };
+  std::vector<Trial> trials;
+  for (const std::size_t i : order) {
+    std::vector<Trial> of_way;
+    for (const SideStart& start : starts) {
+      double merit = start.merit;
+      for (const ContactSetup& c : modes_[i].contacts) {
+        merit += search_parameters().cost_of_distance * std::abs(start.distances[static_cast<std::size_t>(c.obstacle)]);
+      }
+      of_way.push_back({merit, i, &start});
+    }
+    std::stable_sort(of_way.begin(), of_way.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
+    if (of_way.size() > static_cast<std::size_t>(search_parameters().most_sides)) {
+      of_way.resize(static_cast<std::size_t>(search_parameters().most_sides));
+    }
+    // The scene's own start comes before all others.
+    trials.push_back({0.0, i, &own});
+    trials.insert(trials.end(), of_way.begin(), of_way.end());
+  }
+  std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
+  if (trials.size() > search_parameters().most_trials) trials.resize(search_parameters().most_trials);
+  for (const Trial& trial : trials) {
+    ModeState& state = states_[trial.way];
+    if (must_stop() || steps_.tally.work > search_parameters().side_work) return;
+    // A plan from another side may lie on this one.
+    if (state.best.has_point && sides_of(d_, state.best.program->shape_of(state.best.x)) == trial.start->sides)
+      continue;
+    state.sided = true;
+    // Not split, a contact may have to go on into the next piece.
+    const bool hops = !d_.scene.coordinates.split_at_contact && !modes_[trial.way].contacts.empty();
+    consider(state, [&] { hops ? try_start(state, trial.start->shape) : refine(state, trial.start->shape); });
+  }
+}
+
+bool Planner::looked_at(const ModeState& state) const { return have_plan_ && state.sided; }
+
+void Planner::hold_cheaper() {
+  if (!search_parameters().hold_cheaper) return;
+  std::vector<std::pair<double, std::size_t>> cheaper;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    if (states_[i].unstable_objective < best_objective() - search_parameters().beats) {
+      cheaper.emplace_back(states_[i].unstable_objective, i);
+    }
+  }
+  std::sort(cheaper.begin(), cheaper.end());
+  const HeldStable held(d_);
+  for (const auto& found : cheaper) {
+    if (must_stop() || !(found.first < best_objective() - search_parameters().beats)) continue;
+    ModeState& state = states_[found.second];
+    consider(state, [&] { refine(state, state.unstable); });
   }
 }
 
@@ -217,24 +289,16 @@ void Planner::start_from_balance(const std::vector<std::size_t>& order) {
   consider(states_[static_cast<std::size_t>(mode)], shape);
 }
 
-bool Planner::without_stable_plan(const ModeState& state) const {
-  if (!modes_[static_cast<std::size_t>(state.mode)].skip.empty()) return true;
-  if (state.best.certified()) return false;
-  // Rows that have no common point have none with stability either.
-  const int without = state.best.has_point ? 0 : state.stationary_violations;
-  return without + state.unheld >= most_starts;
-}
-
 bool Planner::all_infeasible() const {
-  return std::all_of(states_.begin(), states_.end(),
-                     [this](const ModeState& state) { return without_stable_plan(state); });
+  return std::all_of(states_.begin(), states_.end(), [](const ModeState& state) { return state.infeasible(); });
 }
 
 void Planner::search_further(int starts, const std::vector<std::size_t>& order) {
   if (d_.palm) return;
-  for (int round = starts; round < starts + further_starts && winner_ < 0 && !all_infeasible(); ++round) {
+  for (int round = starts; round < starts + search_parameters().further_starts && winner_ < 0 && !all_infeasible();
+       ++round) {
     for (const std::size_t i : order) consider(states_[i], start_shape(round, modes_[i]));
-    if (!d_.enumerated) grow();
+    if (!d_.enumerated && search_parameters().grow_contacts) grow();
   }
   if (d_.enumerated || winner_ >= 0) return;
   std::vector<ContactSetup> slots =
@@ -243,9 +307,9 @@ void Planner::search_further(int starts, const std::vector<std::size_t>& order) 
   slots.erase(std::remove_if(slots.begin(), slots.end(),
                              [this](const ContactSetup& slot) { return !d_.mode({slot}).skip.empty(); }),
               slots.end());
-  const auto every = every_assignment(slots, d_.scene.contact.count, most_enumerated_at_last);
+  const auto every = every_assignment(slots, d_.scene.contact.count, search_parameters().most_enumerated_at_last);
   if (!every) return;
-  for (int round = 0; round < most_starts && winner_ < 0 && !must_stop(); ++round) {
+  for (int round = 0; round < search_parameters().most_starts && winner_ < 0 && !must_stop(); ++round) {
     for (const std::vector<ContactSetup>& contacts : *every) {
       ModeState& state = states_[state_of(contacts)];
       if (state.starts_used <= round) consider(state, start_shape(round, modes_[static_cast<std::size_t>(state.mode)]));

@@ -12,32 +12,22 @@
 #include "base/clock.hpp"
 #include "certificate/certifier.hpp"
 #include "nlp/feasibility.hpp"
+#include "obstacle/shrunk.hpp"
+#include "search/parameters.hpp"
 #include "search/rest.hpp"
+#include "search/sides.hpp"
 #include "search/steps.hpp"
 #include "search/task.hpp"
-#include "statics/load_path.hpp"
+#include "search/verdict.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril {
 
-/// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-inline constexpr int most_starts = 5;         ///< per mode, before a program may be called infeasible
-inline constexpr int further_starts = 2;      ///< per mode, where all of these led to no plan
-inline constexpr int spread_starts = 5;       ///< per mode, to see whether a contact spreads
-inline constexpr double much_work = 2e6;      ///< (Tally::work, some seconds) without a plan: the search hurries
-inline constexpr int looks_at_a_rest = 4000;  ///< steps that the rod may take to a rest; few need more than 400
-inline constexpr double beats = 1e-12;        ///< an objective must be lower by this to win
-
-/// A mode's best point so far and what is known about it.
-struct Candidate {
+/// A point of a pose program, judged.
+struct Candidate : Judged {
   std::unique_ptr<PoseProgram> program;
   std::unique_ptr<Certifier> certifier;
   Eigen::VectorXd x;
-  Certificate certificate;
-  double objective = infinity;  ///< scaled
-  OptimalityReport solver;      ///< of the solve that led here
-  bool has_point = false;
-  bool certified() const { return has_point && certificate.valid(); }
 };
 
 /// While it lives, programs have rows that keep equilibria stable and contacts points.
@@ -84,21 +74,22 @@ class Planner {
   Plan run();
 
  private:
-  struct ModeState : Attempt {
+  struct ModeState : Way {
     int mode = 0;
     Candidate best;
-    Candidate spread;       ///< a point that fails because its contact spreads
-    StartShape nearest;     ///< where the violation of the rows was least, as long as there is no point
-    bool deferred = false;  ///< the last start was left to times without any plan
-    bool left_out = false;  ///< on request: not tried, which proves nothing
-    int unheld = 0;         ///< starts that ended where the violation of the rows, stability among them, is stationary
+    Candidate spread;     ///< a point that fails because its contact spreads
+    StartShape nearest;   ///< where the violation of the rows was least, as long as there is no point
+    StartShape unstable;  ///< of the cheapest point that is unstable, or whose contact spreads
+    double unstable_objective = infinity;
+    bool sided = false;  ///< it was started from every side
+    const Judged& judged() const override { return best; }
   };
 
   bool must_stop() const { return steps_.must_stop(); }
   /// So much went without a plan that what follows has to be enough for all that was not tried.
   bool hurried() const {
     const bool looked = rested_ && round_ > 0;  // every mode had its start, and the rod was asked
-    return !have_plan_ && (looked || steps_.tally.work > much_work);
+    return search_parameters().hurry && !have_plan_ && (looked || steps_.tally.work > search_parameters().much_work);
   }
 
   /// Whether there is a moment to choose.
@@ -113,8 +104,6 @@ class Planner {
   void search_further(int starts, const std::vector<std::size_t>& order);
   /// Every mode that could be had ended where its violation is stationary.
   bool all_infeasible() const;
-  /// From enough starts no stable plan of this mode is near: its rows have none, or none that is stable.
-  bool without_stable_plan(const ModeState& state) const;
   /// Where equilibria were found, but no stable one: looks for one from every start, until the violation of the rows,
   /// with stability and point contact among them, is known to be stationary from enough of them.
   void look_for_stable(const std::vector<std::size_t>& order);
@@ -139,7 +128,6 @@ class Planner {
   std::optional<std::vector<ContactSetup>> contacts_of_rest(const Rest& rest) const;
   /// A plan from a rest, touching what it touches: the moments are chosen along stable equilibria.
   void consider_rest(const Rest& rest);
-  void start_from_rest(ModeState& state, const Rest& rest);
   /// Along the equilibria that x belongs to, to the best moments near: the solver sees these alone.
   void slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
   /// Whether the programs of a mode are so large that they are solved along equilibria alone.
@@ -157,6 +145,24 @@ class Planner {
   StartShape held(double tip_angle, const Mode& mode) const;
   /// Looks for plans from every start that there is for the modes in `order`.
   void search(const std::vector<std::size_t>& order);
+  /// From shapes on further sides of obstacles than those that the first starts led to.
+  void search_sides(const std::vector<std::size_t>& order);
+  /// Where there is a plan: starts on sides have shown already what an ordinary one can lead to.
+  bool looked_at(const ModeState& state) const;
+  /// From a shape to a feasible point near, where every contact touches, and from there to the best one near: with
+  /// all variables, else along equilibria with the moments alone. `rests`: the rod rests in this shape, as far as the
+  /// coordinates can show it.
+  void refine(ModeState& state, const StartShape& shape, bool rests = false);
+  /// The regions of contacts where the shape has them, or comes nearest to their obstacles.
+  std::vector<int> regions_near(const Mode& mode, const StartShape& shape) const;
+  /// Empty: there is none.
+  Eigen::VectorXd feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape, bool rests);
+  /// complete(), unless x costs more than the plan. False: x led to nothing.
+  bool finish(ModeState& state, PoseProgram& program, const std::vector<int>& regions, std::vector<CheckPoint>& checks,
+              const Eigen::VectorXd& x);
+  /// Points that cost less than the plan and fail because they are unstable, or their contact spreads: held at that
+  /// limit they may still be better.
+  void hold_cheaper();
   /// A grasp whose balance is left to an objective: the plan with the balance as a row is the first start. Without
   /// that row the objective has valleys where the object is pushed along the axis, and ordinary starts end in them.
   void start_from_balance(const std::vector<std::size_t>& order);
@@ -207,7 +213,9 @@ class Planner {
   void name_state(std::size_t i);
   std::vector<std::size_t> parents(int contacts) const;
   /// Rounds of search().
-  int starts() const { return most_starts + (control_.start != nullptr ? 1 : 0) + (d_.palm ? 1 : 0); }
+  int starts() const {
+    return search_parameters().most_starts + (control_.start != nullptr ? 1 : 0) + (d_.palm ? 1 : 0);
+  }
   static bool all_press(const ModeState& state) {
     const PoseProgram::Layout& at = state.best.program->layout();
     return at.forces == 0 || state.best.x.segment(at.first_force, at.forces).minCoeff() > tolerance::force;
@@ -220,9 +228,7 @@ class Planner {
   /// Where no plan was found: whether contacts hold the rod where it may run into obstacles elsewhere, and spread
   /// there. Then it lies along an obstacle, which is why no point of contact keeps it outside.
   void look_for_spread();
-  Plan report(std::deque<ModeState>& states, int winner);
-  std::string told_infeasibility(const std::deque<ModeState>& states) const;
-  std::string nearest_failure(const std::deque<ModeState>& states) const;
+  Plan report();
 
   Task& d_;
   const PlanControl& control_;
@@ -230,6 +236,7 @@ class Planner {
   ProgramSearch steps_;
   std::deque<ModeState> states_;  ///< one per mode; stay where they are as modes are added
   int winner_ = -1;
+  bool certified_ = false;                ///< the point that complete() judged last
   bool have_plan_ = false;                ///< some mode is certified
   bool following_ = false;                ///< only Newton may move points
   double balanced_objective_ = infinity;  ///< scaled, of start_from_balance()

@@ -9,6 +9,7 @@
 #include "nlp/multipliers.hpp"
 #include "nlp/polish.hpp"
 #include "search/earlier_plan.hpp"
+#include "search/parameters.hpp"
 #include "search/planner.hpp"
 #include "search/task.hpp"
 
@@ -16,16 +17,7 @@ namespace tendril {
 namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-constexpr double penalty_growth = 10.0;     ///< of beta, until the branch is decided (model.md section 4)
-constexpr double penalty_cap = 1e4;         ///< largest beta
-constexpr double relaxation_first = 1e-1;   ///< eps of Scholtes and Fischer-Burmeister ...
-constexpr double relaxation_last = 1e-8;    ///< ... ends here ...
-constexpr double relaxation_shrink = 1e-2;  ///< ... in these steps
-constexpr double tiny_radius = 1e-3;  ///< (L) an obstacle below it is swollen before a contact with it is searched
 constexpr double swollen_radii[] = {0.02, 0.1, 0.005};  ///< ... to the first of these that works
-constexpr double slowest_shrinking = 0.95;              ///< per step on the way back, before it is given up
-constexpr int most_exchanges = 25;
-constexpr int moving_exchanges = 8;  ///< after so many rounds check points stay: moved ones may go to and fro
 
 void keep_unique(std::vector<CheckPoint>& checks) {
   const auto key = [](const CheckPoint& c) { return std::tuple(c.obstacle, c.piece, c.sigma); };
@@ -57,12 +49,12 @@ bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartSh
   for (const ContactSetup& c : spec.contacts) {
     const Obstacle*& obstacle = larger.obstacles[static_cast<std::size_t>(c.obstacle)];
     const double radius = obstacle->smallest_radius();
-    if (!(radius < tiny_radius)) continue;
+    if (!(radius < search_parameters().tiny_radius)) continue;
     swollen.push_back(std::make_unique<ShrunkObstacle>(*obstacle));
     radii.push_back(radius);
     obstacle = swollen.back().get();
   }
-  if (swollen.empty() || must_stop() || following_) return false;
+  if (swollen.empty() || !search_parameters().grow_small || must_stop() || following_) return false;
   const auto grow_to = [&](double radius) {
     for (std::size_t i = 0; i < swollen.size(); ++i) swollen[i]->shrink(-std::max(0.0, radius - radii[i]));
   };
@@ -95,7 +87,7 @@ bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartSh
       continue;
     }
     share = std::sqrt(share);
-    if (share > slowest_shrinking) return false;
+    if (share > search_parameters().slowest_shrinking) return false;
   }
   set_branches(program, branches_of(easier));
   x = at;
@@ -108,7 +100,7 @@ bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, 
     pairs[static_cast<std::size_t>(k)] = {program.layout().first_gap + k, program.force_variable(k)};
   }
   const bool relaxes = treatment == Treatment::scholtes || treatment == Treatment::fischer_burmeister;
-  const double first = relaxes ? relaxation_first : d_.scene.contact.beta;
+  const double first = relaxes ? search_parameters().relaxation_first : d_.scene.contact.beta;
   ComplementarityProgram treated(program, pairs, treatment, first);
   Eigen::VectorXd full = treated.extend(x);
   OptimalityReport report;
@@ -121,16 +113,16 @@ bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, 
     full = report.x;
     if (must_stop() || report.status == SolveStatus::unsupported || report.status == SolveStatus::failed) break;
     // A larger beta moves no row, and a smaller eps only tightens them: what is infeasible now stays so.
-    if (report.infeasibility > nearly_feasible) break;
+    if (report.infeasibility > search_parameters().nearly_feasible) break;
     double undecided = 0.0;
     const VectorView c = program.constraints(full.head(program.variable_count()));
     for (const ComplementaryPair& p : pairs) undecided = std::max(undecided, std::min(c[p.row], full[p.variable]));
     if (relaxes) {
-      if (parameter <= relaxation_last) break;
-      parameter = std::max(relaxation_last, parameter * relaxation_shrink);
+      if (parameter <= search_parameters().relaxation_last) break;
+      parameter = std::max(search_parameters().relaxation_last, parameter * search_parameters().relaxation_shrink);
     } else {
-      if (undecided <= tolerance::branch_decided || parameter >= penalty_cap) break;
-      parameter = std::min(penalty_cap, parameter * penalty_growth);
+      if (undecided <= tolerance::branch_decided || parameter >= search_parameters().penalty_cap) break;
+      parameter = std::min(search_parameters().penalty_cap, parameter * search_parameters().penalty_growth);
     }
   }
   x = full.head(program.variable_count());
@@ -140,7 +132,7 @@ bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, 
     const double force = x[pairs[static_cast<std::size_t>(k)].variable];
     program.set_branch(k, gap <= force ? Branch::touching : Branch::separated);
   }
-  return report.infeasibility <= nearly_feasible;
+  return report.infeasibility <= search_parameters().nearly_feasible;
 }
 
 bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced) {
@@ -151,12 +143,13 @@ bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd
     OptimalityReport r = solve(state, program, x);
     if (!r.x.allFinite() || r.x.size() != x.size()) return false;
     x = r.x;
-    if (r.infeasibility <= nearly_feasible) return true;
+    if (r.infeasibility <= search_parameters().nearly_feasible) return true;
   } else {
     if (treat(state, program, x, d_.scene.contact.treatment)) return true;
     // With a plan in hand the branch that touches is tried directly; the slower treatment is for when nothing else
     // works.
-    if (d_.scene.contact.treatment != Treatment::scholtes && !have_plan_ && !must_stop()) {
+    if (search_parameters().fall_back && d_.scene.contact.treatment != Treatment::scholtes && !have_plan_ &&
+        !must_stop()) {
       for (int k = 0; k < contacts; ++k) program.set_branch(k, Branch::open);
       state.record.outcome += "fallback to scholtes; ";
       if (treat(state, program, x, Treatment::scholtes)) return true;
@@ -174,7 +167,7 @@ bool Planner::restore(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   const FeasibilityReport f = steps_.restore(state, program, x);
   if (f.feasible) {
     const OptimalityReport r = solve(state, program, f.x);
-    x = r.x.allFinite() && r.x.size() == x.size() && r.infeasibility <= nearly_feasible ? r.x : f.x;
+    x = r.x.allFinite() && r.x.size() == x.size() && r.infeasibility <= search_parameters().nearly_feasible ? r.x : f.x;
     return true;
   }
   keep_nearest(state, program, f, least);
@@ -222,8 +215,16 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
     }
   }
   if (!c.has_point) return true;
-  const bool better = !state.best.has_point || (c.certified() && !state.best.certified()) ||
-                      (c.certified() == state.best.certified() && c.objective < state.best.objective - beats);
+  certified_ = c.certified();
+  const bool unstable = !c.certified() && (!(c.certificate.stability > tolerance::stability) ||
+                                           !(c.certificate.contact_convexity > tolerance::convexity));
+  if (unstable && !c.program->spec().least_margin && c.objective < state.unstable_objective) {
+    state.unstable = c.program->shape_of(c.x);
+    state.unstable_objective = c.objective;
+  }
+  const bool better =
+      !state.best.has_point || (c.certified() && !state.best.certified()) ||
+      (c.certified() == state.best.certified() && c.objective < state.best.objective - search_parameters().beats);
   if (better) state.best = std::move(c);
   return true;
 }
@@ -250,9 +251,9 @@ bool Planner::bring_to_certificate(ModeState& state, const std::vector<int>& reg
     sharp = recover(state, *c.program, x);
     if (!sharp && infeasibility(*c.program, x) > restored) return true;
   }
-  for (int round = 0; exchanges && round < most_exchanges && !must_stop(); ++round) {
-    if (!x.allFinite() ||
-        !exchange_checks(*c.program, x, *c.certifier, checks, violation_level, round >= moving_exchanges)) {
+  for (int round = 0; exchanges && round < search_parameters().most_exchanges && !must_stop(); ++round) {
+    if (!x.allFinite() || !exchange_checks(*c.program, x, *c.certifier, checks, violation_level,
+                                           round >= search_parameters().moving_exchanges)) {
       break;
     }
     every_check.insert(every_check.end(), checks.begin(), checks.end());
@@ -298,7 +299,8 @@ void Planner::look_for_spread() {
     for (const ContactSetup& contact : mode.contacts) regions.push_back(contact.region);
     // From where the violation was least, then from ordinary starts.
     const int first = std::isfinite(states_[i].violation) ? -1 : 0;
-    for (int start = first; start < spread_starts && !states_[i].spread.has_point && !must_stop(); ++start) {
+    for (int start = first; start < search_parameters().spread_starts && !states_[i].spread.has_point && !must_stop();
+         ++start) {
       const PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
       Candidate c;
       c.program = std::make_unique<PoseProgram>(spec);

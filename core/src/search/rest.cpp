@@ -35,19 +35,12 @@ void add_contact(Rest& rest, const Task& problem, int obstacle, bool at_tip, dou
 
 }  // namespace
 
-Rest rest_of(const Task& problem, const std::vector<double>& moments, const RodState& state) {
+Rest rest_of(const Task& problem, const std::vector<double>& moments, const State& state) {
   Rest rest{state.curvature, moments, {}};
   for (const PointContact& c : state.contacts) {
     if (c.force > tolerance::force)
       add_contact(rest, problem, c.setup.obstacle, c.setup.at_tip, c.setup.at_tip ? 1.0 : c.s, c.force);
   }
-  sort_contacts(rest.contacts);
-  return rest;
-}
-
-Rest rest_of(const Task& problem, const std::vector<double>& moments, const Descent& lying) {
-  Rest rest{[shape = lying.shape](double s) { return shape.curvature(s); }, moments, {}};
-  for (const PressedPoint& p : lying.points) add_contact(rest, problem, p.obstacle, p.at_tip, p.s, p.force);
   sort_contacts(rest.contacts);
   return rest;
 }

@@ -20,8 +20,7 @@ struct Rest {
 Rest rest_of(const Task& problem, const Plan& plan);
 
 /// Where a rod rests under these moments: on point contacts, or along an obstacle, on the points that press.
-Rest rest_of(const Task& problem, const std::vector<double>& moments, const RodState& state);
-Rest rest_of(const Task& problem, const std::vector<double>& moments, const Descent& lying);
+Rest rest_of(const Task& problem, const std::vector<double>& moments, const State& state);
 
 /// The shape of a rest for a mode, with its contacts as far as it has them.
 StartShape shape_of(const Rest& rest, const Mode& mode);

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "search/earlier_plan.hpp"
+#include "search/parameters.hpp"
 #include "search/planner.hpp"
 #include "search/task.hpp"
 
@@ -10,7 +11,6 @@ namespace tendril {
 namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-constexpr double bends = 1.0;  ///< a load (EI/L^2) above this decides how the rod hangs
 
 /// All that pulls at the rod.
 Vec2 load_of(const Rod& rod) {
@@ -38,28 +38,30 @@ StartShape Planner::start_shape(int index, const Mode& mode) const {
   }
   const double own = d_.scene.start_tip_angle;
   const double spread = std::max(0.8, std::abs(own));
-  const double angles[most_starts + further_starts] = {own,
-                                                       -own - (own == 0.0 ? 0.4 : 0.0),
-                                                       own + spread,
-                                                       own - spread,
-                                                       0.25 * own + 0.1,
-                                                       own + 2.0 * spread,
-                                                       own - 2.0 * spread};
-  const double angle = angles[std::min(index, most_starts + further_starts - 1)];
+  const double angles[] = {own,
+                           -own - (own == 0.0 ? 0.4 : 0.0),
+                           own + spread,
+                           own - spread,
+                           0.25 * own + 0.1,
+                           own + 2.0 * spread,
+                           own - 2.0 * spread};
+  const double angle = angles[std::min<std::size_t>(static_cast<std::size_t>(index), std::size(angles) - 1)];
   return d_.palm ? held(angle, mode) : constant_curvature(angle);
 }
 
 double Planner::load_size() const { return norm(load_of(d_.rod)); }
 
-bool Planner::loaded() const { return !d_.palm && load_size() > bends; }
+bool Planner::loaded() const {
+  return search_parameters().hang && !d_.palm && load_size() > search_parameters().deciding_load;
+}
 
 StartShape Planner::hanging(bool long_way) const {
   const Vec2 load = load_of(d_.rod);
   const Vec2 along{std::cos(d_.rod.base_angle), std::sin(d_.rod.base_angle)};
   double turn = std::atan2(cross(along, load), dot(along, load));
   if (long_way) turn -= std::copysign(2.0 * std::numbers::pi, turn);
-  // Next to the clamp a rod under tension bends within 1/sqrt(tension).
-  const double width = 1.0 / std::sqrt(std::max(norm(load), bends));
+  // Next to the clamp a rod under tension search_parameters().deciding_load within 1/sqrt(tension).
+  const double width = 1.0 / std::sqrt(std::max(norm(load), search_parameters().deciding_load));
   const double peak = turn / (width * (1.0 - std::exp(-1.0 / width)));
   StartShape shape;
   shape.curvature = [peak, width](double s) { return peak * std::exp(-s / width); };

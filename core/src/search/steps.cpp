@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "nlp/polish.hpp"
+#include "search/parameters.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril {
 namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-constexpr int patience = 8;             ///< iterations of a solve, over those of the slowest solve that converged
-constexpr int most_restorations = 400;  ///< steps
-constexpr int patient_restorations = 4000;
 constexpr double at_limit = 1e-9;  ///< a variable this near to its limit stands at it, in reports
 
 void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
@@ -59,14 +56,6 @@ void Tally::add_outside(const NonlinearProgram& program, const EvaluationCounts&
   work += work_of(program, asked);
 }
 
-std::string told_failure(const Attempt& nearest) {
-  if (!std::isfinite(nearest.violation)) return "";
-  char text[48];
-  std::snprintf(text, sizeof text, "%.2e", nearest.violation);
-  return "; the nearest (" + nearest.record.mode + ") violates them by " + text +
-         (nearest.limits.empty() ? ", with no variable at a limit" : ", with " + nearest.limits);
-}
-
 std::string told_uselessness(const std::string& solver, const OptimalityReport& last) {
   return "solver '" + solver + "' ended every solve as " + std::string(to_string(last.status)) +
          (last.message.empty() ? "" : ": " + last.message);
@@ -93,7 +82,8 @@ OptimalityReport ProgramSearch::solve(Attempt& attempt, NonlinearProgram& progra
   SolveControl limits;
   limits.tolerance = spec_.tolerance;
   limits.max_iterations = spec_.max_iterations;
-  if (limited_) limits.max_iterations = std::min(limits.max_iterations, patience * slowest_converged_);
+  if (limited_)
+    limits.max_iterations = std::min(limits.max_iterations, search_parameters().patience * slowest_converged_);
   limits.time_limit = std::max(1e-3, deadline_.seconds_left());
   limits.stop = deadline_.stop();
   OptimalityReport report = solver_.solve(program, start, limits);
@@ -147,8 +137,10 @@ bool ProgramSearch::sharpen(Attempt& attempt, NonlinearProgram& program, Eigen::
 
 FeasibilityReport ProgramSearch::look(NonlinearProgram& program, const Eigen::VectorXd& x, bool patiently) {
   const EvaluationCounts before = program.counts();
-  FeasibilityReport report = restore_feasibility(
-      program, x, restored, patiently ? patient_restorations : most_restorations, [this] { return must_stop(); });
+  FeasibilityReport report =
+      restore_feasibility(program, x, restored,
+                          patiently ? search_parameters().patient_restorations : search_parameters().most_restorations,
+                          [this] { return must_stop(); });
   tally.add_outside(program, before);
   return report;
 }
@@ -166,10 +158,8 @@ void ProgramSearch::note(Attempt& attempt, const NonlinearProgram& program, cons
     attempt.violation = f.infeasibility;
     attempt.limits = limits_at(program, f.x);
   }
-  char text[96];
-  std::snprintf(text, sizeof text, "no feasible point near: violation %.2e%s", f.infeasibility,
-                f.stationary_violation ? ", stationary" : "");
-  attempt.trouble = text;
+  attempt.trouble = "no feasible point near: violation " + shown_with_exponent(f.infeasibility) +
+                    (f.stationary_violation ? ", stationary" : "");
 }
 
 }  // namespace tendril

@@ -11,9 +11,7 @@
 
 namespace tendril {
 
-/// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-inline constexpr double nearly_feasible = 1e-3;  ///< violation below which a solver's point is worth sharpening
-inline constexpr double restored = 1e-8;         ///< violation below which a point counts as feasible
+inline constexpr double restored = 1e-8;  ///< violation below which a point counts as feasible
 
 /// How the record of a way of being in contact reads that the caller did not want tried.
 inline constexpr const char* left_out_outcome = "not tried: left out on request";
@@ -46,9 +44,6 @@ struct Tally {
   /// alone.
   bool solver_did_nothing() const { return solves > 0 && useless_solves == solves; }
 };
-
-/// What the nearest of all attempts failed by: its violation and the limits that bind there; empty: none got that far.
-std::string told_failure(const Attempt& nearest);
 
 /// What a plan says of a solver that did nothing.
 std::string told_uselessness(const std::string& solver, const OptimalityReport& last);

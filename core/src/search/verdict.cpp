@@ -1,217 +1,145 @@
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <limits>
+#include "search/verdict.hpp"
 
-#include "rod/self_overlap.hpp"
-#include "scene/plan_report.hpp"
-#include "search/follower.hpp"
-#include "search/planner.hpp"
-#include "search/task.hpp"
+#include <algorithm>
+
+#include "search/parameters.hpp"
+#include "tendril/tolerances.hpp"
 
 namespace tendril {
-/// Where the violation was least, and which limits stood in the way.
-std::string Planner::nearest_failure(const std::deque<ModeState>& states) const {
-  const auto least = std::min_element(states.begin(), states.end(),
-                                      [](const ModeState& a, const ModeState& b) { return a.violation < b.violation; });
-  return least == states.end() ? "" : told_failure(*least);
+namespace {
+
+/// What the nearest of all attempts failed by: its violation and the limits that bind there.
+std::string told_failure(const Ways& ways) {
+  const auto least = std::min_element(ways.begin(), ways.end(),
+                                      [](const Way* a, const Way* b) { return a->violation < b->violation; });
+  if (least == ways.end() || !std::isfinite((*least)->violation)) return "";
+  const Way& nearest = **least;
+  return "; the nearest (" + nearest.record.mode + ") violates them by " + shown_with_exponent(nearest.violation) +
+         (nearest.limits.empty() ? ", with no variable at a limit" : ", with " + nearest.limits);
 }
 
-std::string Planner::told_infeasibility(const std::deque<ModeState>& states) const {
-  const bool some = std::any_of(states.begin(), states.end(), [](const ModeState& s) { return s.best.has_point; });
-  char kept[160];
-  std::snprintf(
-      kept, sizeof kept,
-      "; a margin of stability of %g and contact at points are among these: without them there are equilibria",
-      tolerance::held_margin);
-  return "infeasible: from " + std::to_string(most_starts) +
-         " starts per mode every search ended where no change of the plan reduces the violation of its constraints" +
-         (some ? kept : "") + nearest_failure(states);
+std::string told_infeasibility(const Ways& ways, const std::string& unit) {
+  const bool some = std::any_of(ways.begin(), ways.end(), [](const Way* w) { return w->judged().has_point; });
+  const std::string kept = "; a margin of stability of " + shown(tolerance::held_margin) +
+                           " and contact at points are among these: without them there are equilibria";
+  return "infeasible: from " + std::to_string(search_parameters().most_starts) + " starts per " + unit +
+         " every search ended where no change of the plan reduces the violation of its constraints" +
+         (some ? kept : std::string()) + told_failure(ways);
 }
 
-Plan Planner::report(std::deque<ModeState>& states, int winner) {
-  Plan plan;
-  plan.coordinates_name = d_.scene.coordinates.plugin;
-  plan.order = d_.components.coordinates->function_count();
-  plan.split_at_contact = d_.scene.coordinates.split_at_contact;
-  plan.left_out = d_.left_out;
-  plan.solver_name = d_.scene.solver.plugin;
-  if (winner >= 0 && balanced_objective_ < best_objective() - beats) {
-    char text[160];
-    std::snprintf(
-        text, sizeof text,
-        "it costs less (%.6g), but is no minimum of this objective, which falls from there to where no plan is "
-        "certified",
-        balanced_objective_ * d_.objective_scale);
-    plan.left_out.push_back({"the grasp with the balance as a row", text});
+/// Nothing was certified, nothing ended the search, and there is no proof.
+void judge_failure(const Ways& ways, const Grounds& grounds, Plan& plan) {
+  if (grounds.chosen != nullptr) {
+    const Certificate& c = grounds.chosen->certificate;
+    const bool only_unstable =
+        c.failures.size() == 1 && c.contact_convexity > tolerance::convexity && !(c.stability > tolerance::stability);
+    plan.status = only_unstable ? PlanStatus::unstable : PlanStatus::not_converged;
+    plan.message = c.failures.empty() ? "no plan" : c.failures.front();
+    return;
   }
-  if (winner >= 0) {
-    const Candidate& best = states[static_cast<std::size_t>(winner)].best;
-    const PoseProgram::Layout& at = best.program->layout();
-    if (at.margins > 0 &&
-        best.program->constraints(best.x)[at.first_margin] <= tolerance::held_margin + tolerance::bounds) {
-      char text[200];
-      std::snprintf(text, sizeof text,
-                    "held at the limit of stability: the objective falls along stable equilibria up to where they end; "
-                    "the plan keeps a margin of %g",
-                    tolerance::held_margin);
-      plan.left_out.push_back({"plans that cost less", text});
-    }
-    for (int i = 0; i < at.convexities; ++i) {
-      const int row = at.first_convexity + i;
-      if (best.program->constraints(best.x)[row] > tolerance::held_convexity + tolerance::bounds) continue;
-      plan.left_out.push_back({"contact along a stretch",
-                               "the objective falls up to where the rod would lie along the obstacle; the plan keeps a "
-                               "point contact"});
-      break;
-    }
+  const SolveStatus last = plan.solver.status;
+  const bool refused =
+      last == SolveStatus::unsupported || last == SolveStatus::failed || last == SolveStatus::not_finite;
+  plan.status = last == SolveStatus::diverged ? PlanStatus::diverged
+                : refused                     ? PlanStatus::failed
+                                              : PlanStatus::not_converged;
+  plan.message = !grounds.unfit.empty()         ? grounds.unfit
+                 : !plan.solver.message.empty() ? plan.solver.message
+                                                : "no " + grounds.unit + " led to a plan";
+  if (refused) return;
+  for (const Way* way : ways) {
+    if (!way->trouble.empty()) plan.message = way->record.mode + ": " + way->trouble;
   }
-  const bool followed = winner >= 0 && states[static_cast<std::size_t>(winner)].starts_used == 0;
-  for (ModeState& state : states) {
-    const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
-    if (!mode.skip.empty()) {
-      state.record.outcome = "skipped: " + mode.skip;
-    } else if (state.best.has_point) {
-      state.record.certified = state.best.certified();
-      state.record.objective = state.best.objective * d_.objective_scale;
-      char text[80];
-      std::snprintf(text, sizeof text, "%s, objective %.6g", state.best.certified() ? "certified" : "not certified",
-                    state.best.objective * d_.objective_scale);
-      state.record.outcome += text;
-      if (!state.best.certified()) {
-        state.record.outcome += ": " + state.best.certificate.failures.front();
-        if (!state.trouble.empty()) state.record.outcome += "; " + state.trouble;
-      }
-    } else if (state.spread.has_point) {
-      state.record.outcome += "not certified: " + state.spread.certificate.failures.back();
-    } else if (state.starts_used > 0) {
-      state.record.outcome +=
-          "not solved: " + (state.trouble.empty() ? std::string(to_string(state.last.status)) : state.trouble);
-    } else if (state.record.outcome.empty()) {
-      state.record.outcome = followed ? not_tried_outcome : "not tried: stopped before";
-    }
-    plan.modes.push_back(state.record);
+  if (!grounds.everything) {
+    plan.message = "no plan in the " + std::to_string(ways.size()) +
+                   " assignments of contacts that were tried; others may have one; the last: " + plan.message;
   }
+}
 
-  // Without a certified plan the nearest one is shown, for what it is worth.
-  int shown = winner;
-  if (shown < 0) {
-    std::size_t fewest = std::numeric_limits<std::size_t>::max();
-    for (const ModeState& state : states) {
-      if (!state.best.has_point) continue;
-      const std::size_t failures = state.best.certificate.failures.size();
-      const bool better =
-          failures < fewest || (failures == fewest && shown >= 0 &&
-                                state.best.objective < states[static_cast<std::size_t>(shown)].best.objective);
-      if (!better) continue;
-      fewest = failures;
-      shown = state.mode;
-    }
-  }
+}  // namespace
 
-  Candidate* chosen = shown >= 0 ? &states[static_cast<std::size_t>(shown)].best : nullptr;
-  const bool stopped = steps_.deadline().interrupted();
-  const bool late = steps_.deadline().cut();
+bool Way::infeasible() const {
+  if (!skip.empty()) return true;
+  if (judged().certified()) return false;
+  // Rows that have no common point have none with stability either.
+  const int without = judged().has_point ? 0 : stationary_violations;
+  return without + unheld >= search_parameters().most_starts;
+}
+
+void tell_outcomes(const Ways& ways, double objective_scale, const std::string& untried, Plan& plan) {
+  for (Way* way : ways) {
+    std::string& outcome = way->record.outcome;
+    const Judged& best = way->judged();
+    if (!way->skip.empty()) {
+      outcome = "skipped: " + way->skip;
+    } else if (best.has_point) {
+      way->record.certified = best.certified();
+      way->record.objective = best.objective * objective_scale;
+      outcome += (best.certified() ? "certified, objective " : "not certified, objective ") +
+                 shown(best.objective * objective_scale);
+      if (!best.certified()) outcome += ": " + best.certificate.failures.front();
+      if (!best.certified() && !way->trouble.empty()) outcome += "; " + way->trouble;
+    } else if (std::isfinite(way->dearer)) {
+      outcome += "costs more: " + shown(way->dearer * objective_scale);
+    } else if (way->starts_used > 0 || !way->trouble.empty()) {
+      outcome += "not solved: " + (way->trouble.empty() ? std::string(to_string(way->last.status)) : way->trouble);
+    } else if (outcome.empty()) {
+      outcome = untried;
+    }
+    plan.modes.push_back(way->record);
+  }
+}
+
+Way* nearest_way(const Ways& ways) {
+  Way* nearest = nullptr;
+  const auto rank = [](const Way& w) {
+    return std::pair(w.judged().certificate.failures.size(), w.judged().objective);
+  };
+  for (Way* way : ways) {
+    if (way->judged().has_point && (nearest == nullptr || rank(*way) < rank(*nearest))) nearest = way;
+  }
+  return nearest;
+}
+
+void judge(const Ways& ways, const Grounds& grounds, Plan& plan) {
+  const Tally& tally = grounds.search->tally;
+  const bool stopped = grounds.search->deadline().interrupted();
+  const bool late = grounds.search->deadline().cut();
   plan.search_cut = late;
-  // That the rod lies along an obstacle tells more than where the search for points ended instead.
-  bool spreads = false;
-  for (ModeState& state : states) {
-    if (winner >= 0 || stopped || late || !state.spread.has_point) continue;
-    if (!spreads || state.spread.objective < chosen->objective) chosen = &state.spread;
-    spreads = true;
-  }
-
-  if (chosen != nullptr) {
-    plan.solver = chosen->solver;
+  if (grounds.chosen != nullptr) {
+    plan.solver = grounds.chosen->solver;
   } else {
     // The last one that was asked; where restoration settled everything none was.
     plan.solver.status = SolveStatus::infeasible;
-    for (const ModeState& state : states) {
-      if (state.record.solves > 0) plan.solver = state.last;
+    for (const Way* way : ways) {
+      if (way->record.solves > 0) plan.solver = way->last;
     }
   }
-  report_tally(steps_.tally, plan);
-
-  // The verdict.
-  if (steps_.tally.solver_did_nothing() && (winner >= 0 || (!stopped && !late))) {
+  report_tally(tally, plan);
+  const bool by_bound = std::all_of(ways.begin(), ways.end(), [](const Way* w) { return !w->skip.empty(); });
+  const bool infeasible = std::all_of(ways.begin(), ways.end(), [](const Way* w) { return w->infeasible(); });
+  if (tally.solver_did_nothing() && (grounds.solved || (!stopped && !late))) {
     plan.status = PlanStatus::failed;
-    plan.message = unfit_.empty() ? told_uselessness(plan.solver_name, plan.solver) : unfit_;
-  } else if (winner >= 0) {
+    plan.message = grounds.unfit.empty() ? told_uselessness(plan.solver_name, plan.solver) : grounds.unfit;
+  } else if (grounds.solved) {
     plan.status = PlanStatus::solved;
   } else if (stopped) {
     plan.status = PlanStatus::interrupted;
     plan.message = "interrupted before a plan was certified";
   } else if (late) {
     plan.status = PlanStatus::time_limit;
-    plan.message = "the time limit of " + std::to_string(d_.scene.solver.time_limit) +
-                   " s was reached before a plan was certified";
-  } else if (spreads) {
+    plan.message = "the time limit of " + shown(grounds.time_limit) + " s was reached before a plan was certified";
+  } else if (grounds.rod_lies) {
     plan.status = PlanStatus::not_converged;
-    plan.message = chosen->certificate.failures.back();
-  } else {
-    const bool by_bound = std::all_of(states.begin(), states.end(), [&](const ModeState& state) {
-      return !modes_[static_cast<std::size_t>(state.mode)].skip.empty();
-    });
+    plan.message = grounds.chosen->certificate.failures.back();
+  } else if (infeasible && (grounds.everything || by_bound)) {
     // A search that is no enumeration proves nothing; but a contact out of reach stays out of reach beside others.
-    if (all_infeasible() && (d_.enumerated || every_assignment_tried_ || by_bound)) {
-      plan.status = PlanStatus::infeasible;
-      plan.message = by_bound ? "infeasible by a bound: " + (d_.palm ? modes_.back() : modes_.front()).skip
-                              : told_infeasibility(states);
-    } else if (chosen != nullptr) {
-      const Certificate& c = chosen->certificate;
-      const bool only_unstable =
-          c.failures.size() == 1 && c.contact_convexity > tolerance::convexity && !(c.stability > tolerance::stability);
-      plan.status = only_unstable ? PlanStatus::unstable : PlanStatus::not_converged;
-      plan.message = c.failures.empty() ? "no plan" : c.failures.front();
-    } else {
-      const SolveStatus last = plan.solver.status;
-      const bool diverged = last == SolveStatus::diverged;
-      const bool refused =
-          last == SolveStatus::unsupported || last == SolveStatus::failed || last == SolveStatus::not_finite;
-      plan.status = diverged ? PlanStatus::diverged : refused ? PlanStatus::failed : PlanStatus::not_converged;
-      plan.message = !unfit_.empty()                ? unfit_
-                     : !plan.solver.message.empty() ? plan.solver.message
-                                                    : "no mode led to a plan";
-      if (!refused) {
-        for (const ModeState& state : states) {
-          if (!state.trouble.empty()) plan.message = state.record.mode + ": " + state.trouble;
-        }
-        if (!d_.enumerated && !every_assignment_tried_) {
-          plan.message = "no plan in the " + std::to_string(states.size()) +
-                         " assignments of contacts that were tried; others may have one; the last: " + plan.message;
-        }
-      }
-    }
+    plan.status = PlanStatus::infeasible;
+    plan.message = by_bound ? "infeasible by a bound: " + (grounds.grasp ? ways.back() : ways.front())->skip
+                            : told_infeasibility(ways, grounds.unit);
+  } else {
+    judge_failure(ways, grounds, plan);
   }
-  if (chosen == nullptr) return plan;
-
-  PoseProgram& program = *chosen->program;
-  const Eigen::VectorXd& x = chosen->x;
-  program.cost(x);
-  plan.certificate = chosen->certificate;
-  plan.objective = chosen->objective * d_.objective_scale;
-  for (std::size_t i = 0; i < d_.terms.size(); ++i) {
-    plan.terms.emplace_back(d_.terms[i].name, program.term_value(static_cast<int>(i)) * d_.objective_scale);
-  }
-  const double length = d_.scale.length;
-  plan.coordinates.assign(x.data(), x.data() + program.layout().coordinates);
-  for (std::size_t a = 0; a < d_.rod.actuators.size(); ++a) {
-    const int variable = program.moment_variable(static_cast<int>(a));
-    plan.moments.push_back(variable < 0 ? 0.0 : x[variable] * d_.scale.moment());
-  }
-  const Vec2 tip = program.backbone().tip();
-  plan.tip_x = tip.x * length;
-  plan.tip_y = tip.y * length;
-  plan.tip_angle = program.backbone().tip_angle();
-  if (d_.target.has_position) plan.target_error = norm(tip - d_.target.position) * length;
-  plan.contacts = planned_contacts(program, d_.obstacle_names, d_.scale);
-  for (int k = 0; k < program.layout().forces; ++k) {
-    plan.contacts[static_cast<std::size_t>(k)].extended = lies_along(*chosen, x, k);
-  }
-  plan.backbone = sampled_backbone(chosen->certifier->finer(x), length);
-  plan.self_overlap = self_overlap(plan.backbone);
-  if (d_.grip) d_.grip->finish(d_, program, x, plan);
-  return plan;
 }
 
 }  // namespace tendril

@@ -199,14 +199,14 @@ void Solver::Callbacks::arrive(ConstVectorRef x) {
       best_x_ = x;
     }
     if (cost < unbounded_cost) {
-      throw StopSolve(SolveStatus::diverged, "the cost fell to " + short_number(cost) + ": it has no lower bound");
+      throw StopSolve(SolveStatus::diverged, "the cost fell to " + shown(cost, 3) + ": it has no lower bound");
     }
   }
   if (control_.stop != nullptr && control_.stop->load(std::memory_order_relaxed)) {
     throw StopSolve(SolveStatus::interrupted, "stop was asked for");
   }
   if (seconds_left() <= 0.0) {
-    throw StopSolve(SolveStatus::time_limit, "the time limit of " + short_number(control_.time_limit) + " s is over");
+    throw StopSolve(SolveStatus::time_limit, "the time limit of " + shown(control_.time_limit, 3) + " s is over");
   }
 }
 

@@ -48,14 +48,14 @@ std::string contradiction(const NonlinearProgram& program) {
   };
   for (int i = 0; i < program.variable_count(); ++i) {
     if (check(program.lower()[i], program.upper()[i])) {
-      return program.variable_name(i) + " must be at least " + short_number(program.lower()[i]) + " and at most " +
-             short_number(program.upper()[i]);
+      return program.variable_name(i) + " must be at least " + shown(program.lower()[i], 3) + " and at most " +
+             shown(program.upper()[i], 3);
     }
   }
   for (int i = 0; i < program.row_count(); ++i) {
     if (check(program.row_lower()[i], program.row_upper()[i])) {
-      return program.row_name(i) + " must be at least " + short_number(program.row_lower()[i]) + " and at most " +
-             short_number(program.row_upper()[i]);
+      return program.row_name(i) + " must be at least " + shown(program.row_lower()[i], 3) + " and at most " +
+             shown(program.row_upper()[i], 3);
     }
   }
   return "";

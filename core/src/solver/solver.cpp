@@ -18,6 +18,51 @@ Eigen::VectorXd to_eigen(const std::vector<double>& v) {
 
 VectorView view(const Eigen::VectorXd& v) { return {v.data(), v.size()}; }
 
+void require_sizes(const NonlinearProgram& program, const SolverStart& start) {
+  const auto require_size = [](const Eigen::VectorXd& v, int size, bool may_be_empty, const char* what) {
+    if (v.size() == size || (may_be_empty && v.size() == 0)) return;
+    throw Error(std::string(what) + " of the start has " + std::to_string(v.size()) + " entries, expected " +
+                std::to_string(size));
+  };
+  require_size(start.x, program.variable_count(), false, "x");
+  require_size(start.multipliers, program.row_count(), true, "the vector of multipliers");
+  require_size(start.bound_multipliers, program.variable_count(), true, "the vector of bound multipliers");
+}
+
+void end_with(OptimalityReport& report, SolveStatus status, std::string message) {
+  report.status = status;
+  report.message = std::move(message);
+}
+
+void end_with(OptimalityReport& report, const std::exception_ptr& exception) {
+  try {
+    std::rethrow_exception(exception);
+  } catch (const StopSolve& e) {
+    end_with(report, e.status, e.what());
+  } catch (const NotFiniteError& e) {
+    end_with(report, SolveStatus::not_finite, e.what());
+  } catch (const std::exception& e) {
+    end_with(report, SolveStatus::failed, e.what());
+  } catch (...) {
+    end_with(report, SolveStatus::failed, "an exception of unknown type");
+  }
+}
+
+/// The start inside the bounds.
+Eigen::VectorXd inside(const NonlinearProgram& program, const Eigen::VectorXd& start) {
+  Eigen::VectorXd x = start;
+  for (int i = 0; i < x.size(); ++i) {
+    if (!std::isfinite(x[i])) throw_not_finite("the start of " + program.variable_name(i), x[i]);
+    x[i] = std::clamp(x[i], program.lower()[i], program.upper()[i]);
+  }
+  return x;
+}
+
+EvaluationCounts difference(const EvaluationCounts& after, const EvaluationCounts& before) {
+  return {after.values - before.values, after.first_derivatives - before.first_derivatives,
+          after.hessians - before.hessians, after.seconds - before.seconds};
+}
+
 }  // namespace
 
 Solver::~Solver() = default;
@@ -49,63 +94,32 @@ std::string_view to_string(SolveStatus status) {
 }
 
 OptimalityReport Solver::solve(NonlinearProgram& program, const SolverStart& start, const SolveControl& control) {
+  require_sizes(program, start);
   const int n = program.variable_count();
-  const int m = program.row_count();
-  const auto require_size = [](const Eigen::VectorXd& v, int size, bool may_be_empty, const char* what) {
-    if (v.size() == size || (may_be_empty && v.size() == 0)) return;
-    throw Error(std::string(what) + " of the start has " + std::to_string(v.size()) + " entries, expected " +
-                std::to_string(size));
-  };
-  require_size(start.x, n, false, "x");
-  require_size(start.multipliers, m, true, "the vector of multipliers");
-  require_size(start.bound_multipliers, n, true, "the vector of bound multipliers");
-
   const EvaluationCounts before = program.counts();
   Callbacks callbacks(program, control);
   OptimalityReport report;
   report.x = start.x;
-  report.multipliers.setZero(m);
+  report.multipliers.setZero(program.row_count());
   report.bound_multipliers.setZero(n);
   report.cost = report.infeasibility = report.stationarity = infinity;
-  const auto end_with = [&](SolveStatus status, std::string message) {
-    report.status = status;
-    report.message = std::move(message);
-  };
-  const auto explain_exception = [&] {
-    try {
-      std::rethrow_exception(callbacks.exception_);
-    } catch (const StopSolve& e) {
-      end_with(e.status, e.what());
-    } catch (const NotFiniteError& e) {
-      end_with(SolveStatus::not_finite, e.what());
-    } catch (const std::exception& e) {
-      end_with(SolveStatus::failed, e.what());
-    } catch (...) {
-      end_with(SolveStatus::failed, "an exception of unknown type");
-    }
-  };
 
   bool started = false;
   Outcome outcome;
   try {
     if (std::string why = refusal(program); !why.empty()) {
-      end_with(SolveStatus::unsupported, std::move(why));
+      end_with(report, SolveStatus::unsupported, std::move(why));
     } else if (std::string clash = contradiction(program); !clash.empty()) {
-      end_with(SolveStatus::infeasible, std::move(clash));
+      end_with(report, SolveStatus::infeasible, std::move(clash));
     } else {
-      for (int i = 0; i < n; ++i) {
-        if (!std::isfinite(start.x[i])) throw_not_finite("the start of " + program.variable_name(i), start.x[i]);
-        report.x[i] = std::clamp(start.x[i], program.lower()[i], program.upper()[i]);
-      }
-      callbacks.best_x_ = report.x;
+      callbacks.best_x_ = report.x = inside(program, start.x);
       callbacks.gradient(report.x);
       callbacks.jacobian(report.x);
       callbacks.cost(report.x);
       callbacks.constraints(report.x);
       started = true;
       outcome = do_solve(callbacks, {view(report.x), view(start.multipliers), view(start.bound_multipliers)}, control);
-      report.status = outcome.status;
-      report.message = outcome.message;
+      end_with(report, outcome.status, outcome.message);
     }
   } catch (...) {
     callbacks.record_exception();
@@ -115,18 +129,16 @@ OptimalityReport Solver::solve(NonlinearProgram& program, const SolverStart& sta
   report.effective_options = std::move(outcome.effective_options);
 
   if (callbacks.has_exception()) {
-    explain_exception();
+    end_with(report, callbacks.exception_);
     if (started && callbacks.best_x_.size() == n) report.x = callbacks.best_x_;
   } else if (started) {
     const bool usable = outcome.x.size() == static_cast<std::size_t>(n) && to_eigen(outcome.x).allFinite();
-    if (usable) {
-      report.x = to_eigen(outcome.x);
-    } else {
-      report.x = callbacks.best_x_;
-      if (!outcome.x.empty()) end_with(SolveStatus::not_finite, "the backend returned a point that is not finite");
+    report.x = usable ? to_eigen(outcome.x) : callbacks.best_x_;
+    if (!usable && !outcome.x.empty()) {
+      end_with(report, SolveStatus::not_finite, "the backend returned a point that is not finite");
     }
     if (report.status != SolveStatus::converged && control.stop != nullptr && control.stop->load()) {
-      end_with(SolveStatus::interrupted, "stop was asked for");
+      end_with(report, SolveStatus::interrupted, "stop was asked for");
     }
   }
 
@@ -137,17 +149,14 @@ OptimalityReport Solver::solve(NonlinearProgram& program, const SolverStart& sta
             report);
       weigh(program, control, report);
     } catch (...) {
-      callbacks.exception_ = std::current_exception();
-      explain_exception();
+      end_with(report, std::current_exception());
     }
     if (!std::isfinite(report.cost) && report.status == SolveStatus::converged) {
-      end_with(SolveStatus::not_finite, "the cost at the end is not finite");
+      end_with(report, SolveStatus::not_finite, "the cost at the end is not finite");
     }
   }
-  report.evaluations.values = program.counts().values - before.values;
-  report.evaluations.first_derivatives = program.counts().first_derivatives - before.first_derivatives;
-  report.evaluations.hessians = program.counts().hessians - before.hessians;
-  report.evaluations.seconds = report.seconds_evaluating = program.counts().seconds - before.seconds;
+  report.evaluations = difference(program.counts(), before);
+  report.seconds_evaluating = report.evaluations.seconds;
   report.seconds = now() - callbacks.start_time_;
   return report;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdio>
 #include <string>
 
 #include "tendril/solver.hpp"
@@ -14,15 +13,8 @@ class StopSolve : public Error {
   SolveStatus status;
 };
 
-/// For messages: three digits.
-inline std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 [[noreturn]] inline void throw_not_finite(const std::string& what, double value) {
-  throw NotFiniteError(what + " is not finite (" + short_number(value) + ")");
+  throw NotFiniteError(what + " is not finite (" + shown(value, 3) + ")");
 }
 
 }  // namespace tendril

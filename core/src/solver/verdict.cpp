@@ -91,15 +91,14 @@ void weigh(NonlinearProgram& program, const SolveControl& control, OptimalityRep
   if (!feasible && violation_is_stationary(program, report.x, report.infeasibility)) {
     report.status = SolveStatus::infeasible;
     report.message =
-        "stopped at a stationary point of the violation, which is " + short_number(report.infeasibility) + " there";
+        "stopped at a stationary point of the violation, which is " + shown(report.infeasibility, 3) + " there";
   } else if (report.status == SolveStatus::converged && !feasible) {
     report.status = SolveStatus::stalled;
     report.message =
-        "the backend claims success at a point that violates its rows by " + short_number(report.infeasibility);
+        "the backend claims success at a point that violates its rows by " + shown(report.infeasibility, 3);
   } else if (report.status == SolveStatus::converged && !stationary) {
     report.status = SolveStatus::stalled;
-    report.message =
-        "the backend claims success where the Lagrangian's gradient is " + short_number(report.stationarity);
+    report.message = "the backend claims success where the Lagrangian's gradient is " + shown(report.stationarity, 3);
   }
 }
 

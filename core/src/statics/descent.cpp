@@ -24,15 +24,16 @@ constexpr int most_rounds = 40;         ///< of multipliers
 
 class Valley {
  public:
-  Valley(const LoadPath& path, std::shared_ptr<const CoordinateModel> basis)
-      : path_(path), basis_(std::move(basis)), program_(std::make_unique<PoseProgram>(spec())) {
+  Valley(const LoadPath& path, double load, std::shared_ptr<const CoordinateModel> basis)
+      : path_(path), basis_(std::move(basis)), program_(std::make_unique<PoseProgram>(spec(load))) {
+    program_->set_loads(path.loads(load));
     const Chain& chain = program_->chain();
     const int functions = chain.functions();
     n_ = chain.coordinate_count();
     held_ = Eigen::VectorXd::Zero(program_->layout().checks);
     x_ = Eigen::VectorXd::Zero(program_->variable_count());
     for (int a = 0; a < static_cast<int>(path.rod().actuators.size()); ++a) {
-      x_[program_->moment_variable(a)] = path.moment(static_cast<std::size_t>(a), path.load());
+      x_[program_->moment_variable(a)] = path.moment(static_cast<std::size_t>(a), load);
     }
     const Eigen::LLT<Eigen::MatrixXd> llt(chain.table().stiffness);
     const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(functions, functions);
@@ -45,17 +46,7 @@ class Valley {
     }
   }
 
-  void start(const std::function<double(double)>& curvature) {
-    const Chain& chain = program_->chain();
-    std::vector<double> scaled(static_cast<std::size_t>(chain.nodes()));
-    for (int j = 0; j < chain.piece_count(); ++j) {
-      for (int g = 0; g < chain.nodes(); ++g) {
-        scaled[static_cast<std::size_t>(g)] =
-            chain.length0()[j] * curvature(chain.start0()[j] + chain.length0()[j] * chain.table().sigma[g]);
-      }
-      x_.segment(j * chain.functions(), chain.functions()) = chain.project(scaled);
-    }
-  }
+  void start(const Curvature& curvature) { x_.head(n_) = program_->chain().coordinates_of(curvature, {}); }
 
   /// Energy with the penalty at the coordinates kept, moved by `step` in scaled coordinates.
   double energy(const Eigen::VectorXd* step, double stiffness) {
@@ -111,19 +102,20 @@ class Valley {
     return std::max(0.0, -Eigen::VectorXd(program_->constraints(x_)).segment(at.first_check, at.checks).minCoeff());
   }
 
-  std::vector<PressedPoint> points() {
-    const Chain& chain = program_->chain();
+  /// Every check point that presses, marked where the rod does not leave the obstacle up to the one beside it.
+  std::vector<PointContact> points() {
     const Eigen::VectorXd rows = program_->constraints(x_);
-    std::vector<PressedPoint> all;
+    std::vector<PointContact> all;
     double farthest = infinity;
     for (int i = 0; i < program_->layout().checks; ++i) {
-      const CheckPoint& c = program_->spec().checks[static_cast<std::size_t>(i)];
-      if (!all.empty() && all.back().obstacle != c.obstacle) farthest = infinity;
+      PointContact c = contact_at(i);
+      if (!all.empty() && all.back().setup.obstacle != c.setup.obstacle) farthest = infinity;
       farthest = std::max(farthest, rows[program_->layout().first_check + i]);
       if (!(held_[i] > tolerance::force)) continue;
-      const bool tip = c.piece == chain.piece_count() - 1 && c.sigma == 1.0;
-      const double s = chain.start0()[c.piece] + c.sigma * chain.length0()[c.piece];
-      all.push_back({c.obstacle, farthest < lying, s, held_[i], tip});
+      c.force = held_[i];
+      c.extended = farthest < lying;
+      if (c.extended) all.back().extended = true;
+      all.push_back(c);
       farthest = 0.0;
     }
     return all;
@@ -131,49 +123,46 @@ class Valley {
   void move(const Eigen::VectorXd& step) { x_.head(n_) += scale_ * step; }
   int size() const { return n_; }
 
-  Shape shape() {
+  Curvature curvature() {
     program_->constraints(x_);
-    return {basis_, program_->backbone(), x_.head(n_)};
+    return curvature_of(basis_, program_->backbone(), x_.head(n_));
   }
 
-  std::vector<PressedRun> runs(double stiffness) {
+  /// Stretches of check points that the penalty presses on.
+  std::vector<PointContact> runs(double stiffness) {
     const PoseProgram::Layout& at = program_->layout();
     const Eigen::VectorXd rows = program_->constraints(x_);
-    const Chain& chain = program_->chain();
-    const std::vector<CheckPoint>& checks = program_->spec().checks;
-    std::vector<PressedRun> all;
+    std::vector<PointContact> all;
     for (int o = 0; o < static_cast<int>(path_.obstacles().size()); ++o) {
       int previous = -3;
       int station = -1;
       for (int i = 0; i < at.checks; ++i) {
-        const CheckPoint& c = checks[static_cast<std::size_t>(i)];
-        if (c.obstacle != o) continue;
+        const PointContact c = contact_at(i);
+        if (c.setup.obstacle != o) continue;
         ++station;
-        const double depth = -rows[at.first_check + i];
-        if (!(depth > 0.0)) continue;
-        const double s = chain.start0()[c.piece] + c.sigma * chain.length0()[c.piece];
-        const bool tip = c.piece == chain.piece_count() - 1 && c.sigma == 1.0;
-        if (station > previous + 2) {
-          PressedRun run;
-          run.contact.setup.obstacle = o;
-          run.from = s;
-          all.push_back(run);
-        }
+        const double force = -stiffness * rows[at.first_check + i];
+        if (!(force > 0.0)) continue;
+        if (station > previous + 2) all.push_back({{o, false, 0}, 0.0, 0.0});
         previous = station;
-        PressedRun& run = all.back();
-        const double force = stiffness * depth;
-        run.contact.s = (run.contact.s * run.contact.force + s * force) / (run.contact.force + force);
-        run.contact.force += force;
-        run.to = s;
+        PointContact& run = all.back();
+        run.s = (run.s * run.force + c.s * force) / (run.force + force);
+        run.force += force;
         // At the tip nothing lies beyond: a run that presses hardest there ends there.
-        run.contact.setup.at_tip = tip && force > 0.5 * run.contact.force;
+        run.setup.at_tip = c.setup.at_tip && force > 0.5 * run.force;
       }
     }
     return all;
   }
 
  private:
-  PoseProgramSpec spec() const {
+  PointContact contact_at(int check) const {
+    const Chain& chain = program_->chain();
+    const CheckPoint& c = program_->spec().checks[static_cast<std::size_t>(check)];
+    const bool tip = c.piece == chain.piece_count() - 1 && c.sigma == 1.0;
+    return {{c.obstacle, tip, 0}, chain.start0()[c.piece] + c.sigma * chain.length0()[c.piece], 0.0};
+  }
+
+  PoseProgramSpec spec(double load) const {
     PoseProgramSpec s;
     s.rod = &path_.rod();
     s.model = basis_.get();
@@ -181,11 +170,11 @@ class Valley {
     s.nodes = suggested_nodes(basis_->function_count(), 4.0);
     const Chain chain(path_.rod(), *basis_, {}, 1);
     for (int o = 0; o < static_cast<int>(s.obstacles.size()); ++o) {
-      if (s.obstacles[static_cast<std::size_t>(o)]->at(path_.rod().base).distance > 1.0) continue;
+      const auto at = static_cast<std::size_t>(o);
+      if (s.obstacles[at]->at(path_.rod().base).distance > 1.0) continue;
       for (int j = 0; j < chain.piece_count(); ++j) {
         const double wanted =
-            chain.length0()[j] *
-            std::max<double>(checks_per_rod, 2.0 / s.obstacles[static_cast<std::size_t>(o)]->smallest_radius());
+            chain.length0()[j] * std::max<double>(checks_per_rod, 2.0 / path_.smallest_radius(at, load));
         const int count = std::clamp(static_cast<int>(std::ceil(wanted)), 2, 200);
         for (int i = 1; i <= count; ++i) s.checks.push_back({j, static_cast<double>(i) / count, o});
       }
@@ -195,11 +184,11 @@ class Valley {
 
   /// Pi (model.md section 3), up to a constant, of the point computed last.
   double potential(const Eigen::VectorXd& x) {
-    const Rod& rod = path_.rod();
+    const Loads& loads = program_->loads();
     const Chain& chain = program_->chain();
     const Backbone& shape = program_->backbone();
-    double sum = -dot(rod.tip_force, shape.tip());
-    double mass = rod.payload;
+    double sum = -dot(loads.tip_force, shape.tip());
+    double mass = path_.rod().payload;
     for (int j = chain.piece_count() - 1; j >= 0; --j) {
       const Chain::Piece& piece = chain.piece(j);
       const double h = shape.length(j);
@@ -209,10 +198,10 @@ class Valley {
         if (chain.actuated(a, j)) moment += x[program_->moment_variable(a)];
       }
       sum += 0.5 * piece.stiffness / h * q.dot(chain.table().stiffness * q) - moment * chain.table().end.dot(q);
-      if (rod.gravity == Vec2{}) continue;
+      if (loads.gravity == Vec2{}) continue;
       for (int g = 0; g < chain.nodes(); ++g) {
         const double beyond = mass + piece.weight * h * (1.0 - chain.table().sigma[g]);
-        sum -= h * chain.table().weight[g] * beyond * dot(rod.gravity, shape.tangent(j, g));
+        sum -= h * chain.table().weight[g] * beyond * dot(loads.gravity, shape.tangent(j, g));
       }
       mass += piece.weight * h;
     }
@@ -247,93 +236,85 @@ Eigen::VectorXd trust_step(const Eigen::VectorXd& slopes, const Eigen::VectorXd&
   return (-slopes.array() / (bends.array() + high)).matrix();
 }
 
+/// One stiffness: steps of a trust-region Newton method until the valley's floor. Why not, or null.
+const char* minimize(Valley& valley, double stiffness, double& radius, const std::function<bool()>& must_stop,
+                     Eigen::VectorXd& gradient) {
+  Eigen::MatrixXd hessian;
+  for (int step = 0; step < most_steps; ++step) {
+    if (must_stop()) return "stopped";
+    valley.derivatives(stiffness, gradient, hessian);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian);
+    if (eigen.info() != Eigen::Success || !gradient.allFinite()) return "the energy is not finite";
+    const Eigen::VectorXd slopes = eigen.eigenvectors().transpose() * gradient;
+    if (gradient.norm() <= flat * (1.0 + std::sqrt(stiffness) * 1e-3) && eigen.eigenvalues()[0] > downward) {
+      return nullptr;
+    }
+    const double before = valley.energy(nullptr, stiffness);
+    for (;;) {
+      const Eigen::VectorXd in_modes = trust_step(slopes, eigen.eigenvalues(), radius);
+      const double promised = -(slopes.dot(in_modes) + 0.5 * in_modes.dot(eigen.eigenvalues().cwiseProduct(in_modes)));
+      const Eigen::VectorXd moved = eigen.eigenvectors() * in_modes;
+      const double gained = before - valley.energy(&moved, stiffness);
+      // Below the rounding of the energy the model is better than the difference.
+      const bool rounding = promised <= 1e-13 * (1.0 + std::abs(before));
+      if (gained >= 0.1 * promised || (rounding && std::abs(gained) <= 1e-12 * (1.0 + std::abs(before)))) {
+        valley.move(moved);
+        if (gained > 0.7 * promised) radius = std::min(longest_step, 2.0 * radius);
+        break;
+      }
+      radius *= 0.25;
+      if (radius >= 1e-10) continue;
+      radius = 1e-6;
+      return nullptr;
+    }
+    radius = std::max(radius, 1e-6);
+  }
+  return "the way down does not end";
+}
+
 Descent go_down(Valley& valley, const std::function<bool()>& must_stop, bool rigid) {
   Descent result;
   Eigen::VectorXd gradient;
-  Eigen::MatrixXd hessian;
-  double stiffness = first_stiffness;
   double radius = 0.1;
-  for (int round = 0;;) {
-    bool settled = false;
-    for (int step = 0; step < most_steps && !settled; ++step) {
-      if (must_stop()) {
-        result.reason = "stopped";
-        return result;
-      }
-      valley.derivatives(stiffness, gradient, hessian);
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian);
-      if (eigen.info() != Eigen::Success || !gradient.allFinite()) {
-        result.reason = "the energy is not finite";
-        return result;
-      }
-      const Eigen::VectorXd slopes = eigen.eigenvectors().transpose() * gradient;
-      if (gradient.norm() <= flat * (1.0 + std::sqrt(stiffness) * 1e-3) && eigen.eigenvalues()[0] > downward) {
-        settled = true;
-        break;
-      }
-      const double before = valley.energy(nullptr, stiffness);
-      for (;;) {
-        const Eigen::VectorXd in_modes = trust_step(slopes, eigen.eigenvalues(), radius);
-        const double promised =
-            -(slopes.dot(in_modes) + 0.5 * in_modes.dot(eigen.eigenvalues().cwiseProduct(in_modes)));
-        const Eigen::VectorXd moved = eigen.eigenvectors() * in_modes;
-        const double gained = before - valley.energy(&moved, stiffness);
-        // Below the rounding of the energy the model is better than the difference.
-        const bool rounding = promised <= 1e-13 * (1.0 + std::abs(before));
-        if (gained >= 0.1 * promised || (rounding && std::abs(gained) <= 1e-12 * (1.0 + std::abs(before)))) {
-          valley.move(moved);
-          if (gained > 0.7 * promised) radius = std::min(longest_step, 2.0 * radius);
-          break;
-        }
-        radius *= 0.25;
-        if (radius < 1e-10) {
-          settled = true;
-          break;
-        }
-      }
-      radius = std::max(radius, 1e-6);
-    }
-    if (!settled) {
-      result.reason = "the way down does not end";
+  result.stiffness = first_stiffness;
+  for (int round = 0; round < most_rounds;) {
+    if (const char* reason = minimize(valley, result.stiffness, radius, must_stop, gradient)) {
+      result.reason = reason;
       return result;
     }
     result.gradient = gradient.norm();
-    if (stiffness < last_stiffness) {
-      stiffness *= 10.0;
+    if (result.stiffness < last_stiffness) {
+      result.stiffness *= 10.0;
       continue;
     }
     // The multipliers of a stiff penalty converge by a digit or more per round.
-    if (!rigid || valley.hold(stiffness) <= rigid_enough || ++round >= most_rounds) break;
-  }
-  if (rigid) {
-    result.points = valley.points();
-    result.depth = valley.depth();
+    if (!rigid || valley.hold(result.stiffness) <= rigid_enough) break;
+    ++round;
   }
   result.converged = true;
-  result.stiffness = stiffness;
-  result.shape = valley.shape();
-  result.runs = valley.runs(stiffness);
-  result.energy = valley.energy(nullptr, stiffness);
+  result.state = {valley.curvature(), rigid ? valley.points() : valley.runs(result.stiffness), 0.0};
+  if (rigid) result.depth = valley.depth();
+  result.energy = valley.energy(nullptr, result.stiffness);
   return result;
 }
 
 }  // namespace
 
-Descent descend(const LoadPath& path, const std::function<double(double)>& curvature,
-                const std::function<bool()>& must_stop, bool rigid) {
+Descent descend(const LoadPath& path, double load, const Curvature& curvature, const std::function<bool()>& must_stop,
+                bool rigid) {
   const auto stretches = static_cast<int>(path.rod().fixed_knots().size()) - 1;
   const auto basis =
       std::make_shared<const LegendreBasis>(fine_order, std::max(1, (pieces_per_rod + stretches - 1) / stretches));
-  Valley valley(path, basis);
+  Valley valley(path, load, basis);
   valley.start(curvature);
   Descent result = go_down(valley, must_stop, rigid);
   result.basis = basis;
   return result;
 }
 
-Descent descend_in(const CoordinateModel& model, const LoadPath& path, const std::function<double(double)>& curvature,
+Descent descend_in(const CoordinateModel& model, const LoadPath& path, double load, const Curvature& curvature,
                    const std::function<bool()>& must_stop) {
-  Valley valley(path, {std::shared_ptr<const CoordinateModel>(), &model});
+  Valley valley(path, load, {std::shared_ptr<const CoordinateModel>(), &model});
   valley.start(curvature);
   return go_down(valley, must_stop, false);
 }

@@ -11,6 +11,13 @@ constexpr double glancing = 1e-3;       ///< passing by within so much of a rod'
 constexpr double interpolation = 1e-6;  ///< depth between the ends of a step that the cubic may be wrong by (L) ...
 /// ... but within these shares of an obstacle's radius, where that is less, down to the least of them (L).
 constexpr double glancing_share = 0.5, interpolation_share = 0.1, least_share = 1e-8;
+/// Where stability is lost, points right before and behind are on one branch if no farther apart than this (metric of
+/// the bending energy). Beside a symmetric rod's bifurcation two branches pass each other at the cube root of what the
+/// rod lacks of symmetry: what is rounding counts as symmetric, a lean of 1e-10 rad does not.
+constexpr double same_branch = 1e-4;
+/// A margin that changes this little over this part of a step is smooth there; where a contact spreads it jumps.
+constexpr double bracket = 1e-5, smooth_change = 1e-2;
+constexpr double jump_bracket = 1e-10;
 
 /// The cubic through both ends of a step with their tangents.
 Eigen::VectorXd between(const Eigen::VectorXd& first, const Eigen::VectorXd& first_rate, const Eigen::VectorXd& last,
@@ -77,21 +84,11 @@ bool Tracker::add_touches(const Step& step, std::vector<Event>& found) {
   Statics& s = *now_.statics;
   const std::vector<double> knots = path_.rod().fixed_knots();
   for (const Certifier::Approach& valley : s.penetrations(step.z)) {
-    RodState state = s.state(step.z);
+    State state = s.state(step.z);
     PointContact c;
     c.setup.obstacle = valley.obstacle;
-    c.s = valley.at.arc_length;
-    c.setup.at_tip = c.s > 1.0 - knot_distance;
-    if (c.setup.at_tip) {
-      c.s = 1.0;
-    } else {
-      while (c.setup.region + 2 < static_cast<int>(knots.size()) &&
-             c.s >= knots[static_cast<std::size_t>(c.setup.region) + 1]) {
-        ++c.setup.region;
-      }
-      const auto r = static_cast<std::size_t>(c.setup.region);
-      c.s = std::clamp(c.s, knots[r] + 2.0 * knot_distance, knots[r + 1] - 2.0 * knot_distance);
-    }
+    c.setup.at_tip = valley.at.arc_length > 1.0 - knot_distance;
+    if (!c.setup.at_tip) place_inside(c, valley.at.arc_length, knots, 2.0 * knot_distance);
     for (const PointContact& other : state.contacts) {
       if (other.setup.obstacle == c.setup.obstacle && std::abs(other.s - c.s) < 1e-3) return false;
     }
@@ -109,7 +106,7 @@ bool Tracker::add_touches(const Step& step, std::vector<Event>& found) {
     row[e.statics->force_index(e.contact)] = 1.0;
     if (!e.statics->solve(e.z, row, 0.0, 1e-9).converged) return false;
     // The new contact has no force yet: without it this is a point of the current system.
-    RodState before = e.statics->state(e.z);
+    State before = e.statics->state(e.z);
     before.contacts.erase(before.contacts.begin() + e.contact);
     const Eigen::VectorXd here = s.point(before);
     e.tau = step.row.dot(here - now_.z);
@@ -161,7 +158,10 @@ bool Tracker::add_instability(const Step& step, const Eigen::VectorXd& tangent, 
       if (!s.solve_fold(e.z, e.direction)) continue;
       e.tau = step.row.dot(e.z - now_.z);
       if (!(e.tau >= -1e-7 && e.tau <= step.tau + 1e-7)) continue;
-      if (s.metric(e.z, e.direction).dot(tangent) < 0.0) e.direction = -e.direction;
+      const double along = s.metric(e.z, e.direction).dot(tangent);
+      // Another branch may turn nearby.
+      if (!(std::abs(along) >= straightness)) continue;
+      if (along < 0.0) e.direction = -e.direction;
       found.push_back(std::move(e));
       return true;
     }
@@ -169,18 +169,30 @@ bool Tracker::add_instability(const Step& step, const Eigen::VectorXd& tangent, 
   }
   Event e;
   e.kind = EventKind::bifurcation;
+  // Beside the singular point equilibria are ill-conditioned, but the margin is smooth: bracketed from a little farther
+  // off, its root is exact enough.
   double low = 0.0;
   double high = step.tau;
+  double above = s.margin(now_.z);
+  double below = s.margin(step.z);
   e.z = now_.z;
-  for (int i = 0; i < 40 && high - low > 1e-10; ++i) {
+  Eigen::VectorXd unstable = step.z;
+  while (high - low > (above - below < smooth_change ? bracket : jump_bracket)) {
     const double middle = 0.5 * (low + high);
     const std::optional<Eigen::VectorXd> z = corrected(step, tangent, middle);
     if (!z) return false;
-    const bool past = !(s.margin(*z) > 0.0);
+    const double margin = s.margin(*z);
+    const bool past = !(margin > 0.0);
     (past ? high : low) = middle;
-    if (!past) e.z = *z;
+    (past ? unstable : e.z) = *z;
+    (past ? below : above) = margin;
   }
-  e.tau = low;
+  const Eigen::VectorXd gap = unstable - e.z;
+  const bool apart = std::sqrt(std::max(0.0, s.metric(e.z, gap).dot(gap))) > same_branch;
+  if (apart || !(step.row.dot(s.tangent(e.z)) >= straightness)) return first < low;
+  const double share = above > 0.0 ? above / (above - below) : 0.0;
+  e.z += share * gap;
+  e.tau = low + share * (high - low);
   found.push_back(std::move(e));
   return true;
 }
@@ -210,7 +222,7 @@ bool Tracker::passes_through(const Step& step, const Eigen::VectorXd& tangent, d
   std::vector<double> fine(closed.size());
   std::vector<double> deep(closed.size());
   for (std::size_t o = 0; o < closed.size(); ++o) {
-    const double radius = path_.obstacles()[o]->smallest_radius();
+    const double radius = path_.smallest_radius(o, now_.z[s.size()]);
     fine[o] = std::clamp(glancing_share * radius, least_share, glancing);
     deep[o] = std::clamp(interpolation_share * radius, least_share, interpolation);
   }

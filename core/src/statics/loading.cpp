@@ -62,7 +62,7 @@ Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, 
                  const std::vector<double>& moments, std::function<bool()> must_stop)
     : Loading(set_from_rest(rod, obstacles, curvature, moments), obstacles, std::move(must_stop)) {}
 
-Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, RodState earlier,
+Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, State earlier,
                  const std::vector<double>& first, const std::vector<double>& last, std::function<bool()> must_stop)
     : Loading({LoadPath(rod, obstacles, {first, last, false}), std::move(earlier), false, first != last}, obstacles,
               std::move(must_stop)) {}
@@ -78,7 +78,6 @@ Loading::Loading(Set set, const std::vector<const Obstacle*>& obstacles, std::fu
 }
 
 void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
-  path_.apply(1.0);
   Statics free(path_, std::make_shared<LegendreBasis>(12, 4), {}, suggested_nodes(12, 4.0));
   const Eigen::VectorXd z = free.point({start_.curvature, {}, 1.0});
   Curve curve(free.at(z).chain().curve_tables());
@@ -95,7 +94,7 @@ void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
     const bool touched = std::any_of(start_.contacts.begin(), start_.contacts.end(),
                                      [&](const PointContact& c) { return c.setup.obstacle == static_cast<int>(o); });
     if (!(deepest < (touched ? -0.02 : -tolerance::penetration))) continue;
-    grows_ = true;
+    overlaps_.push_back({o, -deepest});
     if (!std::isfinite(obstacle.smallest_radius())) {
       path_.grow(o, -deepest);
       continue;
@@ -106,21 +105,17 @@ void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
     }
     path_.grow(o, obstacle.rounding());
   }
-  if (!grows_) return;
+  if (overlaps_.empty()) return;
   std::erase_if(start_.contacts, [&](const PointContact& c) { return path_.distance_rate(c.setup.obstacle) != 0.0; });
 }
 
 bool Loading::run() {
   if (!tracker_.begin(start_, exact_)) return false;
-  if (moves_ || grows_) return tracker_.follow();
+  if (moves_ || !overlaps_.empty()) return tracker_.follow();
   // Nothing changes along this path: its beginning is its end.
   Settled& s = tracker_.current();
   s.z[s.statics->size()] = 1.0;
   return true;
-}
-
-bool lies(const std::vector<PressedPoint>& points, std::size_t i) {
-  return points[i].joined || (i + 1 < points.size() && points[i + 1].joined);
 }
 
 std::optional<Loading::Lying> Loading::lie() {
@@ -128,18 +123,18 @@ std::optional<Loading::Lying> Loading::lie() {
   if (!tracker_.spread() || end.statics == nullptr || must_stop_()) return std::nullopt;
   const double from = end.z[end.statics->size()];
   const int steps = std::max(1, static_cast<int>(std::ceil((1.0 - from) / longest_load_step)));
-  std::function<double(double)> curvature = end.statics->state(end.z).curvature;
+  Curvature curvature = end.statics->curvature(end.z, end.z);
   Lying found;
   for (int i = 1; i <= steps; ++i) {
-    path_.apply(i == steps ? 1.0 : from + (1.0 - from) * i / steps);
-    found.down = descend(path_, curvature, must_stop_, i == steps);
+    const double load = i == steps ? 1.0 : from + (1.0 - from) * i / steps;
+    found.down = descend(path_, load, curvature, must_stop_, i == steps);
     if (!found.down.converged) return std::nullopt;
-    curvature = [shape = found.down.shape](double s) { return shape.curvature(s); };
+    curvature = found.down.state.curvature;
   }
-  for (std::size_t i = 0; i < found.down.points.size(); ++i) {
-    if (!lies(found.down.points, i)) continue;
-    found.first = std::min(found.first, found.down.points[i].s);
-    found.last = std::max(found.last, found.down.points[i].s);
+  for (const PointContact& c : found.down.state.contacts) {
+    if (!c.extended) continue;
+    found.first = std::min(found.first, c.s);
+    found.last = std::max(found.last, c.s);
   }
   if (!(found.last > found.first)) return std::nullopt;
   return found;

@@ -19,13 +19,19 @@ class Loading {
   Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature,
           const std::vector<double>& moments, std::function<bool()> must_stop);
   /// From an earlier state under the moments `first` and all other loads; only the moments then change.
-  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, RodState earlier,
+  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, State earlier,
           const std::vector<double>& first, const std::vector<double>& last, std::function<bool()> must_stop);
   Loading(const Loading&) = delete;
   Loading& operator=(const Loading&) = delete;
 
   /// The obstacle whose core the start runs through, so that it lies on neither side: nothing can be said then.
   std::optional<std::size_t> without_side() const { return without_side_; }
+  /// Obstacles that the start lies inside of by more than rounding: they grow, or a wall comes up, with the loads.
+  struct Overlap {
+    std::size_t obstacle = 0;
+    double depth = 0.0;  ///< L
+  };
+  const std::vector<Overlap>& overlaps() const { return overlaps_; }
   /// Follows the path; whether the final loads were reached.
   bool run();
 
@@ -39,12 +45,12 @@ class Loading {
   std::optional<Lying> lie();
 
   Tracker& tracker() { return tracker_; }
-  LoadPath& path() { return path_; }
+  const LoadPath& path() const { return path_; }
 
  private:
   struct Set {
     LoadPath path;
-    RodState start;
+    State start;
     bool exact = false;  ///< the start is the equilibrium itself
     bool moves = true;   ///< something changes along the path
   };
@@ -54,14 +60,12 @@ class Loading {
   void grow_overlapped(const std::vector<const Obstacle*>& obstacles);
 
   LoadPath path_;
-  RodState start_;
-  bool exact_, moves_, grows_ = false;
+  State start_;
+  bool exact_, moves_;
+  std::vector<Overlap> overlaps_;
   std::optional<std::size_t> without_side_;
   std::function<bool()> must_stop_;
   Tracker tracker_;
 };
-
-/// Whether a pressing point belongs to a stretch along which the rod lies.
-bool lies(const std::vector<PressedPoint>& points, std::size_t i);
 
 }  // namespace tendril

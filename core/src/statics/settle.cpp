@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "statics/tracker.hpp"
 #include "tendril/tolerances.hpp"
@@ -23,12 +22,6 @@ struct Push {
   double along, extra;
 };
 constexpr Push pushes[] = {{0.03, 0.0}, {0.1, 0.0}, {0.1, 1e-3}, {0.3, 1e-3}, {0.3, 1e-2}, {0.3, 3e-2}};
-
-std::string text_of(const char* format, double a, double b = 0.0) {
-  char text[200];
-  std::snprintf(text, sizeof text, format, a, b);
-  return text;
-}
 
 }  // namespace
 
@@ -53,7 +46,7 @@ void Tracker::choose_nodes() {
 
 bool Tracker::rebuild() {
   choose_nodes();
-  const RodState state = now_.statics->state(now_.z);
+  const State state = now_.statics->state(now_.z);
   std::unique_ptr<Statics> statics = make(state.contacts);
   Eigen::VectorXd z = statics->point(state);
   if (!statics->solve_at_load(z, state.load, 1e-9).converged) return false;
@@ -99,8 +92,7 @@ bool Tracker::coarse() const { return now_.statics->moment_balance(now_.z) > coa
 
 void Tracker::refine_fully() { resolve(fine_balance); }
 
-bool Tracker::begin(const RodState& guess, bool exact) {
-  path_.apply(0.0);
+bool Tracker::begin(const State& guess, bool exact) {
   std::optional<Settled> near = settle(guess, 0.0);
   const auto stable = [](Settled& s) { return s.statics->margin(s.z) > tolerance::stability; };
   if (near && !exact && stable(*near)) {
@@ -136,43 +128,24 @@ bool Tracker::begin(const RodState& guess, bool exact) {
   return true;
 }
 
-std::optional<Settled> Tracker::settle(RodState guess, double load) {
-  path_.apply(load);
+std::optional<Settled> Tracker::settle(State guess, double load) {
   guess.load = load;
   const std::vector<double> knots = path_.rod().fixed_knots();
-  const auto stretch_of = [&](double s) {
-    int r = 0;
-    while (r + 2 < static_cast<int>(knots.size()) && s >= knots[static_cast<std::size_t>(r) + 1]) ++r;
-    return r;
-  };
   for (PointContact& c : guess.contacts) {
-    if (c.setup.at_tip) continue;
-    c.setup.region = stretch_of(c.s);
-    const auto r = static_cast<std::size_t>(c.setup.region);
-    c.s = std::clamp(c.s, knots[r] + past_knot, knots[r + 1] - past_knot);
+    if (!c.setup.at_tip) place_inside(c, c.s, knots, past_knot);
   }
-  for (int repair = 0; repair < most_repairs && !must_stop_(); ++repair) {
+  for (int attempt = 0; attempt < most_repairs && !must_stop_(); ++attempt) {
     sort_contacts(guess.contacts);
     Settled s{make(guess.contacts), {}};
     s.z = s.statics->point(guess);
     const Statics::NewtonResult r = s.statics->solve_at_load(s.z, load);
     if (r.leaning >= 0) {
-      const auto k = static_cast<std::size_t>(r.leaning);
-      PointContact& c = guess.contacts[k];
-      const auto region = static_cast<std::size_t>(c.setup.region);
+      PointContact& c = guess.contacts[static_cast<std::size_t>(r.leaning)];
+      const double knot = knots[static_cast<std::size_t>(c.setup.region) + (r.upward ? 1U : 0U)];
       const double at = s.z[s.statics->arc_length_index(r.leaning)];
-      const double knot = r.upward ? knots[region + 1] : knots[region];
-      if (std::abs(at - knot) > 1e-4 || (!r.upward && region == 0)) {
+      if (std::abs(at - knot) > 1e-4 || !hand_over(c, r.upward, knots, past_knot)) {
         trouble_ = "two contacts meet, or one slides to the base";
         return std::nullopt;
-      }
-      if (r.upward && region + 2 == knots.size()) {
-        c.setup.at_tip = true;
-        c.setup.region = 0;
-        c.s = 1.0;
-      } else {
-        c.setup.region += r.upward ? 1 : -1;
-        c.s = knot + (r.upward ? past_knot : -past_knot);
       }
       continue;
     }
@@ -180,60 +153,68 @@ std::optional<Settled> Tracker::settle(RodState guess, double load) {
       trouble_ = "Newton's method did not converge";
       return std::nullopt;
     }
-    const double tip_slope = s.statics->tip_slope(s.z);
-    int weakest = -1;
-    bool at_tip = false;
-    for (int k = 0; k < s.statics->contact_count(); ++k) {
-      const double f = s.z[s.statics->force_index(k)];
-      if (f < pull && (weakest < 0 || f < s.z[s.statics->force_index(weakest)])) weakest = k;
-      at_tip = at_tip || s.statics->contact(k).at_tip;
-    }
-    if (weakest >= 0) {
-      guess = s.statics->state(s.z);
-      guess.contacts.erase(guess.contacts.begin() + weakest);
-      continue;
-    }
-    if (at_tip && tip_slope > tolerance::closest_point) {
-      guess = s.statics->state(s.z);
-      for (PointContact& c : guess.contacts) {
-        if (!c.setup.at_tip) continue;
-        c.setup.at_tip = false;
-        c.setup.region = static_cast<int>(knots.size()) - 2;
-        c.s = std::clamp(1.0 - 0.1 * tip_slope, knots[knots.size() - 2] + past_knot, 1.0 - past_knot);
-      }
-      continue;
-    }
-    const std::vector<Certifier::Approach> deep = s.statics->penetrations(s.z);
-    if (!deep.empty()) {
-      const Certifier::Approach& worst = *std::min_element(
-          deep.begin(), deep.end(),
-          [](const Certifier::Approach& a, const Certifier::Approach& b) { return a.at.distance < b.at.distance; });
-      guess = s.statics->state(s.z);
-      const bool own = std::any_of(guess.contacts.begin(), guess.contacts.end(), [&](const PointContact& c) {
-        return c.setup.obstacle == worst.obstacle && std::abs(c.s - worst.at.arc_length) < same_place;
-      });
-      if (own) {
-        spread_ = true;
-        trouble_ = text_of("contact spreads: beside the contact at %.4f L the rod lies along the obstacle",
-                           worst.at.arc_length);
+    switch (repair(guess, s)) {
+      case Repair::needless:
+        return s;
+      case Repair::impossible:
         return std::nullopt;
-      }
-      PointContact c;
-      c.setup.obstacle = worst.obstacle;
-      c.s = worst.at.arc_length;
-      c.setup.at_tip = c.s > 1.0 - 1e-7;
-      if (!c.setup.at_tip) {
-        c.setup.region = stretch_of(c.s);
-        const auto region = static_cast<std::size_t>(c.setup.region);
-        c.s = std::clamp(c.s, knots[region] + past_knot, knots[region + 1] - past_knot);
-      }
-      guess.contacts.push_back(c);
-      continue;
+      case Repair::made:
+        break;
     }
-    return s;
   }
   trouble_ = must_stop_() ? "stopped" : "the contacts that hold the rod could not be found";
   return std::nullopt;
+}
+
+Tracker::Repair Tracker::repair(State& guess, Settled& s) {
+  const State found = s.statics->state(s.z);
+  std::size_t weakest = 0;
+  bool at_tip = false;
+  for (std::size_t k = 0; k < found.contacts.size(); ++k) {
+    if (found.contacts[k].force < found.contacts[weakest].force) weakest = k;
+    at_tip = at_tip || found.contacts[k].setup.at_tip;
+  }
+  if (!found.contacts.empty() && found.contacts[weakest].force < pull) {
+    guess = found;
+    guess.contacts.erase(guess.contacts.begin() + static_cast<std::ptrdiff_t>(weakest));
+    return Repair::made;
+  }
+  const double tip_slope = at_tip ? s.statics->tip_slope(s.z) : -1.0;
+  if (tip_slope > tolerance::closest_point) {
+    guess = found;
+    const std::vector<double> knots = path_.rod().fixed_knots();
+    const double last = knots[knots.size() - 2];
+    for (PointContact& c : guess.contacts) {
+      if (c.setup.at_tip) place_inside(c, std::max(last, 1.0 - 0.1 * tip_slope), knots, past_knot);
+    }
+    return Repair::made;
+  }
+  return repair_penetration(guess, s);
+}
+
+Tracker::Repair Tracker::repair_penetration(State& guess, Settled& s) {
+  const std::vector<Certifier::Approach> deep = s.statics->penetrations(s.z);
+  if (deep.empty()) return Repair::needless;
+  const Certifier::Approach& worst = *std::min_element(
+      deep.begin(), deep.end(),
+      [](const Certifier::Approach& a, const Certifier::Approach& b) { return a.at.distance < b.at.distance; });
+  guess = s.statics->state(s.z);
+  const bool own = std::any_of(guess.contacts.begin(), guess.contacts.end(), [&](const PointContact& c) {
+    return c.setup.obstacle == worst.obstacle && std::abs(c.s - worst.at.arc_length) < same_place;
+  });
+  if (own) {
+    spread_ = true;
+    trouble_ = "contact spreads: beside the contact at " + shown(worst.at.arc_length, 4) +
+               " L the rod lies along the obstacle";
+    return Repair::impossible;
+  }
+  PointContact c;
+  c.setup.obstacle = worst.obstacle;
+  c.s = worst.at.arc_length;
+  c.setup.at_tip = c.s > 1.0 - 1e-7;
+  if (!c.setup.at_tip) place_inside(c, c.s, path_.rod().fixed_knots(), past_knot);
+  guess.contacts.push_back(c);
+  return Repair::made;
 }
 
 bool Tracker::spreads(double least) {
@@ -241,28 +222,22 @@ bool Tracker::spreads(double least) {
     if (!(now_.z[now_.statics->force_index(k)] > tolerance::force)) continue;
     if (now_.statics->convexity(now_.z, k) > least) continue;
     spread_ = true;
-    trouble_ = text_of(
-        "contact spreads at load fraction %.6f: from the point at %.4f L on the rod lies along the obstacle, a point "
-        "contact does not hold it",
-        now_.z[now_.statics->size()], now_.statics->state(now_.z).contacts[static_cast<std::size_t>(k)].s);
+    trouble_ = "contact spreads at load fraction " + shown(now_.z[now_.statics->size()]) + ": from the point at " +
+               shown(now_.statics->state(now_.z).contacts[static_cast<std::size_t>(k)].s, 4) +
+               " L on the rod lies along the obstacle, a point contact does not hold it";
     return true;
   }
   return false;
 }
 
-std::optional<Settled> Tracker::fall(const std::function<double(double)>& curvature, double load, double extra,
-                                     double& energy) {
-  path_.apply(load + extra);
-  const Descent down = descend(path_, curvature, must_stop_);
+std::optional<Settled> Tracker::fall(const Curvature& curvature, double load, double extra, double& energy) {
+  const Descent down = descend(path_, load + extra, curvature, must_stop_);
   if (!down.converged) {
     trouble_ = down.reason;
     return std::nullopt;
   }
   energy = down.energy;
-  RodState guess;
-  guess.curvature = [shape = down.shape](double s) { return shape.curvature(s); };
-  for (const PressedRun& run : down.runs) guess.contacts.push_back(run.contact);
-  std::optional<Settled> found = settle(guess, load);
+  std::optional<Settled> found = settle(down.state, load);
   if (!found) return std::nullopt;
   if (!(found->statics->margin(found->z) > tolerance::stability)) {
     trouble_ = "the state below is not stable";
@@ -271,27 +246,23 @@ std::optional<Settled> Tracker::fall(const std::function<double(double)>& curvat
   return found;
 }
 
-bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::VectorXd* direction, double load) {
-  Statics& here = *now_.statics;
-  const Shape from = here.shape(critical);
-  const Eigen::VectorXd weakest = direction != nullptr ? *direction : here.weakest_direction(critical);
-  const Shape along = here.direction(critical, weakest);
+std::optional<Settled> Tracker::below(SnapKind kind, const Curvature& from, const Curvature& along, double load,
+                                      std::string& reason) {
   std::optional<Settled> best;
-  std::string reason;
   for (const auto& [push, extra] : pushes) {
     double lowest = infinity;
     for (const double sign : {1.0, -1.0}) {
-      // A fold is left the way it was entered; elsewhere both sides are looked at.
+      // A fold is left the way it was entered; elsewhere both sides are tried.
       if (kind == SnapKind::fold && sign < 0.0) continue;
       double energy = infinity;
-      std::optional<Settled> found = fall(from.plus(sign * push, along), load, extra, energy);
+      const auto pushed = [&, factor = sign * push](double s) { return from(s) + factor * along(s); };
+      std::optional<Settled> found = fall(pushed, load, extra, energy);
       if (!found) {
         reason = trouble_;
         continue;
       }
       // Back on the state that was left.
-      const double margin = found->statics->margin(found->z);
-      if (kind == SnapKind::fold && margin < 1e-4) continue;
+      if (kind == SnapKind::fold && found->statics->margin(found->z) < 1e-4) continue;
       const double higher = 1e-9 * (1.0 + std::abs(energy));
       if (best && energy > lowest - higher) {
         const double tip = best->statics->at(best->z).backbone().tip_angle();
@@ -303,15 +274,24 @@ bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::
     }
     if (best || must_stop_()) break;
   }
+  return best;
+}
+
+bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::VectorXd* direction, double load) {
+  Statics& here = *now_.statics;
+  const Curvature along =
+      here.curvature(critical, direction != nullptr ? *direction : here.weakest_direction(critical));
+  std::string reason;
+  std::optional<Settled> best = below(kind, here.curvature(critical, critical), along, load, reason);
   TrackedSnap jump;
   jump.kind = kind;
   jump.load = critical[here.size()];
   // Systems are rebuilt for the record: the originals go on.
-  const RodState before = here.state(critical);
+  const State before = here.state(critical);
   jump.before = {make(before.contacts), {}};
   jump.before.z = jump.before.statics->point(before);
   if (!best) {
-    trouble_ = text_of("the rod snaps at load fraction %.9f, and the state after that was not found", jump.load) +
+    trouble_ = "the rod snaps at load fraction " + shown(jump.load, 9) + ", and the state after that was not found" +
                (reason.empty() ? "" : ": " + reason);
     jump.after = {make(before.contacts), jump.before.z};
     jump.margin = 0.0;
@@ -321,7 +301,7 @@ bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::
   now_ = std::move(*best);
   rebuild();
   resolve(coarse_balance);
-  const RodState after = now_.statics->state(now_.z);
+  const State after = now_.statics->state(now_.z);
   jump.after = {make(after.contacts), {}};
   jump.after.z = jump.after.statics->point(after);
   jump.margin = now_.statics->margin(now_.z);

@@ -18,40 +18,7 @@ constexpr double newton_step = 1e-9;      ///< likewise for the last step in the
 
 }  // namespace
 
-Shape::Shape(std::shared_ptr<const CoordinateModel> basis, const Backbone& backbone, ConstVectorRef coordinates)
-    : basis_(std::move(basis)) {
-  const Chain& chain = backbone.chain();
-  for (int j = 0; j < chain.piece_count(); ++j) {
-    starts_.push_back(backbone.start(j));
-    lengths_.push_back(backbone.length(j));
-  }
-  coordinates_ = Eigen::Map<const Eigen::MatrixXd>(coordinates.data(), chain.functions(), chain.piece_count());
-}
-
-double Shape::curvature(double s) const {
-  std::size_t j = 0;
-  while (j + 1 < starts_.size() && s >= starts_[j + 1]) ++j;
-  const double sigma[1] = {std::clamp((s - starts_[j]) / lengths_[j], 0.0, 1.0)};
-  const auto n = coordinates_.rows();
-  Eigen::MatrixXd value(1, n);
-  Eigen::MatrixXd first(1, n);
-  Eigen::MatrixXd second(1, n);
-  basis_->evaluate(sigma, value, first, second);
-  return first.row(0).dot(coordinates_.col(static_cast<Eigen::Index>(j))) / lengths_[j];
-}
-
-std::function<double(double)> Shape::plus(double factor, const Shape& other) const {
-  return [one = *this, factor, other](double s) { return one.curvature(s) + factor * other.curvature(s); };
-}
-
-void sort_contacts(std::vector<PointContact>& contacts) {
-  std::stable_sort(contacts.begin(), contacts.end(), [](const PointContact& a, const PointContact& b) {
-    if (a.setup.at_tip != b.setup.at_tip) return b.setup.at_tip;
-    return !a.setup.at_tip && a.s < b.s;
-  });
-}
-
-Statics::Statics(LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std::vector<PointContact> contacts,
+Statics::Statics(const LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std::vector<PointContact> contacts,
                  int nodes)
     : path_(path), basis_(std::move(basis)) {
   sort_contacts(contacts);
@@ -61,12 +28,8 @@ Statics::Statics(LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std
   spec.obstacles = path.obstacles();
   for (const PointContact& c : contacts) spec.contacts.push_back(c.setup);
   spec.nodes = nodes;
-  // What a program has to compute is settled when it is built: with all loads.
-  const double load = path.load();
-  path.apply(1.0);
   program_ = std::make_unique<PoseProgram>(spec);
   certifier_ = std::make_unique<Certifier>(spec);
-  path.apply(load);
   const PoseProgram::Layout& at = program_->layout();
   for (int k = 0; k < at.forces; ++k) program_->set_branch(k, Branch::touching);
   for (int i = 0; i < at.coordinates; ++i) columns_.push_back(i);
@@ -87,26 +50,39 @@ Eigen::VectorXd Statics::full(const Eigen::VectorXd& y) const {
   return x;
 }
 
-PoseProgram& Statics::at(const Eigen::VectorXd& z) {
-  const double load = z[size_];
-  if (path_.load() != load) path_.apply(load);
+void Statics::place(const Eigen::VectorXd& z) {
   x_ = full(z);
   for (int a = 0; a < static_cast<int>(path_.rod().actuators.size()); ++a) {
     if (const int variable = program_->moment_variable(a); variable >= 0) {
-      x_[variable] = path_.moment(static_cast<std::size_t>(a), load);
+      x_[variable] = path_.moment(static_cast<std::size_t>(a), z[size_]);
     }
   }
-  // The loads are not among the variables: the same variables may mean another point.
-  program_->invalidate();
+}
+
+void Statics::set_load(double load) {
+  if (load_ != load) program_->set_loads(path_.loads(load_ = load));
+}
+
+PoseProgram& Statics::at(const Eigen::VectorXd& z) {
+  place(z);
+  set_load(z[size_]);
   program_->constraints(x_);
   return *program_;
 }
 
 void Statics::evaluate(const Eigen::VectorXd& z) {
-  at(z);
-  const Eigen::VectorXd rows = program_->constraints(x_);
+  place(z);
+  Eigen::VectorXd rate = Eigen::VectorXd::Zero(program_->row_count());
+  if (path_.loads_grow()) {
+    // Rows are affine in the dead loads: the difference between all and none of them is their rate.
+    set_load(1.0);
+    rate.head(coordinates()) = program_->constraints(x_).head(coordinates());
+    set_load(0.0);
+    rate.head(coordinates()) -= program_->constraints(x_).head(coordinates());
+  }
+  set_load(z[size_]);
   const MatrixView full_jacobian = program_->jacobian(x_);
-  Eigen::VectorXd rate = Eigen::VectorXd::Zero(rows.size());
+  const VectorView rows = program_->constraints(x_);
   for (int a = 0; a < static_cast<int>(path_.rod().actuators.size()); ++a) {
     const int variable = program_->moment_variable(a);
     if (variable >= 0) rate += path_.moment_rate(static_cast<std::size_t>(a)) * full_jacobian.col(variable);
@@ -118,26 +94,13 @@ void Statics::evaluate(const Eigen::VectorXd& z) {
   }
   const int first_gap = program_->layout().first_gap;
   for (int k = 0; k < contact_count(); ++k) rate[first_gap + k] += path_.distance_rate(contact(k).obstacle);
-  if (path_.loads_grow()) {
-    // Rows are affine in the dead loads: the difference between all and none of them is their rate.
-    const double load = path_.load();
-    path_.apply(1.0);
-    program_->invalidate();
-    Eigen::VectorXd loaded = program_->constraints(x_);
-    path_.apply(0.0);
-    program_->invalidate();
-    loaded -= program_->constraints(x_);
-    path_.apply(load);
-    program_->invalidate();
-    rate.head(coordinates()) += loaded.head(coordinates());
-  }
   for (int r = 0; r < size_; ++r) {
     residual_[r] = rows[rows_[static_cast<std::size_t>(r)]];
     jacobian_(r, size_) = rate[rows_[static_cast<std::size_t>(r)]];
   }
 }
 
-Eigen::VectorXd Statics::point(const RodState& state) const {
+Eigen::VectorXd Statics::point(const State& state) const {
   std::vector<PointContact> contacts = state.contacts;
   sort_contacts(contacts);
   Eigen::VectorXd z = Eigen::VectorXd::Zero(size_ + 1);
@@ -148,28 +111,18 @@ Eigen::VectorXd Statics::point(const RodState& state) const {
   }
   const Chain& chain = program_->chain();
   const std::span<const double> knots(z.data() + coordinates(), static_cast<std::size_t>(chain.knot_count()));
-  std::vector<double> scaled(static_cast<std::size_t>(chain.nodes()));
-  for (int j = 0; j < chain.piece_count(); ++j) {
-    const double from = chain.start(j, knots);
-    const double length = chain.length(j, knots);
-    for (int g = 0; g < chain.nodes(); ++g) {
-      scaled[static_cast<std::size_t>(g)] = length * state.curvature(from + length * chain.table().sigma[g]);
-    }
-    z.segment(j * chain.functions(), chain.functions()) = chain.project(scaled);
-  }
+  z.head(coordinates()) = chain.coordinates_of(state.curvature, knots);
   z[size_] = state.load;
   return z;
 }
 
-Shape Statics::shape(const Eigen::VectorXd& z) { return {basis_, at(z).backbone(), z.head(coordinates())}; }
-
-Shape Statics::direction(const Eigen::VectorXd& z, const Eigen::VectorXd& dz) {
-  return {basis_, at(z).backbone(), dz.head(coordinates())};
+Curvature Statics::curvature(const Eigen::VectorXd& z, const Eigen::VectorXd& direction) {
+  return curvature_of(basis_, at(z).backbone(), direction.head(coordinates()));
 }
 
-RodState Statics::state(const Eigen::VectorXd& z) {
-  RodState s;
-  s.curvature = [shape = shape(z)](double at) { return shape.curvature(at); };
+State Statics::state(const Eigen::VectorXd& z) {
+  State s;
+  s.curvature = curvature(z, z);
   for (int k = 0; k < contact_count(); ++k) {
     const int index = arc_length_index(k);
     s.contacts.push_back({contact(k), index < 0 ? 1.0 : z[index], z[force_index(k)]});
@@ -305,15 +258,11 @@ bool Statics::solve_fold(Eigen::VectorXd& z, Eigen::VectorXd& null_vector) {
     const Eigen::VectorXd turning = program_->hessian(x_, 0.0, multipliers) * full(v);
     double rate = 0.0;
     if (path_.loads_grow()) {
-      const double load = path_.load();
-      const auto weak = [&](double at_load) {
-        path_.apply(at_load);
-        program_->invalidate();
+      const auto weak = [&](double load) {
+        set_load(load);
         return multipliers.dot(program_->jacobian(x_) * full(v));
       };
       rate = weak(1.0) - weak(0.0);
-      path_.apply(load);
-      program_->invalidate();
     }
     system.topRows(size_) = jacobian_;
     for (int i = 0; i < size_; ++i) system(size_, i) = -turning[columns_[static_cast<std::size_t>(i)]];
@@ -341,7 +290,7 @@ bool Statics::solve_fold(Eigen::VectorXd& z, Eigen::VectorXd& null_vector) {
 
 Certifier& Statics::certifier(const Eigen::VectorXd& z) {
   at(z);
-  certifier_->invalidate();
+  if (certified_load_ != load_) certifier_->set_loads(path_.loads(certified_load_ = load_));
   return *certifier_;
 }
 

@@ -7,45 +7,18 @@
 #include "certificate/certifier.hpp"
 #include "program/pose_program.hpp"
 #include "statics/load_path.hpp"
+#include "statics/state.hpp"
 #include "tendril/coordinate_model.hpp"
 
 namespace tendril {
-
-/// A curvature in pieces, by value: how a shape passes from one basis to another.
-class Shape {
- public:
-  Shape() = default;
-  Shape(std::shared_ptr<const CoordinateModel> basis, const Backbone& backbone, ConstVectorRef coordinates);
-  double curvature(double s) const;
-  bool empty() const { return lengths_.empty(); }
-  /// This curvature plus `factor` times another one.
-  std::function<double(double)> plus(double factor, const Shape& other) const;
-
- private:
-  std::shared_ptr<const CoordinateModel> basis_;
-  std::vector<double> starts_, lengths_;
-  Eigen::MatrixXd coordinates_;  // functions x pieces
-};
-
-struct PointContact {
-  ContactSetup setup;
-  double s = 1.0;
-  double force = 0.0;
-};
-
-/// A state of the rod, whatever the basis.
-struct RodState {
-  std::function<double(double)> curvature;
-  std::vector<PointContact> contacts;
-  double load = 0.0;
-};
 
 /// Equilibrium with a given set of closed contacts along a load path: a square system F(y, load) = 0 over
 /// y = (coordinates, arc lengths, forces), with exact derivatives. A point is z = (y, load).
 class Statics {
  public:
   /// `contacts` in any order; they are sorted along the rod.
-  Statics(LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std::vector<PointContact> contacts, int nodes);
+  Statics(const LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std::vector<PointContact> contacts,
+          int nodes);
 
   int size() const { return size_; }  ///< of y
   int coordinates() const { return program_->layout().coordinates; }
@@ -55,11 +28,10 @@ class Statics {
   int force_index(int k) const { return coordinates() + program_->layout().arc_lengths + k; }
 
   /// The point of a state, whose contacts are those of this system in any order.
-  Eigen::VectorXd point(const RodState& state) const;
-  RodState state(const Eigen::VectorXd& z);
-  Shape shape(const Eigen::VectorXd& z);
-  /// A direction in z as a curvature.
-  Shape direction(const Eigen::VectorXd& z, const Eigen::VectorXd& dz);
+  Eigen::VectorXd point(const State& state) const;
+  State state(const Eigen::VectorXd& z);
+  /// Of z or of a direction there.
+  Curvature curvature(const Eigen::VectorXd& z, const Eigen::VectorXd& direction);
 
   struct NewtonResult {
     bool converged = false;
@@ -102,17 +74,19 @@ class Statics {
   /// Room of contact k's arc length downward and upward.
   std::pair<double, double> bounds(const Eigen::VectorXd& z, int k) const;
 
-  LoadPath& path_;
+  void place(const Eigen::VectorXd& z);  ///< x_, without evaluating anything
+  void set_load(double load);            ///< of the program
+
+  const LoadPath& path_;
   std::shared_ptr<const LegendreBasis> basis_;
   std::unique_ptr<PoseProgram> program_;
   std::unique_ptr<Certifier> certifier_;
   std::vector<int> rows_, columns_;  ///< of the program
+  double load_ = 1.0;                ///< of the program, and of the certifier
+  double certified_load_ = 1.0;
   int size_ = 0;
   Eigen::VectorXd x_, residual_;
   Eigen::MatrixXd jacobian_;  ///< size x (size + 1)
 };
-
-/// Sorts contacts along the rod, those at the tip last.
-void sort_contacts(std::vector<PointContact>& contacts);
 
 }  // namespace tendril

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "tendril/tolerances.hpp"
 
@@ -11,7 +10,6 @@ namespace {
 
 constexpr double longest_step = 0.15;  ///< along the path, in the metric of bending energy and load
 constexpr double shortest_step = 1e-8;
-constexpr double straightness = 0.9;          ///< cosine between the tangents at both ends of a step
 constexpr double deviation = 0.25;            ///< of the corrected from the predicted point, per step length
 constexpr double beyond_bifurcation = 1e-3;   ///< load fraction; see Snap
 constexpr double not_critical = 1e-3;         ///< margin that a fold of the equilibrium cannot have
@@ -52,14 +50,9 @@ bool Tracker::go_back_to_end() {
   Eigen::VectorXd z = now_.z;
   const Statics::NewtonResult here = now_.statics->solve_at_load(z, 1.0, at_knot);
   if (!here.converged && here.leaning >= 0) {
-    RodState state = now_.statics->state(now_.z);
+    State state = now_.statics->state(now_.z);
     PointContact& c = state.contacts[static_cast<std::size_t>(here.leaning)];
-    const std::vector<double> knots = path_.rod().fixed_knots();
-    const int region = c.setup.region + (here.upward ? 1 : -1);
-    if (region >= 0 && region + 1 < static_cast<int>(knots.size())) {
-      c.s = knots[static_cast<std::size_t>(here.upward ? region : region + 1)] +
-            (here.upward ? 0.1 : -0.1) * knot_distance;
-      c.setup.region = region;
+    if (hand_over(c, here.upward, path_.rod().fixed_knots(), 0.1 * knot_distance) && !c.setup.at_tip) {
       std::unique_ptr<Statics> beside = make(state.contacts);
       z = beside->point(state);
       if (beside->solve_at_load(z, 1.0, at_knot).converged) {
@@ -88,24 +81,21 @@ bool Tracker::advance() {
     if (length < shortest_step || must_stop_()) {
       // Where d_ss vanishes the contact has no place of its own.
       if (!must_stop_() && spreads(vanishing_convexity)) return false;
-      char text[120];
-      std::snprintf(text, sizeof text, "the path could not be followed beyond load fraction %.9f",
-                    now_.z[now_.statics->size()]);
-      trouble_ = text;
+      trouble_ = "the path could not be followed beyond load fraction " + shown(now_.z[now_.statics->size()], 9);
       return false;
     }
     const std::optional<Step> step = try_step(tangent, length);
     if (!step) continue;
     std::optional<std::vector<Event>> found = events(*step, tangent);
     if (!found) continue;
-    if (step->slide) {
-      Event slide;
-      slide.kind = EventKind::slide;
-      slide.tau = step->tau;
-      slide.contact = step->slide->contact;
-      slide.upward = step->slide->upward;
-      slide.z = step->z;
-      found->push_back(std::move(slide));
+    if (step->handover) {
+      Event handover;
+      handover.kind = EventKind::handover;
+      handover.tau = step->tau;
+      handover.contact = step->handover->contact;
+      handover.upward = step->handover->upward;
+      handover.z = step->z;
+      found->push_back(std::move(handover));
     }
     double before = step->tau;
     for (const Event& e : *found) before = std::min(before, e.tau);
@@ -138,48 +128,11 @@ std::optional<Tracker::Step> Tracker::try_step(const Eigen::VectorXd& tangent, d
   step.z = now_.z + length * tangent;
   const Eigen::VectorXd predicted = step.z;
   const Statics::NewtonResult r = s.solve(step.z, step.row, step.row.dot(predicted), knot_distance);
-  const std::vector<double> knots = path_.rod().fixed_knots();
-  const auto handed_over = [&](int k, bool upward) {
-    const auto region = static_cast<std::size_t>(s.contact(k).region);
-    return upward ? knots[region + 1] - knot_distance : knots[region] + knot_distance;
-  };
-  int leaning = r.leaning;
-  bool upward = r.upward;
-  for (int k = 0; r.converged && k < s.contact_count(); ++k) {
-    const int index = s.arc_length_index(k);
-    if (index < 0) continue;
-    for (const bool up : {false, true}) {
-      const double sign = up ? 1.0 : -1.0;
-      if (!(sign * (step.z[index] - handed_over(k, up)) > 0.0) || !(sign * (step.z[index] - now_.z[index]) > 0.0))
-        continue;
-      leaning = k;
-      upward = up;
-    }
-  }
-  if (leaning >= 0) {
-    // The contact reaches the end of its stretch first: that point is the step's end.
-    const int index = s.arc_length_index(leaning);
-    const double target = handed_over(leaning, upward);
-    if (std::abs(step.z[index] - target) > 10.0 * knot_distance) return std::nullopt;
-    step.slide = Event{};
-    step.slide->contact = leaning;
-    step.slide->upward = upward;
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(s.size() + 1);
-    row[index] = 1.0;
-    if ((upward ? now_.z[index] - target : target - now_.z[index]) >= 0.0) {
-      step.z = now_.z;
-    } else {
-      const double share = (target - now_.z[index]) / (tangent[index] != 0.0 ? tangent[index] : 1.0);
-      step.z = now_.z + std::clamp(share, 0.0, length) * tangent;
-      step.z[index] = target;
-      if (!s.solve(step.z, row, target, 0.5 * knot_distance).converged) return std::nullopt;
-    }
-  } else if (!r.converged) {
-    return std::nullopt;
-  }
+  if (!end_at_knot(step, tangent, length, r)) return std::nullopt;
+  if (!r.converged && !step.handover) return std::nullopt;
   const Eigen::VectorXd off = step.z - now_.z;
   step.tau = step.row.dot(off);
-  if (step.slide) {
+  if (step.handover) {
     if (!(step.tau >= -1e-9 && step.tau <= 1.5 * length)) return std::nullopt;
   } else {
     const Eigen::VectorXd wrong = step.z - predicted;
@@ -195,6 +148,42 @@ std::optional<Tracker::Step> Tracker::try_step(const Eigen::VectorXd& tangent, d
   }
   if (cosine < straightness) return std::nullopt;
   return step;
+}
+
+bool Tracker::end_at_knot(Step& step, const Eigen::VectorXd& tangent, double length, const Statics::NewtonResult& r) {
+  Statics& s = *now_.statics;
+  const std::vector<double> knots = path_.rod().fixed_knots();
+  const auto handed_over = [&](int k, bool upward) {
+    const auto region = static_cast<std::size_t>(s.contact(k).region);
+    return upward ? knots[region + 1] - knot_distance : knots[region] + knot_distance;
+  };
+  int leaning = r.leaning;
+  bool upward = r.upward;
+  for (int k = 0; r.converged && k < s.contact_count(); ++k) {
+    const int index = s.arc_length_index(k);
+    if (index < 0) continue;
+    for (const bool up : {false, true}) {
+      const double sign = up ? 1.0 : -1.0;
+      const bool beyond = sign * (step.z[index] - handed_over(k, up)) > 0.0;
+      if (!beyond || !(sign * (step.z[index] - now_.z[index]) > 0.0)) continue;
+      leaning = k;
+      upward = up;
+    }
+  }
+  if (leaning < 0) return true;
+  // The contact reaches the end of its stretch first: that point is the step's end.
+  const int index = s.arc_length_index(leaning);
+  const double target = handed_over(leaning, upward);
+  if (std::abs(step.z[index] - target) > 10.0 * knot_distance) return false;
+  step.handover = {leaning, upward};
+  if ((upward ? now_.z[index] - target : target - now_.z[index]) >= 0.0) {
+    step.z = now_.z;
+    return true;
+  }
+  const double share = (target - now_.z[index]) / (tangent[index] != 0.0 ? tangent[index] : 1.0);
+  step.z = now_.z + std::clamp(share, 0.0, length) * tangent;
+  step.z[index] = target;
+  return s.solve(step.z, Eigen::VectorXd::Unit(s.size() + 1, index), target, 0.5 * knot_distance).converged;
 }
 
 std::optional<Eigen::VectorXd> Tracker::corrected(const Step& step, const Eigen::VectorXd& tangent, double tau) {
@@ -213,56 +202,59 @@ bool Tracker::take(Event& event) {
       now_ = {std::move(event.statics), std::move(event.z)};
       return true;
     }
-    case EventKind::slide:
-      return slide(event);
+    case EventKind::handover:
+      return pass_knot(event);
     case EventKind::tip_leaves:
       return leave_tip(event);
-    case EventKind::fold: {
-      now_.z = event.z;
-      if (turns_by_spreading() || pinched()) return false;
-      // The place of the fold is a result: as exact as the basis can be.
-      const int order = order_;
-      const int pieces = pieces_;
-      Eigen::VectorXd z = event.z;
-      while (now_.statics->moment_balance(z) > 1e-9 && order_ < 40) {
-        order_ += 8;
-        const RodState state = now_.statics->state(z);
-        std::unique_ptr<Statics> finer = make(state.contacts);
-        Eigen::VectorXd there = finer->point(state);
-        const Shape along = now_.statics->direction(z, event.direction);
-        RodState direction = state;
-        direction.curvature = [along](double s) { return along.curvature(s); };
-        const Eigen::VectorXd travelled = finer->point(direction);
-        Eigen::VectorXd found;
-        if (!finer->solve_fold(there, found)) {
-          order_ = order;
-          pieces_ = pieces;
-          break;
-        }
-        const double sign = finer->metric(there, found).dot(travelled) < 0.0 ? -1.0 : 1.0;
-        event.direction = sign * found;
-        z = there;
-        now_ = {std::move(finer), there};
-      }
-      return snap(SnapKind::fold, z, &event.direction, z[now_.statics->size()]);
-    }
-    case EventKind::bifurcation: {
-      now_.z = event.z;
-      if (turns_by_spreading() || pinched()) return false;
-      Statics& s = *now_.statics;
-      const double at = event.z[s.size()];
-      const double load = std::min(1.0, at + beyond_bifurcation);
-      if (at >= 1.0 - 1e-9) {
-        trouble_ = "the final loads are the critical ones";
-        return false;
-      }
-      const Eigen::VectorXd direction = s.weakest_direction(event.z);
-      return snap(SnapKind::bifurcation, event.z, direction.allFinite() ? &direction : nullptr, load);
-    }
+    case EventKind::fold:
+      return take_fold(event);
+    case EventKind::bifurcation:
+      return take_bifurcation(event);
     case EventKind::end:
       break;
   }
   return false;
+}
+
+bool Tracker::take_fold(Event& event) {
+  now_.z = event.z;
+  if (turns_by_spreading() || pinched()) return false;
+  // The place of the fold is a result: as exact as the basis can be.
+  const int order = order_;
+  Eigen::VectorXd z = event.z;
+  while (now_.statics->moment_balance(z) > 1e-9 && order_ < 40) {
+    order_ += 8;
+    const State state = now_.statics->state(z);
+    std::unique_ptr<Statics> finer = make(state.contacts);
+    Eigen::VectorXd there = finer->point(state);
+    State direction = state;
+    direction.curvature = now_.statics->curvature(z, event.direction);
+    const Eigen::VectorXd travelled = finer->point(direction);
+    Eigen::VectorXd found;
+    if (!finer->solve_fold(there, found)) {
+      order_ = order;
+      break;
+    }
+    const double sign = finer->metric(there, found).dot(travelled) < 0.0 ? -1.0 : 1.0;
+    event.direction = sign * found;
+    z = there;
+    now_ = {std::move(finer), there};
+  }
+  return snap(SnapKind::fold, z, &event.direction, z[now_.statics->size()]);
+}
+
+bool Tracker::take_bifurcation(const Event& event) {
+  now_.z = event.z;
+  if (turns_by_spreading() || pinched()) return false;
+  Statics& s = *now_.statics;
+  const double at = event.z[s.size()];
+  if (at >= 1.0 - 1e-9) {
+    trouble_ = "the final loads are the critical ones";
+    return false;
+  }
+  const Eigen::VectorXd direction = s.weakest_direction(event.z);
+  return snap(SnapKind::bifurcation, event.z, direction.allFinite() ? &direction : nullptr,
+              std::min(1.0, at + beyond_bifurcation));
 }
 
 /// A path also turns, and its margin jumps, where a contact's d_ss passes zero; nothing gives way there.
@@ -277,18 +269,15 @@ bool Tracker::pinched() {
     const PointContact& a = contacts[k];
     const PointContact& b = contacts[k + 1];
     if (!(std::abs(a.s - b.s) < pinched_length && std::min(a.force, b.force) > pinching_force)) continue;
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "two obstacles close on the rod at %.4f L and load fraction %.6f: there is no room between them", a.s,
-                  now_.z[now_.statics->size()]);
-    trouble_ = text;
+    trouble_ = "two obstacles close on the rod at " + shown(a.s, 4) + " L and load fraction " +
+               shown(now_.z[now_.statics->size()]) + ": there is no room between them";
     return true;
   }
   return false;
 }
 
 bool Tracker::release(Event& event) {
-  RodState state = now_.statics->state(event.z);
+  State state = now_.statics->state(event.z);
   state.contacts.erase(state.contacts.begin() + event.contact);
   std::unique_ptr<Statics> statics = make(state.contacts);
   Eigen::VectorXd z = statics->point(state);
@@ -305,26 +294,15 @@ bool Tracker::release(Event& event) {
   return snap(SnapKind::release, z, nullptr, state.load);
 }
 
-bool Tracker::slide(Event& event) {
-  RodState state = now_.statics->state(event.z);
+bool Tracker::pass_knot(Event& event) {
+  State state = now_.statics->state(event.z);
   PointContact& c = state.contacts[static_cast<std::size_t>(event.contact)];
-  const std::vector<double> knots = path_.rod().fixed_knots();
-  const auto region = static_cast<std::size_t>(c.setup.region);
-  if (!event.upward && region == 0) {
+  if (!hand_over(c, event.upward, path_.rod().fixed_knots(), knot_distance)) {
     trouble_ = "a contact slides to the base";
     return false;
   }
-  const bool to_tip = event.upward && region + 2 == knots.size();
-  const double knot = event.upward ? knots[region + 1] : knots[region];
-  const double s = knot + (event.upward ? knot_distance : -knot_distance);
-  if (to_tip) {
-    c.setup.at_tip = true;
-    c.setup.region = 0;
-    c.s = 1.0;
-  } else {
-    c.setup.region += event.upward ? 1 : -1;
-    c.s = s;
-  }
+  const bool to_tip = c.setup.at_tip;
+  const double s = c.s;
   std::unique_ptr<Statics> statics = make(state.contacts);
   Eigen::VectorXd z = statics->point(state);
   Eigen::VectorXd row = Eigen::VectorXd::Zero(statics->size() + 1);
@@ -351,12 +329,9 @@ bool Tracker::slide(Event& event) {
 }
 
 bool Tracker::leave_tip(Event& event) {
-  RodState state = now_.statics->state(event.z);
+  State state = now_.statics->state(event.z);
   PointContact& c = state.contacts[static_cast<std::size_t>(event.contact)];
-  const std::vector<double> knots = path_.rod().fixed_knots();
-  c.setup.at_tip = false;
-  c.setup.region = static_cast<int>(knots.size()) - 2;
-  c.s = 1.0 - knot_distance;
+  place_inside(c, 1.0, path_.rod().fixed_knots(), knot_distance);
   std::unique_ptr<Statics> statics = make(state.contacts);
   // Sorted: the contact is now the last interior one.
   sort_contacts(state.contacts);

@@ -15,6 +15,8 @@ namespace tendril {
 
 /// Where a contact is handed over to the next stretch or the tip (L).
 inline constexpr double knot_distance = 1e-6;
+/// Cosine between the tangents at both ends of a step, and with that at an event in between.
+inline constexpr double straightness = 0.9;
 
 /// A state together with the system that it solves.
 struct Settled {
@@ -35,10 +37,10 @@ struct TrackedSnap {
 /// as its unknown, and the first along the path is taken.
 class Tracker {
  public:
-  Tracker(LoadPath& path, std::function<bool()> must_stop) : path_(path), must_stop_(std::move(must_stop)) {}
+  Tracker(const LoadPath& path, std::function<bool()> must_stop) : path_(path), must_stop_(std::move(must_stop)) {}
 
   /// Sets out from a guess at load 0. `exact`: the guess is the equilibrium itself. False: `trouble()` says why.
-  bool begin(const RodState& guess, bool exact);
+  bool begin(const State& guess, bool exact);
   /// Follows the path to load 1.
   bool follow();
   /// Refines the basis where it stands until the local moment balance stops improving or is tiny.
@@ -54,7 +56,7 @@ class Tracker {
   int order() const { return order_; }
 
  private:
-  enum class EventKind { end, release, touch, slide, tip_leaves, fold, bifurcation };
+  enum class EventKind { end, release, touch, handover, tip_leaves, fold, bifurcation };
   struct Event {
     EventKind kind = EventKind::end;
     double tau = infinity;  ///< along the step
@@ -68,12 +70,20 @@ class Tracker {
     Eigen::VectorXd z, tangent, row;
     double tau = 0.0;
     bool turned = false;  ///< the load falls again
-    std::optional<Event> slide{};
+    struct Handover {
+      int contact = -1;
+      bool upward = false;
+    };
+    std::optional<Handover> handover{};  ///< a contact reaches the end of its stretch
   };
 
   std::unique_ptr<Statics> make(const std::vector<PointContact>& contacts);
   /// Newton at fixed load with contacts added and released until nothing is violated.
-  std::optional<Settled> settle(RodState guess, double load);
+  std::optional<Settled> settle(State guess, double load);
+  enum class Repair { needless, made, impossible };
+  /// Changes the contacts of `guess` where the equilibrium found with them violates something.
+  Repair repair(State& guess, Settled& s);
+  Repair repair_penetration(State& guess, Settled& s);
   bool rebuild();  ///< on the basis as it is set now
   bool resolve(double enough);
   bool coarse() const;
@@ -83,6 +93,8 @@ class Tracker {
   /// A contact handed over a knot may have carried the load past the end, which then lies at the knot itself.
   bool go_back_to_end();
   std::optional<Step> try_step(const Eigen::VectorXd& tangent, double length);
+  /// Ends a step where a contact is handed over to the next stretch. False: it could not be located.
+  bool end_at_knot(Step& step, const Eigen::VectorXd& tangent, double length, const Statics::NewtonResult& r);
   std::optional<Eigen::VectorXd> corrected(const Step& step, const Eigen::VectorXd& tangent, double tau);
   /// Every event inside a step; nothing if one was seen but could not be located.
   std::optional<std::vector<Event>> events(const Step& step, const Eigen::VectorXd& tangent);
@@ -93,20 +105,24 @@ class Tracker {
   /// Between the step's beginning and `until` along it the rod passes through an obstacle.
   bool passes_through(const Step& step, const Eigen::VectorXd& tangent, double until);
   bool take(Event& event);
+  bool take_fold(Event& event);
+  bool take_bifurcation(const Event& event);
   bool release(Event& event);
-  bool slide(Event& event);
+  bool pass_knot(Event& event);
   bool leave_tip(Event& event);
+  /// The state below `from` moved along a critical direction to either side; nothing, and why, if none is found.
+  std::optional<Settled> below(SnapKind kind, const Curvature& from, const Curvature& along, double load,
+                               std::string& reason);
   bool snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::VectorXd* direction, double load);
   /// Downhill at a load that may lie `extra` further, then exactly at the load itself.
-  std::optional<Settled> fall(const std::function<double(double)>& curvature, double load, double extra,
-                              double& energy);
+  std::optional<Settled> fall(const Curvature& curvature, double load, double extra, double& energy);
   /// A contact with force has no more than this d_ss: `trouble_` says where.
   bool spreads(double least);
   bool turns_by_spreading();
   /// Two obstacles leave the rod no room: `trouble_` says where.
   bool pinched();
 
-  LoadPath& path_;
+  const LoadPath& path_;
   std::function<bool()> must_stop_;
   Settled now_;
   std::vector<TrackedSnap> snaps_;

@@ -8,12 +8,17 @@
 
 namespace tendril::app {
 
+/// Where a user wants a result.
+struct ResultPlaces {
+  std::optional<std::filesystem::path> output;  ///< directory of result.json and of a figure in all formats
+  std::optional<std::filesystem::path> figure;  ///< file of the figure alone
+  bool json = false;                            ///< on standard output
+};
+
 struct PlanArguments {
   SceneArguments scene;
   std::optional<std::filesystem::path> start;
-  std::optional<std::filesystem::path> output;  ///< a directory
-  std::optional<std::filesystem::path> figure;  ///< a file
-  bool json = false;
+  ResultPlaces places;
   bool verify = false;
   bool strict = false;  ///< a search that time cut short is no success
 };
@@ -23,9 +28,7 @@ struct ExecuteArguments {
   std::string moments;                        ///< a list of numbers in N m or texts with units, between commas
   std::optional<std::filesystem::path> plan;  ///< a result to take the moments from, instead
   std::optional<std::filesystem::path> start;
-  std::optional<std::filesystem::path> output;  ///< a directory
-  std::optional<std::filesystem::path> figure;  ///< a file
-  bool json = false;
+  ResultPlaces places;
 };
 
 /// Each runs one command and returns its exit code: 0 solved, 1 no acceptable plan. What a user can repair is thrown as

@@ -1,0 +1,26 @@
+#include "rod/outline.hpp"
+
+#include <cmath>
+
+namespace tendril {
+
+void outline(const Rod& rod, const std::function<double(double)>& curvature, int steps,
+             std::vector<OutlinePoint>& out) {
+  out.clear();
+  const double h = 1.0 / steps;
+  OutlinePoint p;
+  p.position = rod.base;
+  p.angle = rod.base_angle;
+  for (int i = 0;; ++i) {
+    p.s = i * h;
+    p.tangent = {std::cos(p.angle), std::sin(p.angle)};
+    p.curvature = curvature(p.s);
+    out.push_back(p);
+    if (i == steps) return;
+    const double middle = p.angle + 0.5 * h * curvature(p.s + 0.25 * h);
+    p.position += h * Vec2{std::cos(middle), std::sin(middle)};
+    p.angle += h * curvature(p.s + 0.5 * h);
+  }
+}
+
+}  // namespace tendril

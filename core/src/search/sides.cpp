@@ -1,0 +1,117 @@
+#include "search/sides.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "rod/outline.hpp"
+#include "search/parameters.hpp"
+
+namespace tendril {
+namespace {
+
+bool has_sides(const Task& task, std::size_t o) {
+  const Obstacle& obstacle = *task.obstacles[o];
+  return std::isfinite(obstacle.smallest_radius()) && obstacle.at(task.rod.base).distance < 1.0;
+}
+
+/// Where moments can bend one half of the rod against the other: the knot nearest to its middle; 1 if there is none.
+double knee(const Rod& rod) {
+  double best = 1.0;
+  for (const Rod::Actuator& a : rod.actuators) {
+    if (a.minimum == a.maximum) continue;
+    for (const double s : {a.from, a.to}) {
+      if (s > 0.0 && s < 1.0 && std::abs(s - 0.5) < std::abs(best - 0.5)) best = s;
+    }
+  }
+  return best;
+}
+
+/// What is seen of a shape: its sides, and how near it comes to obstacles.
+struct Seen {
+  Sides sides;
+  std::vector<double> distances;
+};
+
+Seen look_at(const Task& task, const std::vector<OutlinePoint>& line) {
+  Seen seen{Sides(task.obstacles.size(), 0), std::vector<double>(task.obstacles.size(), infinity)};
+  for (std::size_t o = 0; o < task.obstacles.size(); ++o) {
+    if (!has_sides(task, o)) continue;
+    const Obstacle& obstacle = *task.obstacles[o];
+    double least = infinity;
+    double turn = 0.0;
+    for (const OutlinePoint& p : line) {
+      const SurfacePoint surface = obstacle.at(p.position);
+      if (!(surface.distance < least)) continue;
+      least = surface.distance;
+      turn = cross(p.tangent, surface.normal);
+    }
+    seen.distances[o] = least;
+    seen.sides[o] = (turn < 0.0 ? 1 : -1) * (std::abs(turn) > search_parameters().beside ? 1 : 2);
+  }
+  return seen;
+}
+
+double merit_of(const Task& task, const std::vector<OutlinePoint>& line, const Seen& seen) {
+  const OutlinePoint& tip = line.back();
+  double sum = 0.0;
+  if (task.target.has_position) {
+    const Vec2 miss = tip.position - task.target.position;
+    sum += dot(miss, miss);
+  }
+  double bent = 0.0;
+  for (const OutlinePoint& p : line) bent += p.curvature * p.curvature / static_cast<double>(line.size());
+  sum += search_parameters().cost_of_bend * bent;
+  for (const double d : seen.distances) sum += search_parameters().cost_of_depth * std::max(0.0, -d);
+  return sum;
+}
+
+}  // namespace
+
+Sides sides_of(const Task& task, const StartShape& shape) {
+  std::vector<OutlinePoint> line;
+  outline(task.rod, shape.curvature, search_parameters().outline_steps, line);
+  return look_at(task, line).sides;
+}
+
+SideStart start_by_sides(const Task& task, StartShape shape) {
+  std::vector<OutlinePoint> line;
+  outline(task.rod, shape.curvature, search_parameters().outline_steps, line);
+  Seen seen = look_at(task, line);
+  const double merit = merit_of(task, line, seen);
+  return {std::move(shape), std::move(seen.sides), std::move(seen.distances), merit};
+}
+
+std::vector<SideStart> starts_by_sides(const Task& task) {
+  bool any = false;
+  for (std::size_t o = 0; o < task.obstacles.size(); ++o) any = any || has_sides(task, o);
+  if (!any) return {};
+  const SearchParameters& p = search_parameters();
+  const double bend = knee(task.rod);
+  const bool two = bend < 1.0;
+  const int count = two ? p.arcs_of_two : p.arcs_of_one;
+  std::map<Sides, SideStart> best;
+  std::vector<OutlinePoint> line;
+  const auto angle = [&](int i) { return (2.0 * i / (count - 1) - 1.0) * (two ? p.widest_of_two : p.widest_of_one); };
+  for (int i = 0; i < count; ++i) {
+    for (int k = 0; k < (two ? count : 1); ++k) {
+      const double first = two ? angle(i) / bend : angle(i);
+      const double second = two ? angle(k) / (1.0 - bend) : first;
+      const auto curvature = [=](double s) { return s < bend ? first : second; };
+      outline(task.rod, curvature, p.outline_steps, line);
+      Seen seen = look_at(task, line);
+      const double merit = merit_of(task, line, seen);
+      const auto known = best.find(seen.sides);
+      if (known != best.end() && known->second.merit <= merit) continue;
+      Sides sides = seen.sides;
+      best[sides] = {{curvature}, std::move(seen.sides), std::move(seen.distances), merit};
+    }
+  }
+  std::vector<SideStart> all;
+  all.reserve(best.size());
+  for (auto& entry : best) all.push_back(std::move(entry.second));
+  std::stable_sort(all.begin(), all.end(), [](const SideStart& a, const SideStart& b) { return a.merit < b.merit; });
+  return all;
+}
+
+}  // namespace tendril

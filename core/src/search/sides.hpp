@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "search/task.hpp"
+
+namespace tendril {
+
+/// On which side of each obstacle a rod passes: 1, the obstacle lies to its left; -1, to its right; 2 and -2, the rod
+/// ends before it with its tip on that side; 0, it has no sides (a wall), or is out of reach. A rod that runs through
+/// an obstacle passes on the side with less of it.
+using Sides = std::vector<int>;
+
+Sides sides_of(const Task& task, const StartShape& shape);
+
+/// A simple shape to start from.
+struct SideStart {
+  StartShape shape;
+  Sides sides;
+  std::vector<double> distances;  ///< of the shape to each obstacle, units of L; negative: it runs through
+  double merit = 0.0;             ///< how far it is from the target and from being free; less is better
+};
+
+SideStart start_by_sides(const Task& task, StartShape shape);
+
+/// Shapes of one or two arcs, the best one for each choice of sides that such shapes can have, best first. Which side a
+/// rod passes on is a discrete choice: no local method changes it. Empty: no obstacle within reach has sides.
+std::vector<SideStart> starts_by_sides(const Task& task);
+
+}  // namespace tendril

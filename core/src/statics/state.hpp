@@ -1,0 +1,41 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "program/pose_program.hpp"
+
+namespace tendril {
+
+/// Curvature, times L, as a function of the arc length s/L.
+using Curvature = std::function<double(double)>;
+
+/// A contact and where it stands, dimensionless.
+struct PointContact {
+  ContactSetup setup;
+  double s = 1.0;
+  double force = 0.0;
+  bool extended = false;  ///< one of a run that stands for a stretch along which the rod lies
+};
+
+/// A state of the rod, whatever the basis; dimensionless.
+struct State {
+  Curvature curvature;
+  std::vector<PointContact> contacts;
+  double load = 0.0;  ///< fraction of a path of loads
+};
+
+/// The curvature of coordinates on the pieces of a backbone, which it outlives.
+Curvature curvature_of(std::shared_ptr<const CoordinateModel> basis, const Backbone& backbone,
+                       ConstVectorRef coordinates);
+
+/// Sorts contacts along the rod, those at the tip last.
+void sort_contacts(std::vector<PointContact>& contacts);
+
+/// Puts a contact inside the rod at s, `clearance` off the ends of the stretch between fixed knots that s lies in.
+void place_inside(PointContact& contact, double s, const std::vector<double>& knots, double clearance);
+/// Hands a contact over the end of its stretch: `clearance` into the next one, or to the tip. False at the base.
+bool hand_over(PointContact& contact, bool upward, const std::vector<double>& knots, double clearance);
+
+}  // namespace tendril

@@ -1,0 +1,139 @@
+// On which side of an obstacle the rod passes is no matter of the start or of the solver, and a plan that is held at
+// the limit of stability competes with all others.
+
+#include <cmath>
+
+#include "combination/support.hpp"
+
+namespace tendril::search {
+namespace {
+
+using combination::certified;
+using combination::scene;
+using combination::scene_from_text;
+
+constexpr double same = 1e-6;  ///< relative, of objectives
+
+Plan planned(Scene made, const std::string& solver) {
+  made.solver.plugin = solver;
+  return combination::plan(made);
+}
+
+const char* const gap = R"(
+title = "Through a gap"
+[rod]
+length = "200 mm"
+bending_stiffness = "5e-4 N m^2"
+[[rod.actuator]]
+to = "100 mm"
+limit = "20 N mm"
+[[rod.actuator]]
+from = "100 mm"
+limit = "20 N mm"
+[[obstacle]]
+name = "upper"
+shape = "polygon"
+vertices = [["90 mm", "36 mm"], ["110 mm", "36 mm"], ["110 mm", "120 mm"], ["90 mm", "120 mm"]]
+rounding = "1 mm"
+[[obstacle]]
+name = "lower"
+shape = "polygon"
+vertices = [["90 mm", "-120 mm"], ["110 mm", "-120 mm"], ["110 mm", "28 mm"], ["90 mm", "28 mm"]]
+rounding = "1 mm"
+[contact]
+max_force = "2 N"
+[target]
+position = ["175 mm", "20 mm"]
+[[objective]]
+plugin = "tip_pose"
+weight = 100
+[[objective]]
+plugin = "actuation_effort"
+weight = 1e-4
+)";
+
+const char* const pin = R"(
+title = "Tip first into a pin"
+gravity = [0, -9.81]
+[rod]
+length = "100 mm"
+bending_stiffness = "4.9e-4 N m^2"
+linear_density = "40 g/m"
+rest_curvature = "4 1/m"
+[[rod.actuator]]
+limit = "5 N mm"
+[[obstacle]]
+shape = "circle"
+center = ["103 mm", "9 mm"]
+radius = "5 mm"
+[contact]
+count = 2
+[target]
+position = ["97 mm", "9 mm"]
+[[objective]]
+plugin = "tip_pose"
+weight = 100
+[[objective]]
+plugin = "actuation_effort"
+weight = 1e-4
+)";
+
+// The straight start runs through the peg; from bent ones the arm is planned above it.
+TEST(SearchSides, AStartThroughAnObstacleLeadsToTheBestSideWithEverySolver) {
+  for (const std::string& solver : combination::solvers_to_combine()) {
+    SCOPED_TRACE(solver);
+    const Plan bent = planned(scene("brace", {"start.tip_angle=1"}), solver);
+    ASSERT_TRUE(certified(bent));
+    for (const char* angle : {"0", "-1", "2"}) {
+      SCOPED_TRACE(angle);
+      const Plan found = planned(scene("brace", {std::string("start.tip_angle=") + angle}), solver);
+      ASSERT_TRUE(certified(found));
+      EXPECT_NEAR(found.objective, bent.objective, same * std::abs(bent.objective));
+    }
+  }
+}
+
+// From the straight start a local search curls up below the lower wall, at 41.7; through the gap it costs 0.536.
+TEST(SearchSides, AGapIsFoundWithEverySolver) {
+  for (const std::string& solver : combination::solvers_to_combine()) {
+    SCOPED_TRACE(solver);
+    Scene made = scene_from_text(gap);
+    made.solver.time_limit = 120.0;
+    const Plan found = planned(made, solver);
+    ASSERT_TRUE(certified(found));
+    EXPECT_LT(found.objective, 0.55);
+  }
+}
+
+// With contact at the tip the objective falls up to where equilibria end.
+TEST(SearchSides, WhatAllowsMoreCostsNoMore) {
+  for (const std::string& solver : combination::solvers_to_combine()) {
+    SCOPED_TRACE(solver);
+    for (const char* least : {"\"1 mN\"", "\"100 mN\""}) {
+      SCOPED_TRACE(least);
+      const std::vector<std::string> require{"contact.mode=require", std::string("contact.min_force=") + least};
+      const Plan required = planned(scene_from_text(pin, require), solver);
+      const Plan allowed = planned(scene_from_text(pin), solver);
+      const Plan avoided = planned(scene_from_text(pin, {"contact.mode=avoid"}), solver);
+      ASSERT_TRUE(certified(required));
+      ASSERT_TRUE(certified(allowed));
+      ASSERT_TRUE(certified(avoided));
+      EXPECT_LE(allowed.objective, required.objective * (1.0 + same));
+      EXPECT_LE(allowed.objective, avoided.objective * (1.0 + same));
+    }
+  }
+}
+
+// The mirror image of a scene has the mirror image of its plan.
+TEST(SearchSides, AMirroredSceneHasTheMirroredPlan) {
+  const Plan upright = combination::plan(scene("brace", {"start.tip_angle=0"}));
+  const Plan mirrored = combination::plan(
+      scene("brace", {"start.tip_angle=0", "gravity=[0, 9.81]", "target.position=[\"97 mm\", \"-20 mm\"]"}));
+  ASSERT_TRUE(certified(upright));
+  ASSERT_TRUE(certified(mirrored));
+  EXPECT_NEAR(mirrored.objective, upright.objective, same * upright.objective);
+  EXPECT_NEAR(mirrored.tip_y, -upright.tip_y, 1e-9);
+}
+
+}  // namespace
+}  // namespace tendril::search
