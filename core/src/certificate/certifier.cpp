@@ -176,7 +176,7 @@ double Certifier::Data::moment_balance(ConstVectorRef x) {
         const int node = i * n + g;
         Vec2 f = force;
         if (gravity) f += (mass + own * (1.0 - sigma[node])) * loads.gravity;
-        shear[g] = f.y * shape.cosines(j)[node] - f.x * shape.sines(j)[node];
+        shear[g] = cross(shape.tangent(j, node), f);
       }
       coefficients.noalias() = tables->transform() * shear;
       up_to.noalias() = 0.5 * width * h * (tables->cumulative() * coefficients);

@@ -76,13 +76,9 @@ class LoadedRod::Pieces {
   }
   /// n . dP/dq of a point that was placed.
   Eigen::RowVectorXd row(const MovingPoint& point, Vec2 n) const {
-    const int functions = chain().functions();
     Eigen::RowVectorXd out = Eigen::RowVectorXd::Zero(size());
     program_.backbone().row_before(point.piece(), point.position(), n, out.data());
-    Eigen::VectorXd x(functions);
-    Eigen::VectorXd y(functions);
-    point.own_rows(x.data(), y.data());
-    out.segment(static_cast<Eigen::Index>(point.piece()) * functions, functions) = (n.x * x + n.y * y).transpose();
+    point.own_row(n, false, out.data() + point.piece() * chain().functions());
     return out;
   }
   /// dP/ds_k of a point of fixed arc length at frozen coordinates.

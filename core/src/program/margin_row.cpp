@@ -15,13 +15,9 @@ MarginRow::MarginRow(const PoseProgramSpec& spec)
   gradient_.setZero(program_.variable_count());
 }
 
-double MarginRow::value(ConstVectorRef x) {
-  program_.invalidate();
-  return bounded(stability_.margin(program_, x));
-}
+double MarginRow::value(ConstVectorRef x) { return bounded(stability_.margin(program_, x)); }
 
 double MarginRow::differentiate(ConstVectorRef x) {
-  program_.invalidate();
   const double margin = bounded(stability_.margin(program_, x, gradient_));
   learned_.learn(x, gradient_);
   return margin;

@@ -4,220 +4,23 @@
 #include <cmath>
 
 #include "program/pose_program_data.hpp"
-#include "tendril/error.hpp"
 
 namespace tendril {
-namespace {
 
-std::vector<int> knot_stretches(const PoseProgramSpec& spec) {
-  std::vector<int> stretches;
-  if (!spec.split) return stretches;
-  for (const ContactSetup& c : spec.contacts) {
-    if (!c.at_tip) stretches.push_back(c.region);
-  }
-  return stretches;
-}
-
-std::vector<WeightedTerm> weighted_terms(const PoseProgramSpec& spec) {
-  std::vector<WeightedTerm> terms;
-  for (const PoseProgramTerm& t : spec.terms) terms.push_back({t.term, t.weight, t.name});
-  return terms;
-}
-
-int interior_count(const PoseProgramSpec& spec) {
-  return static_cast<int>(
-      std::count_if(spec.contacts.begin(), spec.contacts.end(), [](const ContactSetup& c) { return !c.at_tip; }));
-}
-
-}  // namespace
-
-PoseProgram::Data::Data(PoseProgramSpec s)
-    : spec(std::move(s)),
-      loads{spec.rod->gravity, spec.rod->tip_force, std::vector<double>(spec.obstacles.size(), 0.0)},
-      chain(*spec.rod, *spec.model, knot_stretches(spec), spec.nodes, spec.tables.get()),
-      backbone(chain, spec.rod->base, spec.rod->base_angle),
-      terms(weighted_terms(spec), spec.target, static_cast<int>(spec.contacts.size()),
-            static_cast<int>(spec.rod->actuators.size()), spec.term_units),
-      sums(chain, false),
-      gram_sums(chain, true) {
-  pieces = chain.piece_count();
-  n = chain.functions();
-  nodes = chain.nodes();
-  q_count = chain.coordinate_count();
-  gravity = spec.rod->has_gravity();
-  const int contact_count = static_cast<int>(spec.contacts.size());
-  s_count = interior_count(spec);
-
-  layout.coordinates = q_count;
-  layout.first_moment = q_count;
-  for (const Rod::Actuator& a : spec.rod->actuators) {
-    moment_variable.push_back(a.fixed_at_zero() ? -1 : layout.first_moment + layout.moments++);
-  }
-  layout.first_arc_length = layout.first_moment + layout.moments;
-  layout.arc_lengths = s_count;
-  layout.first_force = layout.first_arc_length + s_count;
-  layout.forces = contact_count;
-  x_count = layout.first_force + contact_count;
-  if (spec.palm && spec.palm->minimum != spec.palm->maximum) layout.palm = x_count++;
-  layout.first_gap = q_count;
-  layout.first_closest = q_count + contact_count;
-  layout.first_check = layout.first_closest + contact_count;
-  layout.checks = static_cast<int>(spec.checks.size());
-  layout.first_order = layout.first_check + layout.checks;
-  for (int k = 0; k + 1 < s_count; ++k) {
-    if (spec.contacts[static_cast<std::size_t>(k)].region == spec.contacts[static_cast<std::size_t>(k) + 1].region) {
-      ++layout.orders;
-    }
-  }
-  layout.first_balance = layout.first_order + layout.orders;
-  layout.balances = spec.palm && spec.palm->balance && contact_count > 0 ? 1 : 0;
-  layout.first_margin = layout.first_balance + layout.balances;
-  layout.margins = spec.least_margin ? 1 : 0;
-  layout.first_convexity = layout.first_margin + layout.margins;
-  layout.convexities = spec.least_convexity ? 2 * s_count : 0;
-  for (int i = 0; i < layout.convexities; ++i) convex.emplace_back(x_count);
-  if (spec.least_margin) margin = std::make_unique<MarginRow>(spec);
-  branches.assign(spec.contacts.size(), Branch::open);
-
-  length_rate.setZero(pieces, s_count);
-  start_rate.setZero(pieces, s_count);
-  if (spec.split && s_count > 0) {
-    length_rate = chain.length_rate();
-    start_rate = chain.start_rate();
-  }
-  mass_rate.setZero(pieces, s_count);
-  for (int j = pieces - 2; j >= 0; --j) {
-    mass_rate.row(j) = mass_rate.row(j + 1) + chain.piece(j + 1).weight * length_rate.row(j + 1);
-  }
-
-  for (int k = 0; k < contact_count; ++k) {
-    const ContactSetup& c = spec.contacts[static_cast<std::size_t>(k)];
-    const bool own_point = !c.at_tip && !spec.split;
-    contact_moving.push_back(own_point ? static_cast<int>(moving.size()) : -1);
-    contact_piece.push_back(c.at_tip ? pieces - 1 : spec.split ? chain.piece_before_knot(k) : c.region);
-    if (own_point) {
-      moving.emplace_back(chain);
-      moving_variable.push_back(k);
-      moving_arc_length.push_back(0.0);
-    }
-  }
-  contacts.resize(spec.contacts.size());
-
-  const std::vector<double> samples = terms.sample_arc_lengths();
-  const std::size_t first_sample = moving.size();
-  for (const double at : samples) {
-    moving.emplace_back(chain);
-    moving_variable.push_back(-1);
-    moving_arc_length.push_back(at);
-  }
-
-  // Base quantities: dense rows first, then variables.
-  int next = 0;
-  const auto point = [&next] {
-    BaseIndex::Point p;
-    p.x = next++;
-    p.y = next++;
-    p.angle = next++;
-    return p;
+PoseProgram::Data::Data(PoseProgramSpec s) : PoseState(std::move(s)) {
+  const auto add = [this](int count, auto make) {
+    if (count > 0) blocks.push_back(make(*this));
   };
-  for (int k = 0; k < contact_count; ++k) index.contacts.push_back({point(), -1, -1});
-  if (terms.reads_tip()) index.tip = point();
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    BaseIndex::Point p = point();
-    p.curvature = next++;
-    index.samples.push_back(p);
-  }
-  if (terms.reads_energy()) index.energy = next++;
-  dense_count = next;
-  for (const int variable : moment_variable) {
-    index.moments.push_back(variable < 0 ? -1 : next);
-    if (variable < 0) continue;
-    unit_variable.push_back(variable);
-    ++next;
-  }
-  for (int k = 0; k < contact_count; ++k) {
-    index.contacts[static_cast<std::size_t>(k)].force = next++;
-    unit_variable.push_back(layout.first_force + k);
-  }
-  for (int k = 0; k < s_count; ++k) {
-    index.contacts[static_cast<std::size_t>(k)].arc_length = next++;
-    unit_variable.push_back(layout.first_arc_length + k);
-  }
-  if (layout.palm >= 0) {
-    index.palm = next++;
-    unit_variable.push_back(layout.palm);
-  } else if (spec.palm) {
-    values.palm = spec.palm->minimum;
-  }
-  index.count = next;
-  terms.bind(index);
-  (void)first_sample;
-
-  values.base.setZero(index.count);
-  values.surfaces.resize(spec.contacts.size());
-  for (const ContactSetup& c : spec.contacts) {
-    values.references.push_back(
-        c.obstacle < 0 ? Vec2{} : spec.obstacles[static_cast<std::size_t>(c.obstacle)]->reference_point());
-  }
-  delta_row = dense_count;
-  rows.setZero(dense_count + 2 * contact_count, x_count);
-  term_gradient.setZero(index.count);
-  term_rest_gradient.setZero(index.count);
-  term_jacobian.setZero(terms.residual_count(), index.count);
-
-  // Check points, grouped by piece and sigma.
-  stations.resize(static_cast<std::size_t>(pieces));
-  for (int row = 0; row < layout.checks; ++row) {
-    const CheckPoint& c = spec.checks[static_cast<std::size_t>(row)];
-    if (c.piece < 0 || c.piece >= pieces || !(c.sigma > 0.0 && c.sigma <= 1.0)) {
-      throw Error("a check point lies outside its piece");
-    }
-    CheckStations& at = stations[static_cast<std::size_t>(c.piece)];
-    const auto found = std::find(at.sigma.begin(), at.sigma.end(), c.sigma);
-    at.station.push_back(static_cast<int>(found - at.sigma.begin()));
-    if (found == at.sigma.end()) at.sigma.push_back(c.sigma);
-    at.rows.push_back(row);
-  }
-  std::vector<double> weights(static_cast<std::size_t>(nodes));
-  for (CheckStations& at : stations) {
-    const auto count = static_cast<Eigen::Index>(at.sigma.size());
-    at.by_node.setZero(count, nodes);
-    at.turned.setZero(2 * n, count);
-    at.chord_x.setZero(count);
-    at.chord_y.setZero(count);
-    at.adjoint_x.setZero(count);
-    at.adjoint_y.setZero(count);
-    for (std::size_t i = 0; i < at.sigma.size(); ++i) {
-      chain.rule().partial_weights(at.sigma[i], weights);
-      for (int g = 0; g < nodes; ++g)
-        at.by_node(static_cast<Eigen::Index>(i), g) = weights[static_cast<std::size_t>(g)];
-    }
-  }
-  check_surface.resize(spec.checks.size());
-  check_point.resize(spec.checks.size());
-
-  mass_beyond.setZero(pieces);
-  force.setZero(2, pieces);
-  force_normal.setZero(nodes, pieces);
-  force_tangent.setZero(nodes, pieces);
-  node_buffer.setZero(nodes);
-  check_buffer.setZero(nodes);
-  vector_buffer.setZero(std::max(q_count, s_count + 1));
-  for (int l = 0; l < s_count; ++l) rate_sums.emplace_back(chain, false);
-  psi.setZero(nodes, pieces);
-  psi_knot.setZero(pieces + 1);
-  virtual_chord.setZero(2, pieces);
-  virtual_turn.setZero(2, pieces + 1);
-  virtual_sum.setZero(2 * n, pieces);
-  base_hessian.setZero(index.count + 2 * contact_count, index.count + 2 * contact_count);
-  base_gradient.setZero(index.count);
-  adjoint.setZero(2, pieces);
-  virtual_adjoint.setZero(2, pieces);
-  row_buffer.setZero(x_count);
-  const int others = s_count + (layout.palm >= 0 ? 1 : 0);
-  check_rows.setZero(q_count + others, layout.checks);
-  scaled_rows.setZero(layout.checks, q_count + others);
-  third.setZero(n);
+  add(layout.coordinates, equilibrium_rows);
+  add(layout.forces, gap_rows);
+  add(layout.forces, closest_point_rows);
+  add(layout.checks, clearance_rows);
+  add(layout.orders, order_rows);
+  add(layout.balances, balance_rows);
+  add(layout.margins, stability_rows);
+  add(layout.convexities, convexity_rows);
+  pushes.on.resize(static_cast<std::size_t>(places.count()));
+  mixed.setZero(layout.coordinates, layout.arc_lengths);
 }
 
 PoseProgram::~PoseProgram() = default;
@@ -225,8 +28,8 @@ PoseProgram::~PoseProgram() = default;
 PoseProgram::PoseProgram(PoseProgramSpec spec) : PoseProgram(std::make_unique<Data>(std::move(spec))) {}
 
 PoseProgram::PoseProgram(std::unique_ptr<Data> data)
-    : NonlinearProgram(data->x_count, data->layout.first_convexity + data->layout.convexities,
-                       data->terms.residual_count()),
+    : NonlinearProgram(data->variables, data->layout.first_convexity + data->layout.convexities,
+                       data->base.terms.residual_count()),
       data_(std::move(data)) {
   const Layout& at = data_->layout;
   const PoseProgramSpec& s = data_->spec;
@@ -261,28 +64,25 @@ PoseProgram::PoseProgram(std::unique_ptr<Data> data)
     lower_[at.palm] = s.palm->minimum;
     upper_[at.palm] = s.palm->maximum;
   }
-  row_lower_.setZero();
-  row_upper_.setZero();
   for (int k = 0; k < at.forces; ++k) set_branch(k, Branch::open);
-  for (int i = 0; i < at.checks; ++i) row_upper_[at.first_check + i] = infinity;
-  for (int i = 0; i < at.orders; ++i) {
-    row_lower_[at.first_order + i] = knot_clearance;
-    row_upper_[at.first_order + i] = infinity;
-  }
-  if (at.margins > 0) {
-    row_lower_[at.first_margin] = *s.least_margin;
-    row_upper_[at.first_margin] = infinity;
+  set_row_bounds();
+}
+
+void PoseProgram::set_row_bounds() {
+  for (const std::unique_ptr<RowBlock>& block : data_->blocks) {
+    block->bounds(row_lower_.segment(block->first(), block->count()),
+                  row_upper_.segment(block->first(), block->count()));
   }
 }
 
 const PoseProgram::Layout& PoseProgram::layout() const { return data_->layout; }
 const PoseProgramSpec& PoseProgram::spec() const { return data_->spec; }
 const Chain& PoseProgram::chain() const { return data_->chain; }
-const Backbone& PoseProgram::backbone() const { return data_->backbone; }
+const Backbone& PoseProgram::backbone() const { return data_->places.backbone(); }
 Vec2 PoseProgram::base_shift() const { return data_->shift; }
 const std::vector<PoseProgram::ContactState>& PoseProgram::contacts() const { return data_->contacts; }
 Branch PoseProgram::branch(int contact) const { return data_->branches[static_cast<std::size_t>(contact)]; }
-double PoseProgram::term_value(int i) const { return data_->terms[static_cast<std::size_t>(i)].value(); }
+double PoseProgram::term_value(int i) const { return data_->base.terms[static_cast<std::size_t>(i)].value(); }
 
 double PoseProgram::palm_distance(ConstVectorRef x) const {
   if (!data_->spec.palm) return 0.0;
@@ -301,45 +101,28 @@ void PoseProgram::set_branch(int contact, Branch branch) {
   const Layout& at = data_->layout;
   const PoseProgramSpec& s = data_->spec;
   data_->branches[static_cast<std::size_t>(contact)] = branch;
-  const bool at_tip = s.contacts[static_cast<std::size_t>(contact)].at_tip;
-  row_upper_[at.first_gap + contact] = branch == Branch::touching ? 0.0 : infinity;
   lower_[at.first_force + contact] = branch == Branch::separated ? 0.0 : s.min_force;
   upper_[at.first_force + contact] = branch == Branch::separated ? 0.0 : s.max_force;
-  // t.n = 0 inside, t.n <= 0 at the tip. Where the tip does not touch, no point needs to be closest.
-  row_lower_[at.first_closest + contact] = at_tip ? -infinity : 0.0;
-  row_upper_[at.first_closest + contact] = at_tip && branch == Branch::separated ? infinity : 0.0;
-  for (int side = 0; side < 2 && contact < at.convexities / 2; ++side) {
-    const int row = at.first_convexity + 2 * contact + side;
-    row_lower_[row] = branch == Branch::touching ? *s.least_convexity : -infinity;
-    row_upper_[row] = infinity;
-  }
+  set_row_bounds();
   invalidate();
 }
 
 void PoseProgram::set_target(const Target& target) {
-  data_->terms.set_target(target);
+  data_->base.terms.set_target(target);
   invalidate();
 }
 
 void PoseProgram::set_loads(const Loads& loads) {
   data_->loads = loads;
-  if (data_->margin) data_->margin->set_loads(loads);
   invalidate();
 }
 
 const Loads& PoseProgram::loads() const { return data_->loads; }
 
 std::string PoseProgram::row_name(int row) const {
-  const Layout& at = data_->layout;
-  const auto numbered = [](const char* name, int i) { return std::string(name) + " row " + std::to_string(i + 1); };
-  if (row < at.coordinates) return numbered("equilibrium", row);
-  if (row < at.first_closest) return numbered("contact_gap", row - at.first_gap);
-  if (row < at.first_check) return numbered("closest_point", row - at.first_closest);
-  if (row < at.first_order) return numbered("non_penetration", row - at.first_check);
-  if (row < at.first_balance) return numbered("contact_order", row - at.first_order);
-  if (row < at.first_margin) return numbered("force_balance", row - at.first_balance);
-  if (row < at.first_convexity) return numbered("stability", row - at.first_margin);
-  return numbered("point_contact", row - at.first_convexity);
+  const auto holds = [row](const auto& block) { return row < block->first() + block->count(); };
+  const RowBlock& block = **std::find_if(data_->blocks.begin(), data_->blocks.end(), holds);
+  return std::string(block.name()) + " row " + std::to_string(row - block.first() + 1);
 }
 
 std::string PoseProgram::variable_name(int variable) const {
@@ -354,61 +137,49 @@ std::string PoseProgram::variable_name(int variable) const {
 
 void PoseProgram::do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out) {
   Data& d = *data_;
-  d.evaluate_shape(x);
-  d.evaluate_forces(x);
-  d.evaluate_rows(x, out.constraints);
-  d.fill_base(x);
-  d.terms.evaluate(d.values, out.cost, out.rest, out.residuals);
-  if (d.margin) {
-    const int row = d.layout.first_margin;
-    out.constraints[row] = derivatives ? d.margin->differentiate(x) : d.margin->value(x);
-    if (derivatives) out.jacobian.row(row) = d.margin->gradient().transpose();
+  d.move(x);
+  if (derivatives) d.differentiate();
+  for (const std::unique_ptr<RowBlock>& block : d.blocks) {
+    block->evaluate(x, derivatives, out.constraints.segment(block->first(), block->count()),
+                    out.jacobian.middleRows(block->first(), block->count()));
   }
-  if (d.layout.convexities > 0 && !derivatives) d.convexity_rows(x, false, out);
-  if (!derivatives) return;
-  d.backbone.sum_normals();
-  d.base_rows();
-  d.mark_palm_column();
-  d.equilibrium_jacobian(x, out.jacobian);
-  d.contact_jacobian(out.jacobian);
-  d.check_jacobian(out.jacobian);
-  d.balance_jacobian(out.jacobian);
-  if (d.layout.convexities > 0) d.convexity_rows(x, true, out);
-  d.terms.differentiate(d.values, d.term_gradient, d.term_rest_gradient, d.term_jacobian);
-  out.gradient.setZero();
-  out.rest_gradient.setZero();
-  out.residual_jacobian.setZero();
-  const auto residuals = static_cast<int>(d.term_jacobian.rows());
-  for (int b = 0; b < d.index.count; ++b) {
-    const double g = d.term_gradient[b];
-    const double rest = d.term_rest_gradient[b];
-    if (b >= d.dense_count) {
-      const int variable = d.unit_variable[static_cast<std::size_t>(b - d.dense_count)];
-      out.gradient[variable] += g;
-      out.rest_gradient[variable] += rest;
-      for (int r = 0; r < residuals; ++r) out.residual_jacobian(r, variable) += d.term_jacobian(r, b);
-      continue;
-    }
-    const double* row = d.rows.row(b).data();
-    if (g != 0.0) {
-      for (int i = 0; i < d.x_count; ++i) out.gradient[i] += g * row[i];
-    }
-    if (rest != 0.0) {
-      for (int i = 0; i < d.x_count; ++i) out.rest_gradient[i] += rest * row[i];
-    }
-    for (int r = 0; r < residuals; ++r) {
-      const double value = d.term_jacobian(r, b);
-      if (value == 0.0) continue;
-      for (int i = 0; i < d.x_count; ++i) out.residual_jacobian(r, i) += value * row[i];
-    }
-  }
+  d.base.terms.evaluate(d.base.values, out.cost, out.rest, out.residuals);
+  if (derivatives) d.base.differentiate_terms(out.gradient, out.rest_gradient, out.residual_jacobian);
 }
 
-void PoseProgram::contact_rows(int contact, VectorRef x, VectorRef y, VectorRef angle) const {
-  const BaseIndex::Point& p = data_->index.contacts[static_cast<std::size_t>(contact)].point;
-  x = data_->rows.row(p.x).head(data_->q_count).transpose();
-  y = data_->rows.row(p.y).head(data_->q_count).transpose();
-  angle = data_->rows.row(p.angle).head(data_->q_count).transpose();
+/// Terms and rows are functions of a few base quantities, whose outer second derivatives are pulled back by rows. What
+/// the quantities bend themselves is first derivatives times second ones of places, and that of the rod alone.
+void PoseProgram::do_hessian(ConstVectorRef /*x*/, double sigma, ConstVectorRef multipliers, Workspace& out) {
+  Data& d = *data_;
+  Eigen::MatrixXd& h = out.hessian;
+  h.setZero();
+  d.base.start_second(sigma);
+  std::fill(d.pushes.on.begin(), d.pushes.on.end(), Push{});
+  for (const std::unique_ptr<RowBlock>& block : d.blocks) {
+    block->add_second(multipliers.segment(block->first(), block->count()), h);
+  }
+  d.base.add_pushes(d.pushes);
+  d.base.pull_back(h);
+  const int q = d.layout.coordinates;
+  const int s = d.layout.arc_lengths;
+  const int first = d.layout.first_arc_length;
+  d.mixed.setZero();
+  const SecondPart by{h.topLeftCorner(q, q), d.mixed, h.block(first, first, s, s)};
+  d.places.second_pull_back(d.pushes, &d.forces, by);
+  d.places.add_energy_second(d.base.energy_slope(), multipliers.data(), by);
+  h.block(0, first, q, s) += d.mixed;
+  h.block(first, 0, s, q) += d.mixed.transpose();
+}
+
+double PoseProgram::contact_convexity(int contact) const {
+  if (data_->spec.contacts[static_cast<std::size_t>(contact)].at_tip) return infinity;
+  return convexity(*data_, contact, convex_side(*data_, contact));
+}
+
+double PoseProgram::contact_convexity(int contact, VectorRef gradient) const {
+  const Places::Side side = convex_side(*data_, contact);
+  convexity_gradient(*data_, contact, side, gradient);
+  return convexity(*data_, contact, side);
 }
 
 }  // namespace tendril

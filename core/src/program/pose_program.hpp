@@ -193,8 +193,6 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   /// Name of the block and number inside it.
   std::string variable_name(int variable) const override;
 
-  /// dP_k/dq of contact k at the point whose derivatives were computed last, and dphi_k/dq: each coordinates() entries.
-  void contact_rows(int contact, VectorRef x, VectorRef y, VectorRef angle) const;
   /// d_ss of contact k (model.md section 7) at the point computed last: the second derivative of its gap along the rod,
   /// on the side with more where the curvature jumps. Infinity at the tip.
   double contact_convexity(int contact) const;
@@ -208,6 +206,7 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
 
  private:
   struct Data;
+  void set_row_bounds();
   explicit PoseProgram(std::unique_ptr<Data> data);
   std::unique_ptr<Data> data_;
 };

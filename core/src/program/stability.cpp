@@ -15,9 +15,6 @@ Stability::Stability(const PoseProgram& program) {
   const Eigen::LLT<Eigen::MatrixXd> llt(chain.table().stiffness);
   inverse_ = llt.matrixU().solve(Eigen::MatrixXd::Identity(n, n));
   const int coordinates = program.layout().coordinates;
-  point_x_.resize(coordinates);
-  point_y_.resize(coordinates);
-  angle_.resize(coordinates);
   turning_.resize(coordinates);
   direction_.resize(coordinates);
   reflection_.resize(coordinates);
@@ -40,10 +37,8 @@ void Stability::second_variation(PoseProgram& program, ConstVectorRef x, Eigen::
     if (program.spec().contacts[static_cast<std::size_t>(k)].at_tip || !(std::abs(c.force) > tolerance::force))
       continue;
     if (ends_hold_ && leans_on_end(program, k)) continue;
-    program.contact_rows(k, point_x_, point_y_, angle_);
-    const Vec2 tau = turned(c.surface.normal);
-    const double along = c.surface.curvature * dot(tau, c.tangent);
-    turning_ = dot(turned(c.tangent), c.surface.normal) * angle_ + along * (tau.x * point_x_ + tau.y * point_y_);
+    // How the closest-point row changes at frozen knots.
+    turning_ = program.jacobian(x).row(program.layout().first_closest + k).head(n);
     h.noalias() += c.force / program.contact_convexity(k) * turning_ * turning_.transpose();
   }
 }
@@ -78,10 +73,7 @@ double Stability::margin(PoseProgram& program, ConstVectorRef x) {
   if (left <= 0) return infinity;
   normals_.resize(n, count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const int k = touching_[static_cast<std::size_t>(i)];
-    const PoseProgram::ContactState& c = program.contacts()[static_cast<std::size_t>(k)];
-    program.contact_rows(k, point_x_, point_y_, angle_);
-    turning_ = c.surface.normal.x * point_x_ + c.surface.normal.y * point_y_;
+    turning_ = program.jacobian(x).row(program.layout().first_gap + touching_[static_cast<std::size_t>(i)]).head(n);
     for (int j = 0; j < chain.piece_count(); ++j) {
       normals_.col(i).segment(j * functions, functions).noalias() =
           root(program, j) * (inverse_.transpose() * turning_.segment(j * functions, functions));

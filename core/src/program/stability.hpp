@@ -43,10 +43,10 @@ class Stability {
   Eigen::MatrixXd inverse_;  ///< U^-1 of the basis' stiffness U^T U
   std::vector<int> touching_;
   Eigen::MatrixXd hessian_, block_, normals_, free_, shifted_;
-  Eigen::VectorXd point_x_, point_y_, angle_, turning_;  ///< derivatives of a contact's place
-  Eigen::VectorXd reflection_;                           ///< of Householder
-  Eigen::VectorXd vector_, next_, direction_;            ///< eigenvector: reduced, and in coordinates
-  Eigen::VectorXd holding_;                              ///< multipliers of the rows that contacts hold
+  Eigen::VectorXd turning_;                    ///< a row of a contact, by the coordinates
+  Eigen::VectorXd reflection_;                 ///< of Householder
+  Eigen::VectorXd vector_, next_, direction_;  ///< eigenvector: reduced, and in coordinates
+  Eigen::VectorXd holding_;                    ///< multipliers of the rows that contacts hold
   Eigen::VectorXd multipliers_, convexity_;
   Eigen::HouseholderQR<Eigen::MatrixXd> qr_;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_;

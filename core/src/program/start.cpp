@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "program/pose_program_data.hpp"
+#include "rod/outline.hpp"
 
 namespace tendril {
 namespace {
@@ -35,26 +36,18 @@ std::vector<double> holding_moments(const Rod& rod, const std::function<double(d
   return moments;
 }
 
-}  // namespace
-
-StartShape constant_curvature(double tip_angle) {
-  StartShape shape;
-  shape.curvature = [tip_angle](double) { return tip_angle; };
-  return shape;
-}
-
 /// The palm distance at which the first contact's part of a shape comes nearest to touching its obstacle, and the rest
-/// overlaps it least. `points`: of the shape at equal steps of arc length, with the base at Rod::base.
-double PoseProgram::Data::start_distance(const StartShape& shape, const std::vector<Vec2>& points, ConstVectorRef lower,
-                                         ConstVectorRef upper) const {
-  const double low = lower[layout.palm];
-  const double high = upper[layout.palm];
+/// overlaps it least. `line`: of the shape, with the base at Rod::base.
+double start_distance(const PoseProgram& program, const StartShape& shape, const std::vector<OutlinePoint>& line) {
+  const PoseProgramSpec& spec = program.spec();
+  const double low = spec.palm->minimum;
+  const double high = spec.palm->maximum;
   if (std::isfinite(shape.palm_distance)) return std::clamp(shape.palm_distance, low, high);
   if (spec.contacts.empty()) return 0.5 * (low + high);
   const Obstacle& obstacle = *spec.obstacles[static_cast<std::size_t>(spec.contacts[0].obstacle)];
   const bool at_tip = spec.contacts[0].at_tip;
-  const double from = at_tip ? 1.0 : lower[layout.first_arc_length];
-  const double to = at_tip ? 1.0 : upper[layout.first_arc_length];
+  const double from = at_tip ? 1.0 : program.lower()[program.layout().first_arc_length];
+  const double to = at_tip ? 1.0 : program.upper()[program.layout().first_arc_length];
   constexpr int candidates = 60;
   double best = infinity;
   double distance = low;
@@ -62,11 +55,10 @@ double PoseProgram::Data::start_distance(const StartShape& shape, const std::vec
     const double trial = low + (high - low) * c / candidates;
     double own = infinity;
     double any = infinity;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const double s = static_cast<double>(i) / static_cast<double>(points.size() - 1);
-      const double gap = obstacle.at(points[i] - trial * spec.palm->axis).distance;
+    for (const OutlinePoint& p : line) {
+      const double gap = obstacle.at(p.position - trial * spec.palm->axis).distance;
       any = std::min(any, gap);
-      if (s >= from && s <= to) own = std::min(own, gap);
+      if (p.s >= from && p.s <= to) own = std::min(own, gap);
     }
     const double defect = std::abs(own) + std::max(0.0, -any);
     if (!(defect < best)) continue;
@@ -74,6 +66,14 @@ double PoseProgram::Data::start_distance(const StartShape& shape, const std::vec
     distance = trial;
   }
   return distance;
+}
+
+}  // namespace
+
+StartShape constant_curvature(double tip_angle) {
+  StartShape shape;
+  shape.curvature = [tip_angle](double) { return tip_angle; };
+  return shape;
 }
 
 Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
@@ -87,20 +87,13 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
     if (d.moment_variable[a] >= 0) x[d.moment_variable[a]] = moments[a];
   }
 
-  // Contacts start where the shape, integrated by midpoints, comes nearest to their obstacles.
-  constexpr int steps = 400;
-  std::vector<Vec2> points{d.spec.rod->base};
-  double angle = d.spec.rod->base_angle;
-  for (int i = 0; i < steps; ++i) {
-    const double h = 1.0 / steps;
-    const double middle = angle + 0.5 * h * shape.curvature((i + 0.25) * h);
-    points.push_back(points.back() + h * Vec2{std::cos(middle), std::sin(middle)});
-    angle += h * shape.curvature((i + 0.5) * h);
-  }
+  // Contacts start where the shape comes nearest to their obstacles.
+  std::vector<OutlinePoint> line;
+  outline(*d.spec.rod, shape.curvature, 400, line);
   if (d.spec.palm) {
-    const double distance = at.palm < 0 ? d.spec.palm->minimum : d.start_distance(shape, points, lower(), upper());
+    const double distance = at.palm < 0 ? d.spec.palm->minimum : start_distance(*this, shape, line);
     if (at.palm >= 0) x[at.palm] = distance;
-    for (Vec2& p : points) p += -distance * d.spec.palm->axis;
+    for (OutlinePoint& p : line) p.position += -distance * d.spec.palm->axis;
   }
   for (int k = 0; k < at.arc_lengths; ++k) {
     const int variable = at.first_arc_length + k;
@@ -113,13 +106,12 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
     }
     const Obstacle& obstacle = *d.spec.obstacles[static_cast<std::size_t>(d.spec.contacts[index].obstacle)];
     double nearest = infinity;
-    for (int i = 0; i <= steps; ++i) {
-      const double s = static_cast<double>(i) / steps;
-      if (s < low || s > high) continue;
-      const double distance = obstacle.at(points[static_cast<std::size_t>(i)]).distance;
+    for (const OutlinePoint& p : line) {
+      if (p.s < low || p.s > high) continue;
+      const double distance = obstacle.at(p.position).distance;
       if (distance >= nearest) continue;
       nearest = distance;
-      x[variable] = s;
+      x[variable] = p.s;
     }
     // A start in the middle of what is allowed leaves room to slide; the ends leave pieces without length.
     const double margin = 0.05 * (high - low);
@@ -140,7 +132,7 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
 
   const std::span<const double> knots(x.data() + at.first_arc_length,
                                       d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
-  x.head(d.q_count) = d.chain.coordinates_of(shape.curvature, knots);
+  x.head(at.coordinates) = d.chain.coordinates_of(shape.curvature, knots);
   return x;
 }
 
@@ -152,24 +144,24 @@ StartShape PoseProgram::shape_of(ConstVectorRef x) const {
   static constexpr int samples = 500;
   std::vector<double> curvature(samples + 1);
   std::vector<double> sigma;
-  Eigen::MatrixXd value(samples + 1, d.n);
-  Eigen::MatrixXd first(samples + 1, d.n);
-  Eigen::MatrixXd second(samples + 1, d.n);
+  Eigen::MatrixXd value(samples + 1, d.chain.functions());
+  Eigen::MatrixXd first(samples + 1, d.chain.functions());
+  Eigen::MatrixXd second(samples + 1, d.chain.functions());
   std::size_t done = 0;
-  for (int j = 0; j < d.pieces; ++j) {
+  for (int j = 0; j < d.chain.piece_count(); ++j) {
     const double from = d.chain.start(j, knots);
     const double length = d.chain.length(j, knots);
     sigma.clear();
     for (std::size_t i = done; i < curvature.size(); ++i) {
       const double inside = ((static_cast<double>(i) + 0.5) / (samples + 1.0) - from) / length;
-      if (inside > 1.0 && j + 1 < d.pieces) break;
+      if (inside > 1.0 && j + 1 < d.chain.piece_count()) break;
       sigma.push_back(std::clamp(inside, 0.0, 1.0));
     }
     const auto count = static_cast<Eigen::Index>(sigma.size());
     if (count == 0) continue;
     d.chain.model().evaluate(sigma, value.topRows(count), first.topRows(count), second.topRows(count));
     Eigen::Map<Eigen::VectorXd>(curvature.data() + done, count) =
-        first.topRows(count) * x.segment(j * d.n, d.n) / length;
+        first.topRows(count) * x.segment(j * d.chain.functions(), d.chain.functions()) / length;
     done += sigma.size();
   }
   StartShape shape;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "rod/kernels.hpp"
+#include "rod/moving_point.hpp"
 
 namespace tendril {
 
@@ -36,50 +37,48 @@ void PieceSums::add_gram_point(int j, double weight, const double* beta) {
   }
 }
 
+Integrals::Integrals(const Chain& chain) {
+  knot.setZero(2, chain.piece_count() + 1);
+  chord.setZero(2, chain.piece_count());
+  sum.setZero(2 * chain.functions(), chain.piece_count());
+}
+
+void Integrals::row_before(int last, Vec2 value, Vec2 n, const Eigen::VectorXd& end, double* row) const {
+  const auto functions = static_cast<int>(end.size());
+  for (int i = 0; i < last; ++i) {
+    const double arm = n.x * (knot(1, i + 1) - value.y) + n.y * (value.x - knot(0, i + 1));
+    const double* x = sum.col(i).data();
+    const double* y = x + functions;
+    for (int k = 0; k < functions; ++k) row[i * functions + k] = n.x * x[k] + n.y * y[k] + arm * end[k];
+  }
+}
+
 Backbone::Backbone(const Chain& chain, Vec2 base, double base_angle)
-    : chain_(&chain), base_(base), base_angle_(base_angle) {
+    : chain_(&chain), base_(base), base_angle_(base_angle), tangent_(chain) {
   const int pieces = chain.piece_count();
   const int nodes = chain.nodes();
   q_.setZero(chain.coordinate_count());
   length_.setZero(pieces);
   start_.setZero(pieces);
   knot_angle_.setZero(pieces + 1);
-  knot_x_.setZero(pieces + 1);
-  knot_y_.setZero(pieces + 1);
-  chord_x_.setZero(pieces);
-  chord_y_.setZero(pieces);
   angle_.setZero(nodes, pieces);
   cosine_.setZero(nodes, pieces);
   sine_.setZero(nodes, pieces);
-  normal_.setZero(2 * chain.functions(), pieces);
-  gram_buffer_.setZero(nodes);
+  node_buffer_.setZero(nodes);
   turned_.setZero(2 * chain.functions() * nodes, pieces);
 }
 
 void Backbone::move(ConstVectorRef q, std::span<const double> knots) {
   q_ = q;
-  const BasisTable& table = chain_->table();
-  const int pieces = chain_->piece_count();
-  const int nodes = table.nodes;
-  const int n = table.functions;
-  const double* weight = table.weight.data();
+  const int nodes = chain_->nodes();
+  const double* weight = chain_->table().weight.data();
   knot_angle_[0] = base_angle_;
-  knot_x_[0] = base_.x;
-  knot_y_[0] = base_.y;
-  for (int j = 0; j < pieces; ++j) {
+  along(q_.data(), angle_, knot_angle_);
+  tangent_.knot.col(0) << base_.x, base_.y;
+  for (int j = 0; j < chain_->piece_count(); ++j) {
     length_[j] = chain_->length(j, knots);
     start_[j] = chain_->start(j, knots);
-    const double* qj = q_.data() + j * n;
-    double* angle = angle_.col(j).data();
-    double end = knot_angle_[j];
-    std::fill_n(angle, nodes, end);
-    for (int i = 0; i < n; ++i) {
-      const double* beta = table.by_function.col(i).data();
-      const double qi = qj[i];
-      for (int g = 0; g < nodes; ++g) angle[g] += qi * beta[g];
-      end += qi * table.end[i];
-    }
-    knot_angle_[j + 1] = end;
+    const double* angle = angle_.col(j).data();
     double* c = cosine_.col(j).data();
     double* s = sine_.col(j).data();
     double sum_c = 0.0;
@@ -94,41 +93,17 @@ void Backbone::move(ConstVectorRef q, std::span<const double> knots) {
       sum_c += weight[g] * cosine;
       sum_s += weight[g] * sine;
     }
-    chord_x_[j] = sum_c;
-    chord_y_[j] = sum_s;
-    knot_x_[j + 1] = knot_x_[j] + length_[j] * sum_c;
-    knot_y_[j + 1] = knot_y_[j] + length_[j] * sum_s;
+    tangent_.chord.col(j) << sum_c, sum_s;
+    tangent_.knot.col(j + 1) = tangent_.knot.col(j) + length_[j] * tangent_.chord.col(j);
   }
 }
 
+Vec2 Backbone::knot_tangent(int j) const { return {std::cos(knot_angle_[j]), std::sin(knot_angle_[j])}; }
+
 Backbone::Point Backbone::at(int j, double sigma) const {
-  const int n = chain_->functions();
-  std::vector<double> breaks{0.0};
-  for (const double b : chain_->model().breaks()) {
-    if (b < sigma) breaks.push_back(b);
-  }
-  breaks.push_back(sigma);
-  const Quadrature local(chain_->rule().nodes_per_interval());
-  const Eigen::Map<const Eigen::VectorXd> q(coordinates(j), n);
-  const int m = local.size();
-  Eigen::MatrixXd value(m, n);
-  Eigen::MatrixXd first(m, n);
-  Eigen::MatrixXd second(m, n);
-  Point p;
-  p.position = knot_point(j);
-  for (std::size_t b = 0; b + 1 < breaks.size(); ++b) {
-    const double width = breaks[b + 1] - breaks[b];
-    const Eigen::VectorXd nodes = (breaks[b] + width * local.nodes().array()).matrix();
-    chain_->model().evaluate({nodes.data(), static_cast<std::size_t>(m)}, value, first, second);
-    const Eigen::ArrayXd angle = (value * q).array() + knot_angle_[j];
-    p.position.x += length_[j] * width * (local.weights().array() * angle.cos()).sum();
-    p.position.y += length_[j] * width * (local.weights().array() * angle.sin()).sum();
-  }
-  const double at_sigma[1] = {sigma};
-  chain_->model().evaluate(at_sigma, value.topRows(1), first.topRows(1), second.topRows(1));
-  p.angle = knot_angle_[j] + value.row(0).dot(q);
-  p.curvature = first.row(0).dot(q) / length_[j];
-  return p;
+  MovingPoint point(*chain_);
+  point.move_to(*this, j, sigma);
+  return {point.position(), point.angle(), point.curvature()};
 }
 
 Backbone::Point Backbone::at(double s) const {
@@ -142,17 +117,19 @@ void Backbone::sum_normals() {
   const int nodes = table.nodes;
   const int n = table.functions;
   for (int j = 0; j < chain_->piece_count(); ++j) {
-    const double* c = cosines(j);
-    const double* s = sines(j);
-    const double* beta = table.by_node.data();
-    double* turned_beta = turned_.col(j).data();
+    const double* c = cosine_.col(j).data();
+    const double* s = sine_.col(j).data();
+    const double* __restrict beta = table.by_node.data();
+    double* __restrict turned_beta = turned_.col(j).data();
     for (int g = 0; g < nodes; ++g, beta += n, turned_beta += 2 * n) {
       const double x = -s[g];
       const double y = c[g];
-      for (int i = 0; i < n; ++i) turned_beta[i] = x * beta[i];
-      for (int i = 0; i < n; ++i) turned_beta[n + i] = y * beta[i];
+      for (int i = 0; i < n; ++i) {
+        turned_beta[i] = x * beta[i];
+        turned_beta[n + i] = y * beta[i];
+      }
     }
-    double* sum = normal_.col(j).data();
+    double* sum = tangent_.sum.col(j).data();
     std::fill_n(sum, 2 * n, 0.0);
     kernels::add_weighted_columns(2 * n, 2 * n, nodes, turned_.col(j).data(), table.weight.data(), 1, sum);
     for (int i = 0; i < 2 * n; ++i) sum[i] *= length_[j];
@@ -164,31 +141,38 @@ void Backbone::add_turned(int j, const double* z, int stride, double* out) const
   kernels::add_weighted_columns(rows, rows, chain_->nodes(), turned_.col(j).data(), z, stride, out);
 }
 
-void Backbone::point_rows(int j, double* row_x, double* row_y) const {
-  const int n = chain_->functions();
-  const double* end = chain_->table().end.data();
-  const double px = knot_x_[j + 1];
-  const double py = knot_y_[j + 1];
-  for (int i = 0; i <= j; ++i) {
-    const double turned_x = knot_y_[i + 1] - py;
-    const double turned_y = px - knot_x_[i + 1];
-    const double* sx = normal_sum_x(i);
-    const double* sy = normal_sum_y(i);
-    for (int k = 0; k < n; ++k) {
-      row_x[i * n + k] = sx[k] + turned_x * end[k];
-      row_y[i * n + k] = sy[k] + turned_y * end[k];
-    }
-  }
+void Backbone::add_tangents(int j, int rows, const double* columns, double* x, double* y) const {
+  kernels::add_weighted_columns(rows, rows, chain_->nodes(), columns, cosine_.col(j).data(), 1, x);
+  kernels::add_weighted_columns(rows, rows, chain_->nodes(), columns, sine_.col(j).data(), 1, y);
 }
 
-void Backbone::row_before(int j, Vec2 point, Vec2 n, double* row) const {
-  const int functions = chain_->functions();
-  const double* end = chain_->table().end.data();
-  for (int i = 0; i < j; ++i) {
-    const double arm = n.x * (knot_y_[i + 1] - point.y) + n.y * (point.x - knot_x_[i + 1]);
-    const double* sx = normal_sum_x(i);
-    const double* sy = normal_sum_y(i);
-    for (int k = 0; k < functions; ++k) row[i * functions + k] = n.x * sx[k] + n.y * sy[k] + arm * end[k];
+void Backbone::turn(const Eigen::MatrixXd& psi, Integrals& out) const {
+  const BasisTable& table = chain_->table();
+  const int n = table.functions;
+  out.knot.col(0).setZero();
+  for (int j = 0; j < chain_->piece_count(); ++j) {
+    const double* c = cosine_.col(j).data();
+    const double* s = sine_.col(j).data();
+    double* z = node_buffer_.data();
+    double x = 0.0;
+    double y = 0.0;
+    for (int g = 0; g < table.nodes; ++g) {
+      const double w = table.weight[g] * psi(g, j);
+      x -= w * s[g];
+      y += w * c[g];
+      z[g] = length_[j] * w;
+    }
+    out.chord.col(j) << x, y;
+    out.knot.col(j + 1) = out.knot.col(j) + length_[j] * out.chord.col(j);
+    double* sum = out.sum.col(j).data();
+    std::fill_n(sum, 2 * n, 0.0);
+    add_turned(j, z, 1, sum);
+    // N turned once more is -t.
+    for (int i = 0; i < n; ++i) {
+      const double across = sum[i];
+      sum[i] = -sum[n + i];
+      sum[n + i] = across;
+    }
   }
 }
 
@@ -213,7 +197,7 @@ void Backbone::add_gram_nodes(PieceSums& sums, int j, const double* weights) con
   }
   // Larger bases: row i of the packed triangle is a sum of columns weighted by W beta_i.
   const int n = table.functions;
-  double* weighted = gram_buffer_.data();
+  double* weighted = node_buffer_.data();
   for (int i = 0; i < n; ++i) {
     const double* beta = table.by_function.col(i).data();
     for (int g = 0; g < table.nodes; ++g) weighted[g] = weights[g] * beta[g];
@@ -265,17 +249,12 @@ void Backbone::spread_gram(const PieceSums& sums, MatrixRef out) const {
 void Backbone::along(const double* direction, MatrixRef node_values, VectorRef knot_values) const {
   const BasisTable& table = chain_->table();
   const int n = table.functions;
-  knot_values[0] = 0.0;
   for (int j = 0; j < chain_->piece_count(); ++j) {
     double end = knot_values[j];
     double* out = node_values.col(j).data();
     std::fill_n(out, table.nodes, end);
-    for (int i = 0; i < n; ++i) {
-      const double d = direction[j * n + i];
-      const double* beta = table.by_function.col(i).data();
-      for (int g = 0; g < table.nodes; ++g) out[g] += d * beta[g];
-      end += d * table.end[i];
-    }
+    kernels::add_weighted_columns(table.nodes, table.nodes, n, table.by_function.data(), direction + j * n, 1, out);
+    for (int i = 0; i < n; ++i) end += direction[j * n + i] * table.end[i];
     knot_values[j + 1] = end;
   }
 }

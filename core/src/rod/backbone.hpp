@@ -25,6 +25,20 @@ struct PieceSums {
   void add_gram_point(int j, double weight, const double* beta);
 };
 
+/// A vector field along the rod, integrated from the base on: its tangent, or virtual displacements per length.
+struct Integrals {
+  Eigen::Matrix2Xd knot;   ///< pieces + 1: up to the start of every piece, and to the tip
+  Eigen::Matrix2Xd chord;  ///< pieces: over a piece, by dsigma
+  Eigen::MatrixXd sum;     ///< 2 functions x pieces: h int turned(field) beta dsigma, first all x
+
+  explicit Integrals(const Chain& chain);  ///< All zero.
+  Vec2 knot_of(int j) const { return {knot(0, j), knot(1, j)}; }
+  Vec2 chord_of(int j) const { return {chord(0, j), chord(1, j)}; }
+  /// n . (derivative by the coordinates of the integral up to a point where it is `value`), for pieces before `last`;
+  /// `end` is beta(1). A piece turns all behind it:  sum_i + turned(value - knot_(i+1)) beta(1)^T.
+  void row_before(int last, Vec2 value, Vec2 n, const Eigen::VectorXd& end, double* row) const;
+};
+
 /// The shape of a chain at given coordinates: angles, positions and their derivatives. Every sine and cosine is
 /// computed once per move(). Nothing allocates after construction.
 class TENDRIL_API Backbone {
@@ -51,17 +65,17 @@ class TENDRIL_API Backbone {
   /// Angle and position at the start of piece j; j = piece_count(): the tip.
   double knot_angle(int j) const { return knot_angle_[j]; }
   /// Position at the start of piece j; j = piece_count(): the tip.
-  Vec2 knot_point(int j) const { return {knot_x_[j], knot_y_[j]}; }
+  Vec2 knot_point(int j) const { return tangent_.knot_of(j); }
+  /// Unit tangent there.
+  Vec2 knot_tangent(int j) const;
   /// Position of the tip, units of L.
   Vec2 tip() const { return knot_point(chain_->piece_count()); }
   /// Angle of the tip, rad.
   double tip_angle() const { return knot_angle_[chain_->piece_count()]; }
   /// int_0^1 t dsigma over piece j.
-  Vec2 chord(int j) const { return {chord_x_[j], chord_y_[j]}; }
-  /// Cosine of the angle at the nodes of piece j: chain().nodes() entries.
-  const double* cosines(int j) const { return cosine_.col(j).data(); }
-  /// Sine of the angle at the nodes of piece j: chain().nodes() entries.
-  const double* sines(int j) const { return sine_.col(j).data(); }
+  Vec2 chord(int j) const { return tangent_.chord_of(j); }
+  /// Unit tangent at node g of piece j.
+  Vec2 tangent(int j, int g) const { return {cosine_(g, j), sine_(g, j)}; }
   /// Coordinates of piece j: chain().functions() entries.
   const double* coordinates(int j) const { return q_.data() + j * chain_->functions(); }
 
@@ -75,19 +89,20 @@ class TENDRIL_API Backbone {
   /// The same at sigma of piece j.
   Point at(int j, double sigma) const;
 
-  /// Computes S_j = h_j int N beta dsigma for every piece (needed by the rows below).
+  /// Computes h_j int N beta dsigma for every piece (needed by rows).
   void sum_normals();
-  /// dP/dq of the point at the end of piece j, where dP/dq_i = S_i + turned(P - P_(i+1)) beta(1)^T for pieces i <= j.
-  void point_rows(int j, double* row_x, double* row_y) const;
-  /// The same for n . dP/dq of a point P in or at the end of piece j, pieces i < j only (the own block is the
-  /// caller's).
-  void row_before(int j, Vec2 point, Vec2 n, double* row) const;
-  /// x of S_j: chain().functions() entries; needs sum_normals().
-  const double* normal_sum_x(int j) const { return normal_.col(j).data(); }
-  /// y of S_j: chain().functions() entries; needs sum_normals().
-  const double* normal_sum_y(int j) const { return normal_.col(j).data() + chain_->functions(); }
+  /// The tangent's integrals.
+  const Integrals& integrals() const { return tangent_; }
+  /// n . dP/dq of a point P in piece j, pieces i < j only (the own block is the caller's); needs sum_normals().
+  void row_before(int j, Vec2 point, Vec2 n, double* row) const {
+    tangent_.row_before(j, point, n, chain_->table().end, row);
+  }
   /// out[0..2n) += sum_g z[g * stride] (N_x beta, N_y beta)_g over the nodes of piece j; needs sum_normals().
   void add_turned(int j, const double* z, int stride, double* out) const;
+  /// x and y [0..rows) += sum_g columns(:, g) t_g over the nodes of piece j.
+  void add_tangents(int j, int rows, const double* columns, double* x, double* y) const;
+  /// The integrals of N psi, psi at the nodes (nodes x pieces); needs sum_normals().
+  void turn(const Eigen::MatrixXd& psi, Integrals& out) const;
 
   /// sums.vector.col(j) += sum_g z_g beta_g and sums.scalar[j] += sum_g z_g over the nodes of piece j.
   void add_nodes(PieceSums& sums, int j, const double* z) const;
@@ -99,21 +114,23 @@ class TENDRIL_API Backbone {
   /// out(0..n, 0..n) += B^T diag(W) B, both triangles.
   void spread_gram(const PieceSums& sums, MatrixRef out) const;
 
-  /// Node values psi = B direction (nodes x pieces) and psi at the start of every piece (pieces + 1).
+  /// Node values psi = B direction (nodes x pieces) and psi at the start of every piece (pieces + 1), the first of
+  /// which is given.
   void along(const double* direction, MatrixRef node_values, VectorRef knot_values) const;
 
  private:
+  friend class Curve;
+  friend class Places;
   const Chain* chain_;
   Vec2 base_;
   double base_angle_;
   Eigen::VectorXd q_;
   Eigen::VectorXd length_, start_;
-  Eigen::VectorXd knot_angle_, knot_x_, knot_y_;
-  Eigen::VectorXd chord_x_, chord_y_;
+  Eigen::VectorXd knot_angle_;
+  Integrals tangent_;
   Eigen::MatrixXd angle_, cosine_, sine_;  // nodes x pieces
   Eigen::MatrixXd turned_;                 // (2 functions x nodes) x pieces: N beta at every node
-  mutable Eigen::VectorXd gram_buffer_;    // nodes
-  Eigen::MatrixXd normal_;                 // 2 functions x pieces: S_j
+  mutable Eigen::VectorXd node_buffer_;    // nodes
 };
 
 }  // namespace tendril

@@ -16,7 +16,7 @@ constexpr int largest_tabulated_basis = 12;
 
 std::span<const double> span_of(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
-BasisTable make_table(const CoordinateModel& model, const Quadrature& rule) {
+BasisTable make_table(const CoordinateModel& model, const Quadrature& rule, const Eigen::MatrixXd& transform) {
   BasisTable t;
   t.functions = model.function_count();
   if (t.functions < 1) throw Error("a coordinate model needs at least one function");
@@ -29,6 +29,9 @@ BasisTable make_table(const CoordinateModel& model, const Quadrature& rule) {
   model.evaluate(span_of(t.sigma), t.by_function, first, second);
   t.by_node = t.by_function.transpose();
   t.stiffness = first.transpose() * t.weight.asDiagonal() * first;
+  for (int from = 0; from < t.nodes; from += rule.nodes_per_interval()) {
+    t.bend_series.emplace_back((transform * second.middleRows(from, rule.nodes_per_interval())).transpose());
+  }
 
   const double ends[2] = {0.0, 1.0};
   Eigen::MatrixXd value(2, t.functions);
@@ -75,7 +78,9 @@ int suggested_nodes(int functions, double angle) {
 }
 
 ChainTables::ChainTables(const CoordinateModel& model, int nodes)
-    : rule(nodes, model.breaks()), basis(make_table(model, rule)), curve(std::make_shared<CurveTables>(rule)) {}
+    : rule(nodes, model.breaks()),
+      curve(std::make_shared<CurveTables>(rule)),
+      basis(make_table(model, rule, curve->transform())) {}
 
 std::shared_ptr<const ChainTables> TableStore::of(const CoordinateModel& model, int nodes) {
   for (const Entry& entry : entries_) {
@@ -153,7 +158,11 @@ Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> 
     start_rate_.row(j) = start_rates[static_cast<std::size_t>(j)];
     length_rate_.row(j) = length_rates[static_cast<std::size_t>(j)];
   }
+  find_spans(rod);
+}
 
+void Chain::find_spans(const Rod& rod) {
+  const int count = piece_count();
   spans_.setZero(static_cast<Eigen::Index>(rod.actuators.size()), count);
   for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
     for (int j = 0; j < count; ++j) {

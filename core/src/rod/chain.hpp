@@ -26,6 +26,8 @@ struct BasisTable {
   Eigen::VectorXd slope_end;    ///< beta'(1)
   Eigen::MatrixXd stiffness;    ///< int beta_i' beta_k' dsigma
   Eigen::VectorXd slope_bound;  ///< max over [0,1] of |beta_i'|, sampled densely and inflated
+  /// Per smooth interval: functions x Legendre coefficients of beta''.
+  std::vector<Eigen::MatrixXd> bend_series;
 };
 
 class CurveTables;
@@ -35,8 +37,8 @@ struct ChainTables {
   /// The rule has `nodes` points on each smooth interval of `model`.
   ChainTables(const CoordinateModel& model, int nodes);
   Quadrature rule;                           ///< cut at the model's breaks
-  BasisTable basis;                          ///< at the nodes of `rule`
   std::shared_ptr<const CurveTables> curve;  ///< for the same rule
+  BasisTable basis;                          ///< at the nodes of `rule`, made with the former
 };
 
 /// Makes the tables of each model and number of nodes once: the many small programs of a plan share them. Models must
@@ -128,6 +130,8 @@ class TENDRIL_API Chain {
   int piece_at(double s, std::span<const double> knots) const;
 
  private:
+  void find_spans(const Rod& rod);
+
   const CoordinateModel* model_;
   std::shared_ptr<const ChainTables> tables_;
   std::vector<double> fixed_knots_;

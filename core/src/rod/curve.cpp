@@ -50,8 +50,8 @@ void Curve::follow(const Backbone& backbone) {
     Vec2 at = backbone.knot_point(j);
     for (int i = 0; i < intervals; ++i) {
       const int column = j * intervals + i;
-      const Eigen::Map<const Eigen::VectorXd> c(backbone.cosines(j) + i * n, n);
-      const Eigen::Map<const Eigen::VectorXd> s(backbone.sines(j) + i * n, n);
+      const Eigen::Map<const Eigen::VectorXd> c(backbone.cosine_.col(j).data() + i * n, n);
+      const Eigen::Map<const Eigen::VectorXd> s(backbone.sine_.col(j).data() + i * n, n);
       series_x_.col(column).noalias() = tables_->transform() * c;
       series_y_.col(column).noalias() = tables_->transform() * s;
       interval_start_[static_cast<std::size_t>(column)] = at;

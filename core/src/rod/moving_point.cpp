@@ -11,38 +11,20 @@ MovingPoint::MovingPoint(const Chain& chain) : chain_(&chain), breaks_(chain.mod
   local_weights_ = local.weights();
   const auto most = static_cast<Eigen::Index>(breaks_.size() + 1) * local.size() + 1;
   const int n = chain.functions();
-  for (Eigen::VectorXd* v : {&weight_, &sigma_nodes_, &cosine_, &sine_}) v->setZero(most);
+  for (Eigen::VectorXd* v : {&weight_, &sigma_nodes_, &cosine_, &sine_, &psi_}) v->setZero(most);
   for (Eigen::VectorXd* v : {&beta_, &beta1_, &beta2_}) v->setZero(n);
   for (Eigen::MatrixXd* m : {&value_, &first_, &second_}) m->setZero(most, n);
   by_node_.setZero(n, most);
-
-  // Legendre coefficients of beta'' on each smooth interval, by the rule that the chain uses there.
-  const int per_interval = chain.rule().nodes_per_interval();
-  Eigen::MatrixXd value(chain.nodes(), n);
-  Eigen::MatrixXd first(chain.nodes(), n);
-  Eigen::MatrixXd second(chain.nodes(), n);
-  const Eigen::VectorXd& sigma = chain.table().sigma;
-  chain.model().evaluate({sigma.data(), static_cast<std::size_t>(sigma.size())}, value, first, second);
-  Eigen::MatrixXd legendre(per_interval, per_interval);
-  for (int g = 0; g < per_interval; ++g) {
-    legendre_polynomials(2.0 * local_nodes_[g] - 1.0, {legendre.col(g).data(), static_cast<std::size_t>(per_interval)});
-  }
-  for (std::size_t b = 0; b <= breaks_.size(); ++b) {
-    Eigen::MatrixXd c = Eigen::MatrixXd::Zero(n, per_interval);
-    for (int k = 0; k < per_interval; ++k) {
-      for (int g = 0; g < per_interval; ++g) {
-        const Eigen::Index node = static_cast<Eigen::Index>(b) * per_interval + g;
-        c.col(k) += (2.0 * k + 1.0) * local_weights_[g] * legendre(k, g) * second.row(node).transpose();
-      }
-    }
-    bend_coefficients_.push_back(std::move(c));
-  }
 }
 
 void MovingPoint::move(const Backbone& backbone, int j, double s) {
+  move_to(backbone, j, std::clamp((s - backbone.start(j)) / backbone.length(j), 0.0, 1.0));
+}
+
+void MovingPoint::move_to(const Backbone& backbone, int j, double sigma) {
   piece_ = j;
   length_ = backbone.length(j);
-  sigma_ = std::clamp((s - backbone.start(j)) / length_, 0.0, 1.0);
+  sigma_ = sigma;
   const int n = chain_->functions();
   const auto local = static_cast<int>(local_nodes_.size());
   node_count_ = 0;
@@ -92,7 +74,7 @@ void MovingPoint::third_derivative(double* third) const {
   const double from = interval == 0 ? 0.0 : breaks_[interval - 1];
   const double to = interval < breaks_.size() ? breaks_[interval] : 1.0;
   const double z = 2.0 * (sigma_ - from) / (to - from) - 1.0;
-  const Eigen::MatrixXd& c = bend_coefficients_[interval];
+  const Eigen::MatrixXd& c = chain_->table().bend_series[interval];
   std::fill_n(third, c.rows(), 0.0);
   // P'_k = P'_(k-2) + (2k-1) P_(k-1), carried along with the three-term recurrence of P itself.
   double p_before = 1.0;
@@ -111,19 +93,27 @@ void MovingPoint::third_derivative(double* third) const {
   }
 }
 
-void MovingPoint::own_rows(double* x, double* y) const {
-  const int n = chain_->functions();
-  std::fill_n(x, n, 0.0);
-  std::fill_n(y, n, 0.0);
+void MovingPoint::own_row(Vec2 n, bool displaced, double* row) const {
+  const auto functions = static_cast<int>(beta_.size());
+  std::fill_n(row, functions, 0.0);
   for (int g = 0; g < node_count_; ++g) {
-    const double wx = -length_ * weight_[g] * sine_[g];
-    const double wy = length_ * weight_[g] * cosine_[g];
-    const double* beta = node_beta(g);
-    for (int i = 0; i < n; ++i) {
-      x[i] += wx * beta[i];
-      y[i] += wy * beta[i];
-    }
+    const Vec2 t = node_tangent(g);
+    const double w = length_ * weight_[g] * (displaced ? -psi_[g] * dot(n, t) : dot(n, turned(t)));
+    for (int i = 0; i < functions; ++i) row[i] += w * node_beta(g)[i];
   }
+}
+
+void MovingPoint::displace(const double* lambda, double psi) {
+  const auto functions = static_cast<int>(beta_.size());
+  virtual_chord_ = {};
+  psi_slope_ = 0.0;
+  for (int g = 0; g <= node_count_; ++g) {
+    const double* beta = g < node_count_ ? node_beta(g) : beta_.data();
+    psi_[g] = psi;
+    for (int i = 0; i < functions; ++i) psi_[g] += lambda[i] * beta[i];
+    if (g < node_count_) virtual_chord_ += weight_[g] * psi_[g] * turned(node_tangent(g));
+  }
+  for (int i = 0; i < functions; ++i) psi_slope_ += lambda[i] * beta1_[i];
 }
 
 }  // namespace tendril

@@ -16,6 +16,7 @@ class MovingPoint {
 
   /// Evaluates the point at arc length s in piece j.
   void move(const Backbone& backbone, int j, double s);
+  void move_to(const Backbone& backbone, int j, double sigma);  ///< The same at sigma of the piece.
 
   int piece() const { return piece_; }
   double sigma() const { return sigma_; }
@@ -41,8 +42,16 @@ class MovingPoint {
   Vec2 node_tangent(int g) const { return {cosine_[g], sine_[g]}; }
   const double* node_beta(int g) const { return by_node_.col(g).data(); }
 
-  /// dP/dq of the own piece: h int_0^sigma N beta dsigma, functions entries each.
-  void own_rows(double* x, double* y) const;
+  /// n . dP/dq of the own piece, h int_0^sigma N beta dsigma . n, or the same of the virtual displacement:
+  /// functions() entries.
+  void own_row(Vec2 n, bool displaced, double* row) const;
+
+  /// Virtual rotation along coordinates `lambda` of the own piece, from `psi` at its start on.
+  void displace(const double* lambda, double psi);
+  double psi() const { return psi_[node_count_]; }  ///< at the point
+  double psi_slope() const { return psi_slope_; }   ///< dpsi/dsigma there
+  double node_psi(int g) const { return psi_[g]; }
+  Vec2 virtual_chord() const { return virtual_chord_; }  ///< int_0^sigma N psi dsigma
 
  private:
   const Chain* chain_;
@@ -50,13 +59,13 @@ class MovingPoint {
   int piece_ = 0;
   double sigma_ = 0.0, length_ = 1.0;
   Vec2 position_{}, chord_{}, tangent_{};
-  double angle_ = 0.0, slope_ = 0.0, bend_ = 0.0;
+  double angle_ = 0.0, slope_ = 0.0, bend_ = 0.0, psi_slope_ = 0.0;
+  Vec2 virtual_chord_{};
   Eigen::VectorXd local_nodes_, local_weights_;
   Eigen::VectorXd beta_, beta1_, beta2_;
   int node_count_ = 0;
-  Eigen::VectorXd weight_, sigma_nodes_, cosine_, sine_;
+  Eigen::VectorXd weight_, sigma_nodes_, cosine_, sine_, psi_;
   Eigen::MatrixXd value_, first_, second_, by_node_;
-  std::vector<Eigen::MatrixXd> bend_coefficients_;  // per smooth interval: functions x Legendre coefficients of beta''
 };
 
 }  // namespace tendril

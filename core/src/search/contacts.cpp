@@ -1,9 +1,9 @@
 #include "search/contacts.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
+#include "rod/outline.hpp"
 #include "search/parameters.hpp"
 
 namespace tendril {
@@ -93,8 +93,6 @@ int stretch_at(const Rod& rod, double arc_length) {
 
 std::vector<Extension> extensions(const Task& problem, const std::vector<ContactSetup>& contacts,
                                   const StartShape& shape) {
-  // The order of distances is all that counts: the midpoint rule does.
-  constexpr int steps = 400;
   const Rod& rod = problem.rod;
   const auto stretches = rod.fixed_knots().size() - 1;
   struct Nearest {
@@ -103,19 +101,15 @@ std::vector<Extension> extensions(const Task& problem, const std::vector<Contact
   };
   std::vector<std::vector<Nearest>> nearest(problem.obstacles.size(), std::vector<Nearest>(stretches));
   std::vector<double> of_tip;
-  Vec2 at = rod.base;
-  double angle = rod.base_angle;
-  for (int i = 1; i <= steps; ++i) {
-    constexpr double h = 1.0 / steps;
-    const double middle = angle + 0.5 * h * shape.curvature((i - 0.75) * h);
-    at += h * Vec2{std::cos(middle), std::sin(middle)};
-    angle += h * shape.curvature((i - 0.5) * h);
-    const double s = i * h;
+  std::vector<OutlinePoint> line;
+  outline(rod, shape.curvature, 400, line);
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    const double s = line[i].s;
     const auto stretch = static_cast<std::size_t>(stretch_at(rod, s));
     for (std::size_t o = 0; o < problem.obstacles.size(); ++o) {
-      const double distance = problem.obstacles[o]->at(at).distance;
+      const double distance = problem.obstacles[o]->at(line[i].position).distance;
       if (distance < nearest[o][stretch].distance) nearest[o][stretch] = {distance, s};
-      if (i == steps) of_tip.push_back(distance);
+      if (i + 1 == line.size()) of_tip.push_back(distance);
     }
   }
 

@@ -201,8 +201,7 @@ class Valley {
       if (loads.gravity == Vec2{}) continue;
       for (int g = 0; g < chain.nodes(); ++g) {
         const double beyond = mass + piece.weight * h * (1.0 - chain.table().sigma[g]);
-        const Vec2 tangent{shape.cosines(j)[g], shape.sines(j)[g]};
-        sum -= h * chain.table().weight[g] * beyond * dot(loads.gravity, tangent);
+        sum -= h * chain.table().weight[g] * beyond * dot(loads.gravity, shape.tangent(j, g));
       }
       mass += piece.weight * h;
     }

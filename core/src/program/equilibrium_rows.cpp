@@ -1,0 +1,86 @@
+// The rod stands still: all generalized forces on its coordinates vanish (model.md section 3). With lambda the
+// multipliers, lambda . h_e is the virtual work along lambda: forces times virtual displacements, plus moments times
+// virtual rotations, minus the change of the bending energy.
+
+#include "obstacle/surface.hpp"
+#include "program/row_block.hpp"
+
+namespace tendril {
+namespace {
+
+class EquilibriumRows : public RowBlock {
+ public:
+  explicit EquilibriumRows(PoseState& state) : RowBlock("equilibrium", 0, state.layout.coordinates), d_(state) {}
+
+  void evaluate(ConstVectorRef x, bool derivatives, VectorRef values, MatrixRef rows) override {
+    values.setZero();
+    d_.places.pull_back(d_.forces, values.data());
+    d_.places.add_energy_row(-1.0, {values.data(), nullptr});
+    for (std::size_t a = 0; a < d_.moment_variable.size(); ++a) {
+      const int variable = d_.moment_variable[a];
+      if (variable >= 0) d_.places.pull_back_moment(static_cast<int>(a), x[variable], values.data());
+    }
+    if (derivatives) differentiate(rows);
+  }
+
+  void add_second(ConstVectorRef lambda, Eigen::MatrixXd& /*hessian*/) override {
+    d_.places.displace(lambda.data());
+    d_.base.displace();
+    for (int k = 0; k < d_.layout.forces; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const PoseProgram::ContactState& c = d_.contacts[i];
+      const BaseIndex::Contact& at = d_.base.index.contacts[i];
+      d_.add_force_work(k, d_.places.displacement(d_.contact_places[i]));
+      const int dx = d_.base.displacement(k);
+      const Symmetric2 of_distance = distance_hessian(c.surface);
+      d_.base.add_symmetric(at.point.x, dx, c.force * of_distance.xx);
+      d_.base.add_symmetric(at.point.x, dx + 1, c.force * of_distance.xy);
+      d_.base.add_symmetric(at.point.y, dx, c.force * of_distance.xy);
+      d_.base.add_symmetric(at.point.y, dx + 1, c.force * of_distance.yy);
+      d_.base.add_symmetric(dx, at.force, c.surface.normal.x);
+      d_.base.add_symmetric(dx + 1, at.force, c.surface.normal.y);
+    }
+  }
+
+ private:
+  void differentiate(MatrixRef rows) {
+    const PoseProgram::Layout& at = d_.layout;
+    rows.setZero();
+    const SecondPart by{rows.leftCols(at.coordinates), rows.middleCols(at.first_arc_length, at.arc_lengths),
+                        rows.topLeftCorner(0, 0)};
+    d_.places.second_pull_back(d_.forces, nullptr, by);
+    d_.places.add_energy_second(-1.0, nullptr, by);
+    for (std::size_t a = 0; a < d_.moment_variable.size(); ++a) {
+      const int variable = d_.moment_variable[a];
+      if (variable >= 0) d_.places.pull_back_moment(static_cast<int>(a), 1.0, rows.col(variable).data());
+    }
+    // Contact forces act along normals that turn with the contact point.
+    for (int k = 0; k < at.forces; ++k) {
+      const PoseProgram::ContactState& c = d_.contacts[static_cast<std::size_t>(k)];
+      rows.col(at.first_force + k) = d_.contact_row(k, c.surface.normal).head(at.coordinates);
+      // Along a surface it is that which bends the normal, else the rod itself turns it.
+      const bool turns_with_rod = d_.spec.contacts[static_cast<std::size_t>(k)].obstacle < 0;
+      const double factor = turns_with_rod ? c.force : c.force * c.surface.curvature;
+      if (factor == 0.0) continue;
+      along_ = d_.contact_row(k, turned(c.surface.normal));
+      if (turns_with_rod) {
+        turning_ = d_.base.row(d_.base.index.contacts[static_cast<std::size_t>(k)].point.angle);
+      } else {
+        turning_ = along_;
+      }
+      for (int column = 0; column < d_.variables; ++column) {
+        const double scaled = factor * turning_[column];
+        if (scaled != 0.0) rows.col(column) += scaled * along_.head(at.coordinates);
+      }
+    }
+  }
+
+  PoseState& d_;
+  Eigen::VectorXd along_ = Eigen::VectorXd::Zero(d_.variables), turning_ = along_;
+};
+
+}  // namespace
+
+std::unique_ptr<RowBlock> equilibrium_rows(PoseState& state) { return std::make_unique<EquilibriumRows>(state); }
+
+}  // namespace tendril

@@ -1,0 +1,138 @@
+#include "program/pose_state.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "obstacle/surface.hpp"
+
+namespace tendril {
+namespace {
+
+std::vector<int> knot_stretches(const PoseProgramSpec& spec) {
+  std::vector<int> stretches;
+  if (!spec.split) return stretches;
+  for (const ContactSetup& c : spec.contacts) {
+    if (!c.at_tip) stretches.push_back(c.region);
+  }
+  return stretches;
+}
+
+std::vector<int> moment_variables(const Rod& rod, int next) {
+  std::vector<int> variables;
+  for (const Rod::Actuator& a : rod.actuators) variables.push_back(a.fixed_at_zero() ? -1 : next++);
+  return variables;
+}
+
+PoseProgram::Layout layout_of(const PoseProgramSpec& spec, const Chain& chain) {
+  PoseProgram::Layout at;
+  at.coordinates = at.first_moment = chain.coordinate_count();
+  at.moments = static_cast<int>(std::count_if(spec.rod->actuators.begin(), spec.rod->actuators.end(),
+                                              [](const Rod::Actuator& a) { return !a.fixed_at_zero(); }));
+  at.first_arc_length = at.first_moment + at.moments;
+  at.arc_lengths = static_cast<int>(
+      std::count_if(spec.contacts.begin(), spec.contacts.end(), [](const ContactSetup& c) { return !c.at_tip; }));
+  at.first_force = at.first_arc_length + at.arc_lengths;
+  at.forces = static_cast<int>(spec.contacts.size());
+  if (spec.palm && spec.palm->minimum != spec.palm->maximum) at.palm = at.first_force + at.forces;
+  at.first_gap = at.coordinates;
+  at.first_closest = at.first_gap + at.forces;
+  at.first_check = at.first_closest + at.forces;
+  at.checks = static_cast<int>(spec.checks.size());
+  at.first_order = at.first_check + at.checks;
+  for (int k = 0; k + 1 < at.arc_lengths; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (spec.contacts[i].region == spec.contacts[i + 1].region) ++at.orders;
+  }
+  at.first_balance = at.first_order + at.orders;
+  at.balances = spec.palm && spec.palm->balance && at.forces > 0 ? 1 : 0;
+  at.first_margin = at.first_balance + at.balances;
+  at.margins = spec.least_margin ? 1 : 0;
+  at.first_convexity = at.first_margin + at.margins;
+  at.convexities = spec.least_convexity ? 2 * at.arc_lengths : 0;
+  return at;
+}
+
+std::vector<int> places_of_contacts(const PoseProgramSpec& spec, const Chain& chain, Places& places) {
+  std::vector<int> made;
+  for (int k = 0; k < static_cast<int>(spec.contacts.size()); ++k) {
+    const ContactSetup& c = spec.contacts[static_cast<std::size_t>(k)];
+    made.push_back(c.at_tip     ? places.add_tip()
+                   : spec.split ? places.add_knot(chain.piece_before_knot(k))
+                                : places.add_sliding(c.region, k));
+  }
+  return made;
+}
+
+}  // namespace
+
+PoseState::PoseState(PoseProgramSpec s)
+    : spec(std::move(s)),
+      chain(*spec.rod, *spec.model, knot_stretches(spec), spec.nodes, spec.tables.get()),
+      layout(layout_of(spec, chain)),
+      moment_variable(moment_variables(*spec.rod, layout.first_moment)),
+      branches(spec.contacts.size(), Branch::open),
+      places(*spec.rod, chain, layout.arc_lengths),
+      contact_places(places_of_contacts(spec, chain, places)),
+      base(spec, layout, moment_variable, contact_places, places),
+      contacts(spec.contacts.size()),
+      loads{spec.rod->gravity, spec.rod->tip_force, std::vector<double>(spec.obstacles.size(), 0.0)},
+      variables(layout.first_force + layout.forces + (layout.palm >= 0 ? 1 : 0)) {
+  forces.on.resize(contact_places.size());
+}
+
+void PoseState::move(ConstVectorRef x) {
+  const Rod& rod = *spec.rod;
+  if (spec.palm) {
+    shift = -(layout.palm >= 0 ? x[layout.palm] : spec.palm->minimum) * spec.palm->axis;
+    places.place(rod.base + shift);
+  }
+  places.move(x.head(layout.coordinates), arc_lengths(x));
+  forces.tip = loads.tip_force;
+  forces.gravity = loads.gravity;
+  forces.payload = rod.payload;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    PoseProgram::ContactState& c = contacts[k];
+    const auto variable = static_cast<int>(k);
+    const int place = contact_places[k];
+    c.force = x[layout.first_force + variable];
+    c.point = places.point(place);
+    c.angle = places.angle(place);
+    c.tangent = places.tangent(place);
+    c.arc_length = spec.contacts[k].at_tip ? 1.0 : x[layout.first_arc_length + variable];
+    const int obstacle = spec.contacts[k].obstacle;
+    c.surface = obstacle < 0 ? SurfacePoint{0.0, turned(c.tangent)} : surface(obstacle, c.point);
+    forces.on[static_cast<std::size_t>(place)].force = c.force * c.surface.normal;
+  }
+  base.move(x, contacts);
+}
+
+SurfacePoint PoseState::surface(int obstacle, Vec2 point) const {
+  const auto o = static_cast<std::size_t>(obstacle);
+  SurfacePoint p = spec.obstacles[o]->at(point);
+  p.distance += loads.shrink[o];
+  return p;
+}
+
+void PoseState::differentiate() {
+  places.differentiate();
+  base.differentiate();
+}
+
+bool PoseState::ordered(int contact) const {
+  const auto k = static_cast<std::size_t>(contact);
+  return contact + 1 < layout.arc_lengths && spec.contacts[k].region == spec.contacts[k + 1].region;
+}
+
+void PoseState::add_force_work(int contact, Vec2 displacement) {
+  const PoseProgram::ContactState& c = contacts[static_cast<std::size_t>(contact)];
+  const BaseIndex::Contact& at = base.index.contacts[static_cast<std::size_t>(contact)];
+  const Vec2 tau = turned(c.surface.normal);
+  const Vec2 sliding = c.surface.curvature * dot(tau, displacement) * tau;
+  base.gradient[at.point.x] += c.force * sliding.x;
+  base.gradient[at.point.y] += c.force * sliding.y;
+  base.add(at.point, normal_hessian(c.surface, c.force * displacement));
+  base.add_symmetric(at.point.x, at.force, sliding.x);
+  base.add_symmetric(at.point.y, at.force, sliding.y);
+}
+
+}  // namespace tendril

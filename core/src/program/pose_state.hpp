@@ -1,0 +1,56 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "program/base_quantities.hpp"
+#include "program/pose_program.hpp"
+#include "rod/places.hpp"
+
+namespace tendril {
+
+/// What all rows of a pose program share: what it was assembled from, and its rod and contacts at the point moved to
+/// last.
+struct PoseState {
+  explicit PoseState(PoseProgramSpec s);
+  PoseState(const PoseState&) = delete;
+  PoseState& operator=(const PoseState&) = delete;
+
+  PoseProgramSpec spec;
+  Chain chain;
+  PoseProgram::Layout layout;
+  std::vector<int> moment_variable;  ///< per actuator
+  std::vector<Branch> branches;      ///< per contact
+  Places places;
+  std::vector<int> contact_places;
+  BaseQuantities base;
+  std::vector<PoseProgram::ContactState> contacts;
+  Vec2 shift{};  ///< of the base
+  Loads loads;
+  Forces forces;  ///< on the rod: its loads and those of contacts
+  Forces pushes;  ///< what second derivatives of rows and terms leave on places
+  int variables = 0;
+
+  void move(ConstVectorRef x);
+  /// After move(): what first derivatives of rows need.
+  void differentiate();
+
+  std::span<const double> arc_lengths(ConstVectorRef x) const {
+    return {x.data() + layout.first_arc_length, static_cast<std::size_t>(layout.arc_lengths)};
+  }
+  /// Two contacts inside the rod, one behind the other in one stretch: they must keep their order.
+  bool ordered(int contact) const;
+  /// Obstacles that stand on the palm.
+  bool carried(int obstacle) const { return obstacle >= static_cast<int>(spec.obstacles.size()) - spec.carried; }
+  /// Of an obstacle in its present size, next to a point.
+  SurfacePoint surface(int obstacle, Vec2 point) const;
+  /// direction . dP of contact k by all variables.
+  auto contact_row(int k, Vec2 direction) const {
+    const BaseIndex::Point& p = base.index.contacts[static_cast<std::size_t>(k)].point;
+    return direction.x * base.row(p.x) + direction.y * base.row(p.y);
+  }
+  /// Adds second derivatives of the work of contact k's force along a constant displacement.
+  void add_force_work(int contact, Vec2 displacement);
+};
+
+}  // namespace tendril

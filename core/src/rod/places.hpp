@@ -1,0 +1,183 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "rod/backbone.hpp"
+#include "rod/moving_point.hpp"
+#include "rod/rod.hpp"
+
+namespace tendril {
+
+/// A row of derivatives that is written in two parts: by the coordinates and by the arc lengths.
+struct RowPart {
+  double* q = nullptr;
+  double* s = nullptr;
+};
+
+/// What second derivatives are added to: by coordinates twice, by coordinates and arc lengths, by arc lengths twice.
+/// Without entries in `ss` these are left out.
+struct SecondPart {
+  MatrixRef qq, qs, ss;
+};
+
+/// What acts on a place: the derivative of some sum by its position, its angle and the rod's curvature there.
+struct Push {
+  Vec2 force{};
+  double moment = 0.0;
+  double bending = 0.0;  ///< on places inside of pieces only
+};
+
+/// Forces on a rod: on its places, on its tip, and on all of its mass.
+struct Forces {
+  std::vector<Push> on;  ///< one per place; nothing acts on those behind its end
+  Vec2 tip{};            ///< on the end of the rod
+  Vec2 gravity{};        ///< per weight
+  double payload = 0.0;  ///< weight at the end of the rod
+};
+
+/// Places on a rod, through which everybody else sees its shape: where they are, and how they move with the
+/// coordinates q and with arc lengths s, which are the moving knots of the chain or, where it has none, the places
+/// themselves. Sums over nodes, angles, sines and cosines stay in here. Nothing allocates after the last place was
+/// added.
+class TENDRIL_API Places {
+ public:
+  /// On rods with this chain, which is borrowed.
+  Places(const Rod& rod, const Chain& chain, int arc_lengths);
+
+  int add_knot(int piece);  ///< The end of a piece.
+  int add_tip() { return add_knot(chain_->piece_count() - 1); }
+  int add_sliding(int piece, int arc_length);  ///< Inside a piece, at an arc length that is no knot.
+  int add_fixed(double arc_length);            ///< At a fixed arc length, whatever piece holds it.
+  /// A fixed sigma in (0,1] of a piece.
+  struct Station {
+    int piece;
+    double sigma;
+  };
+  /// All stations at once: the place of each. Those that are asked for twice are the same place.
+  std::vector<int> add_stations(std::span<const Station> stations);
+
+  const Backbone& backbone() const { return backbone_; }
+  /// Where the next move() begins.
+  void place(Vec2 base) { backbone_.place(base); }
+  /// Moves to coordinates and arc lengths.
+  void move(ConstVectorRef q, std::span<const double> arc_lengths);
+
+  int count() const { return static_cast<int>(places_.size()); }
+  int arc_lengths() const { return arc_lengths_; }
+  /// The place moves with so many coordinates, the first ones.
+  int reach(int place) const { return (at(place).piece + 1) * chain_->functions(); }
+  Vec2 point(int place) const { return at(place).point; }
+  /// Not of stations; nor is the angle.
+  Vec2 tangent(int place) const;
+  double angle(int place) const;
+
+  /// The rod's curvature right before a place (0) or behind it (1), which may jump at ends of pieces.
+  struct Side {
+    int piece = 0;
+    enum { start, inside, end } where = end;
+    double curvature = 0.0;
+  };
+  Side side(int place, int which) const;
+
+  /// Prepares the derivatives at the point moved to last.
+  void differentiate();
+  /// n . dP of a place: by the coordinates up to its piece, and by all arc lengths.
+  void row(int place, Vec2 n, RowPart out) const;
+  void angle_row(int place, RowPart out) const;  ///< Likewise, of its angle.
+  /// Adds the derivatives of the curvature beside a place, times a factor.
+  void add_curvature_row(int place, const Side& side, double factor, RowPart out) const;
+
+  /// Virtual displacements of all places along coordinates: dP/dq times `lambda`, after differentiate().
+  void displace(const double* lambda);
+  Vec2 displacement(int place) const { return at(place).displacement; }
+  /// n . d(displacement), as row().
+  void displacement_row(int place, Vec2 n, RowPart out) const;
+
+  /// out += derivative by the coordinates of the forces' work at fixed forces.
+  void pull_back(const Forces& forces, double* out);
+  /// out += moment * derivative by the coordinates of the angle over an actuator's span.
+  void pull_back_moment(int actuator, double moment, double* out) const;
+  /// Adds second derivatives of the forces' work at fixed forces and, if there are `virtual_forces`, of these forces'
+  /// work on the virtual displacements.
+  void second_pull_back(const Forces& forces, const Forces* virtual_forces, SecondPart out);
+
+  /// The bending energy V_c (model.md section 3).
+  double energy() const;
+  /// out += factor * dV_c; without a place for it not by the arc lengths.
+  void add_energy_row(double factor, RowPart out) const;
+  /// Adds second derivatives of  factor V_c - lambda . dV_c/dq;  without lambda of the first part.
+  void add_energy_second(double factor, const double* lambda, SecondPart out) const;
+
+ private:
+  enum class Kind { knot, inside, station };
+  struct Place {
+    Kind kind = Kind::knot;
+    int piece = 0;
+    int own = -1;         ///< number among the places inside of pieces, or among the stations of its piece
+    int arc_length = -1;  ///< which one it slides with
+    double fixed = 0.0;   ///< its arc length, if it is inside and does not slide
+    Vec2 point{}, displacement{};
+  };
+  struct Stations {
+    std::vector<int> place;
+    std::vector<double> sigma;
+    Eigen::MatrixXd by_node;           ///< stations x nodes: int_0^sigma as weights on the nodes
+    Eigen::MatrixXd sum;               ///< 2 functions x stations: int_0^sigma N beta dsigma
+    Eigen::VectorXd chord_x, chord_y;  ///< int_0^sigma t dsigma
+    Eigen::VectorXd push_x, push_y;    ///< buffers
+  };
+  /// A force on the nodes of a piece: end + (1 - sigma) slope.
+  struct Ramp {
+    Vec2 end{}, slope{};
+    /// What has its component across the rod along it.
+    Ramp across() const { return {-turned(end), -turned(slope)}; }
+    friend Ramp operator*(double factor, const Ramp& r) { return {factor * r.end, factor * r.slope}; }
+  };
+  class Sweep;
+
+  const Place& at(int place) const { return places_[static_cast<std::size_t>(place)]; }
+  std::size_t own(int place) const { return static_cast<std::size_t>(at(place).own); }
+  /// How fast a place inside a piece runs along it with arc length l.
+  double own_rate(const Place& p, int l) const;
+  void row_of(const Integrals& field, const Eigen::MatrixXd& rates, const Place& p, Vec2 value, Vec2 n,
+              RowPart out) const;
+  /// Derivatives of a field's knots by the arc lengths: x and y, one after the other, by knots.
+  void find_rates(const Integrals& field, Eigen::MatrixXd& rates) const;
+  void weigh(int j, const Ramp& along, const Ramp* turning, double* z) const;
+  static const Push& on(int place, const Forces& forces) {
+    static constexpr Push nothing{};
+    const auto k = static_cast<std::size_t>(place);
+    return k < forces.on.size() ? forces.on[k] : nothing;
+  }
+  /// Forces may act on stations of a piece, which are numbered in order.
+  bool may_push(int j, const Forces& forces) const {
+    const std::vector<int>& stations = stations_[static_cast<std::size_t>(j)].place;
+    return !stations.empty() && static_cast<std::size_t>(stations.front()) < forces.on.size();
+  }
+  bool gather_pushes(int j, const Forces& forces);
+  void add_inside(const Forces& forces, const Forces* virtual_forces, int j, SecondPart& out);
+
+  const Chain* chain_;
+  Backbone backbone_;
+  int arc_lengths_ = 0;
+  std::vector<Place> places_;
+  std::vector<MovingPoint> moving_;
+  std::vector<int> knots_;          ///< places at ends of pieces
+  std::vector<int> inside_;         ///< places that the moving points stand for
+  std::vector<Stations> stations_;  ///< per piece
+  Eigen::VectorXd left_;            ///< 1 - sigma at the nodes
+  /// d length_j / d s_l and d (mass beyond j) / d s_l; zero where places slide.
+  Eigen::MatrixXd length_rate_, start_rate_, mass_rate_;
+  Eigen::MatrixXd psi_;  ///< nodes x pieces: virtual rotation
+  Eigen::VectorXd psi_knot_;
+  Integrals virtual_;
+  Eigen::MatrixXd rates_, virtual_rates_;  ///< 2 arc lengths x (pieces + 1)
+  Eigen::VectorXd stiff_;                  ///< int beta' beta'^T times the coordinates, by pieces
+  PieceSums sums_, gram_sums_;
+  std::vector<PieceSums> rate_sums_;  ///< one per arc length
+  Eigen::VectorXd node_buffer_, push_along_, push_across_, third_;
+};
+
+}  // namespace tendril

@@ -1,0 +1,254 @@
+// Derivatives of the work of forces on places of a rod. A rotation of the rod at a node moves all beyond it across the
+// tangent there: to the first order the work is that of the component across, to the second minus that along. All
+// weights on one node are summed before they are spread to the coordinates.
+
+#include <algorithm>
+
+#include "rod/places.hpp"
+
+namespace tendril {
+namespace {
+
+bool is_zero(Vec2 v) { return v == Vec2{}; }
+
+}  // namespace
+
+/// What acts beyond a piece, from the tip to the base.
+class Places::Sweep {
+ public:
+  Sweep(const Places& places, const Forces& forces)
+      : places_(places), forces_(forces), beyond_(forces.tip), mass_(forces.payload) {}
+
+  /// Takes up what acts on the end of piece j.
+  void enter(int j) {
+    for (const int k : places_.knots_) {
+      if (places_.at(k).piece == j) beyond_ += on(k).force;
+    }
+  }
+  /// Takes up what acts inside of piece j.
+  void leave(int j) {
+    for (const int k : places_.inside_) {
+      if (places_.at(k).piece == j) beyond_ += on(k).force;
+    }
+    if (places_.may_push(j, forces_)) {
+      for (const int k : places_.stations_[static_cast<std::size_t>(j)].place) beyond_ += on(k).force;
+    }
+    mass_ += places_.chain_->piece(j).weight * places_.backbone_.length(j);
+  }
+  const Push& on(int place) const { return places_.on(place, forces_); }
+  /// Force times length on the nodes of piece j, without what acts inside of it.
+  Ramp load(int j) const {
+    const double h = places_.backbone_.length(j);
+    const double weight = places_.chain_->piece(j).weight;
+    return {h * (beyond_ + mass_ * forces_.gravity), (h * h * weight) * forces_.gravity};
+  }
+  /// Its derivative by arc length l.
+  Ramp load_rate(int j, int l) const {
+    const double h = places_.backbone_.length(j);
+    const double rate = places_.length_rate_(j, l);
+    const double mass = rate * mass_ + h * places_.mass_rate_(j, l);
+    return {rate * beyond_ + mass * forces_.gravity,
+            (2.0 * h * rate * places_.chain_->piece(j).weight) * forces_.gravity};
+  }
+  /// Its derivative by two arc lengths: masses of pieces are quadratic in their lengths.
+  Ramp load_bend(int j, int l, int k) const {
+    const double h_l = places_.length_rate_(j, l);
+    const double h_k = places_.length_rate_(j, k);
+    return {(h_l * places_.mass_rate_(j, k) + h_k * places_.mass_rate_(j, l)) * forces_.gravity,
+            (2.0 * h_l * h_k * places_.chain_->piece(j).weight) * forces_.gravity};
+  }
+
+ private:
+  const Places& places_;
+  const Forces& forces_;
+  Vec2 beyond_;
+  double mass_;
+};
+
+/// z = weight * (along + psi turning) . t at the nodes; `turning` may be null.
+void Places::weigh(int j, const Ramp& along, const Ramp* turning, double* z) const {
+  const double* weight = chain_->table().weight.data();
+  const double* c = backbone_.cosine_.col(j).data();
+  const double* s = backbone_.sine_.col(j).data();
+  const double* psi = psi_.col(j).data();
+  for (int i = 0; i < chain_->nodes(); ++i) {
+    double x = along.end.x + left_[i] * along.slope.x;
+    double y = along.end.y + left_[i] * along.slope.y;
+    if (turning != nullptr) {
+      x += psi[i] * (turning->end.x + left_[i] * turning->slope.x);
+      y += psi[i] * (turning->end.y + left_[i] * turning->slope.y);
+    }
+    z[i] = weight[i] * (x * c[i] + y * s[i]);
+  }
+}
+
+/// Sums forces on the stations of a piece at its nodes, along the tangent and across it. False: there are none.
+bool Places::gather_pushes(int j, const Forces& forces) {
+  Stations& at = stations_[static_cast<std::size_t>(j)];
+  const auto count = static_cast<int>(at.place.size());
+  bool any = false;
+  if (!may_push(j, forces)) return false;
+  for (int k = 0; k < count; ++k) {
+    const Vec2 force = on(at.place[static_cast<std::size_t>(k)], forces).force;
+    any = any || force.x != 0.0 || force.y != 0.0;
+    at.push_x[k] = force.x;
+    at.push_y[k] = force.y;
+  }
+  if (!any) return false;
+  for (int i = 0; i < chain_->nodes(); ++i) {
+    const double* weight = at.by_node.col(i).data();
+    double x = 0.0;
+    double y = 0.0;
+    for (int k = 0; k < count; ++k) {
+      x += weight[k] * at.push_x[k];
+      y += weight[k] * at.push_y[k];
+    }
+    const Vec2 t = backbone_.tangent(j, i);
+    push_along_[i] = x * t.x + y * t.y;
+    push_across_[i] = y * t.x - x * t.y;
+  }
+  return true;
+}
+
+void Places::pull_back(const Forces& forces, double* out) {
+  double* z = node_buffer_.data();
+  Sweep sweep(*this, forces);
+  sums_.set_zero();
+  for (int j = chain_->piece_count() - 1; j >= 0; --j) {
+    const double h = backbone_.length(j);
+    sweep.enter(j);
+    const Ramp load = sweep.load(j);
+    const bool pushed = gather_pushes(j, forces);
+    if (pushed || !is_zero(load.end) || !is_zero(load.slope)) {
+      weigh(j, load.across(), nullptr, z);
+      for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] += h * push_across_[i];
+      backbone_.add_nodes(sums_, j, z);
+    }
+    for (const int k : knots_) {
+      if (at(k).piece == j && sweep.on(k).moment != 0.0) {
+        sums_.add_point(j, sweep.on(k).moment, chain_->table().end.data());
+      }
+    }
+    for (const int k : inside_) {
+      const Push& push = sweep.on(k);
+      if (at(k).piece != j) continue;
+      const MovingPoint& m = moving_[own(k)];
+      for (int i = 0; i < m.node_count(); ++i) {
+        sums_.add_point(j, h * m.weight(i) * dot(push.force, turned(m.node_tangent(i))), m.node_beta(i));
+      }
+      if (push.moment != 0.0) sums_.add_point(j, push.moment, m.beta());
+      for (int i = 0; i < chain_->functions(); ++i) sums_.vector(i, j) += push.bending / h * m.beta1()[i];
+    }
+    sweep.leave(j);
+  }
+  backbone_.spread(sums_, out);
+}
+
+void Places::pull_back_moment(int actuator, double moment, double* out) const {
+  const int n = chain_->functions();
+  for (int j = 0; j < chain_->piece_count(); ++j) {
+    if (!chain_->actuated(actuator, j)) continue;
+    for (int i = 0; i < n; ++i) out[j * n + i] += moment * chain_->table().end[i];
+  }
+}
+
+void Places::second_pull_back(const Forces& forces, const Forces* virtual_forces, SecondPart out) {
+  double* z = node_buffer_.data();
+  Sweep sweep(*this, forces);
+  Sweep turning(*this, virtual_forces != nullptr ? *virtual_forces : forces);
+  const bool heavy = chain_->knot_count() > 0 &&
+                     (!is_zero(forces.gravity) || (virtual_forces != nullptr && !is_zero(virtual_forces->gravity)));
+  gram_sums_.set_zero();
+  for (PieceSums& sums : rate_sums_) sums.set_zero();
+  for (int j = chain_->piece_count() - 1; j >= 0; --j) {
+    const double h = backbone_.length(j);
+    sweep.enter(j);
+    if (virtual_forces != nullptr) turning.enter(j);
+    const auto weights = [&](const Ramp& along, const Ramp& by_psi) {
+      weigh(j, along, virtual_forces != nullptr ? &by_psi : nullptr, z);
+    };
+    const bool pushed = gather_pushes(j, forces);
+    weights(-1.0 * sweep.load(j), -1.0 * turning.load(j).across());
+    for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] -= h * push_along_[i];
+    backbone_.add_gram_nodes(gram_sums_, j, z);
+    for (int l = 0; l < arc_lengths_; ++l) {
+      const double rate = length_rate_(j, l);
+      if (rate == 0.0 && mass_rate_(j, l) == 0.0) continue;
+      weights(sweep.load_rate(j, l).across(), -1.0 * turning.load_rate(j, l));
+      for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] += rate * push_across_[i];
+      backbone_.add_nodes(rate_sums_[static_cast<std::size_t>(l)], j, z);
+    }
+    add_inside(forces, virtual_forces, j, out);
+    for (int l = 0; heavy && l < out.ss.rows(); ++l) {
+      for (int k = 0; k < out.ss.cols(); ++k) {
+        weights(sweep.load_bend(j, l, k), turning.load_bend(j, l, k).across());
+        out.ss(l, k) += node_buffer_.sum();
+      }
+    }
+    sweep.leave(j);
+    if (virtual_forces != nullptr) turning.leave(j);
+  }
+  backbone_.spread_gram(gram_sums_, out.qq);
+  for (int l = 0; l < arc_lengths_; ++l) {
+    backbone_.spread(rate_sums_[static_cast<std::size_t>(l)], out.qs.col(l).data());
+  }
+}
+
+/// Places inside of piece j: they act on its nodes up to themselves, and run along it.
+void Places::add_inside(const Forces& forces, const Forces* virtual_forces, int j, SecondPart& out) {
+  const double h = backbone_.length(j);
+  const int n = chain_->functions();
+  for (const int k : inside_) {
+    const Place& p = at(k);
+    if (p.piece != j) continue;
+    const MovingPoint& m = moving_[static_cast<std::size_t>(p.own)];
+    const Push& push = on(k, forces);
+    const bool turns = virtual_forces != nullptr;
+    const Vec2 v = turns ? on(k, *virtual_forces).force : Vec2{};
+    // Derivative by a rotation at a node, there and across it.
+    const auto along = [&](Vec2 t, double psi) { return dot(push.force, t) + psi * dot(v, turned(t)); };
+    const auto across = [&](Vec2 t, double psi) { return dot(push.force, turned(t)) - psi * dot(v, t); };
+    for (int i = 0; i < m.node_count(); ++i) {
+      const Vec2 t = m.node_tangent(i);
+      const double psi = turns ? m.node_psi(i) : 0.0;
+      gram_sums_.add_gram_point(j, -h * m.weight(i) * along(t, psi), m.node_beta(i));
+      for (int l = 0; l < arc_lengths_; ++l) {
+        const double rate = length_rate_(j, l);
+        if (rate == 0.0) continue;
+        rate_sums_[static_cast<std::size_t>(l)].add_point(j, rate * m.weight(i) * across(t, psi), m.node_beta(i));
+      }
+    }
+    const double at_end = across(m.tangent(), turns ? m.psi() : 0.0);
+    for (int l = 0; l < arc_lengths_; ++l) {
+      const double run = own_rate(p, l);
+      const double sigma_l = run / h;
+      const double h_l = length_rate_(j, l);
+      rate_sums_[static_cast<std::size_t>(l)].add_point(j, run * at_end, m.beta());
+      // Angle and curvature see the own piece's coordinates only.
+      const double by_slope = push.moment * sigma_l - push.bending * h_l / (h * h);
+      const double by_bend = push.bending * sigma_l / h;
+      for (int i = 0; i < n; ++i) out.qs(j * n + i, l) += by_slope * m.beta1()[i] + by_bend * m.beta2()[i];
+    }
+    if (out.ss.size() == 0) continue;
+    double jerk = 0.0;
+    if (push.bending != 0.0) {
+      m.third_derivative(third_.data());
+      for (int i = 0; i < n; ++i) jerk += backbone_.coordinates(j)[i] * third_[i];
+    }
+    const double turn = at_end * m.slope() + (turns ? m.psi_slope() * dot(v, m.normal()) : 0.0);
+    for (int l = 0; l < arc_lengths_; ++l) {
+      for (int i = 0; i < arc_lengths_; ++i) {
+        const double sl = own_rate(p, l) / h;
+        const double si = own_rate(p, i) / h;
+        const double hl = length_rate_(j, l) / h;
+        const double hi = length_rate_(j, i) / h;
+        const double mixed = -(hl * si + hi * sl);
+        const double bent = jerk * sl * si + 2.0 * m.bend() * mixed + 2.0 * m.slope() * hl * hi;
+        out.ss(l, i) +=
+            turn * h * sl * si + push.moment * (m.bend() * sl * si + m.slope() * mixed) + push.bending / h * bent;
+      }
+    }
+  }
+}
+
+}  // namespace tendril
