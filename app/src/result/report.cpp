@@ -171,6 +171,23 @@ std::string joined(const std::vector<std::string>& words) {
   return text.empty() ? "none" : text;
 }
 
+/// Plans that differ; nothing where there is only one.
+std::string minima_text(const Scene& scene, const Plan& plan) {
+  if (plan.minima.size() < 2) return "";
+  Grid grid;
+  for (const PlanMinimum& minimum : plan.minima) {
+    std::string sides;
+    for (std::size_t o = 0; o < minimum.sides.size() && o < scene.obstacles.size(); ++o) {
+      if (minimum.sides[o].empty()) continue;
+      sides +=
+          fmt::format("{}'{}' {}", sides.empty() ? "" : ", ", printable(scene.obstacles[o].name), minimum.sides[o]);
+    }
+    grid.row({fmt::format("{:.6g}", minimum.objective), printable(minimum.mode), sides});
+  }
+  return fmt::format("\nbest of {} plans found: objective, contact, side of obstacles\n", plan.minima.size()) +
+         grid.text("  ");
+}
+
 }  // namespace
 
 std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run) {
@@ -181,6 +198,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
   text += line("status", std::string(to_string(plan.status)) +
                              (cut ? ", but time ended the search before it was done: a better plan may exist" : ""));
   if (!plan.message.empty()) text += line("", printable(plan.message));
+  for (const std::string& note : plan.notes) text += line("", printable(note));
   // Without a shape there is nothing to tell of it.
   const bool has_shape = !plan.backbone.empty();
   if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);
@@ -202,6 +220,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
     }
     text += "\nways of being in contact\n" + modes.text("  ");
   }
+  text += minima_text(scene, plan);
   text += left_out_text(plan.left_out);
   text += fmt::format("\ntime: read {}, open plugins {}, assemble {}, solve {}, certify {}\n",
                       seconds(run.seconds_read), seconds(run.seconds_open), seconds(plan.seconds_assemble),

@@ -150,6 +150,7 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   json["status"] = to_string(plan.status);
   json["message"] = plan.message;
   if (plan.search_cut) json["search_cut"] = true;
+  if (!plan.notes.empty()) json["notes"] = plan.notes;
   json["scene"] = scene.file;
   json["title"] = scene.title;
   json["problem"] = to_string(problem);
@@ -191,6 +192,18 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
                      {"seconds", number(mode.seconds)}});
   }
   json["modes"] = std::move(modes);
+  Json minima = Json::array();
+  for (const PlanMinimum& minimum : plan.minima) {
+    Json sides = Json::object();
+    for (std::size_t o = 0; o < minimum.sides.size() && o < scene.obstacles.size(); ++o) {
+      if (!minimum.sides[o].empty()) sides[scene.obstacles[o].name] = minimum.sides[o];
+    }
+    minima.push_back({{"mode", minimum.mode},
+                      {"sides", std::move(sides)},
+                      {"objective", number(minimum.objective)},
+                      {"moments", numbers(minimum.moments)}});
+  }
+  json["minima"] = std::move(minima);
   json["left_out"] = left_out_json(plan.left_out);
   json["seconds"] = {{"assemble", number(plan.seconds_assemble)},
                      {"solve", number(plan.seconds_solve)},

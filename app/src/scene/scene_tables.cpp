@@ -214,6 +214,18 @@ Table<SceneDraft> scene_table() {
       table<T>(
           "solver", "solver", "The solver.", solver_table(), [](T & t) -> auto& { return t.scene.solver; }),
       table<T>(
+          "search", "search", "How far is looked for a better plan.",
+          Table<Scene>{{text<Scene>(
+              "effort", "normal",
+              "\"fast\": one start for each way of being in contact; \"thorough\": ten times as many as \"normal\".",
+              [](Scene& t, const std::string& v) {
+                for (const SearchEffort effort : {SearchEffort::fast, SearchEffort::thorough}) {
+                  if (v == to_string(effort)) t.effort = effort;
+                }
+              },
+              {"fast", "normal", "thorough"})}},
+          [](T & t) -> auto& { return t.scene; }),
+      table<T>(
           "gripper", "gripper", "Palm, fingers and object; for the problem kind \"grasp\".", gripper_table(),
           [](T & t) -> auto& { return t.scene.gripper.emplace(); }),
       tables<T>(

@@ -55,6 +55,16 @@ struct ModeRecord {
   double objective = infinity;      ///< dimensionless, of the best point found
 };
 
+/// A certified plan that the search came to.
+struct PlanMinimum {
+  std::string mode;  ///< as in ModeRecord
+  /// On which side each obstacle lies, seen along the rod: "left", "right", or "ahead" where the rod ends before it;
+  /// empty for one that has no sides, as a wall, or is out of reach.
+  std::vector<std::string> sides;
+  double objective = 0.0;       ///< dimensionless
+  std::vector<double> moments;  ///< N m, one per actuator
+};
+
 /// What a small error does to a grasp at held moments. NaN: the equilibrium has no derivative there.
 struct GraspQuality {
   /// N/m: force that drives the object back, per distance that it is moved along the axis (negative: it drives it on),
@@ -121,6 +131,8 @@ struct Plan {
   OptimalityReport solver;  ///< of the winning mode's last solve; iterations and evaluations are sums over all modes
   EvaluationCounts evaluations;         ///< of all programs: by solvers, polishes and restorations
   std::vector<ModeRecord> modes;        ///< every program that was looked at
+  std::vector<PlanMinimum> minima;      ///< the distinct ones that were found, best first; none of two planned fingers
+  std::vector<std::string> notes;       ///< what a reader should know first, in words
   std::vector<LeftOut> left_out;        ///< what the scene could have needed and did not
   std::vector<BackbonePoint> backbone;  ///< of the plan, from the base on
   /// of the shape that the search started from; empty for a grasp

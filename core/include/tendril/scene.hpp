@@ -19,8 +19,15 @@ namespace tendril {
 enum class ProblemKind { pose, trajectory, grasp, execute, estimate };
 /// How contact is planned.
 enum class ContactModeName { ignore, avoid, allow, require };
+/// How far a search looks for a better plan.
+enum class SearchEffort {
+  fast,     ///< one start for each way of being in contact, as loops want it
+  normal,   ///< starts on the sides of obstacles, and more where there is no plan
+  thorough  ///< many times as many, whether or not there is a plan
+};
 TENDRIL_API std::string_view to_string(ProblemKind kind);      ///< The word that scenes use.
 TENDRIL_API std::string_view to_string(ContactModeName mode);  ///< The word that scenes use.
+TENDRIL_API std::string_view to_string(SearchEffort effort);   ///< The word that scenes use.
 
 /// A stretch of the rod with constant properties.
 struct SegmentSpec {
@@ -173,7 +180,8 @@ struct Scene {
   std::vector<FingerSpec> fingers;          ///< of a grasp: none (both are like `rod`), or the upper and the lower one
   std::vector<ObjectiveSpec> objectives;    ///< their sum is minimized
   SolverSpec solver;                        ///< who solves the programs
-  QuantityReader read_quantity;             ///< for numbers with units inside raw options; may be empty
+  SearchEffort effort = SearchEffort::normal;  ///< how far is looked for a better plan
+  QuantityReader read_quantity;                ///< for numbers with units inside raw options; may be empty
 };
 
 /// Which of a scene's components have to be opened at all (a weight of 0 opens nothing).

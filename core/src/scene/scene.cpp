@@ -34,6 +34,18 @@ std::string_view to_string(ContactModeName mode) {
   return "?";
 }
 
+std::string_view to_string(SearchEffort effort) {
+  switch (effort) {
+    case SearchEffort::fast:
+      return "fast";
+    case SearchEffort::normal:
+      return "normal";
+    case SearchEffort::thorough:
+      return "thorough";
+  }
+  return "?";
+}
+
 std::string_view to_string(SnapKind kind) {
   switch (kind) {
     case SnapKind::fold:

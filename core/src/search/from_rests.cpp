@@ -219,7 +219,7 @@ void Planner::start_from_rests() {
   std::vector<StartShape> from{d_.scene_start()};
   if (loaded()) from.insert(from.end(), {hanging(false), hanging(true)});
   const std::vector<std::vector<double>> samples = sampled_moments();
-  const double most_work = steps_.tally.work + search_parameters().sampling_work;
+  const double most_work = steps_.tally.work + generosity() * search_parameters().sampling_work;
   std::size_t enough = samples.size();
   int useless = 0;
   bool has_plan = have_plan_;
@@ -232,7 +232,7 @@ void Planner::start_from_rests() {
       if (useless > search_parameters().useless_rests) return;
       if (rest) consider_rest(*rest);
       // The first plan is seldom the best: as many samples as led to it may follow.
-      if (have_plan_ && !has_plan) enough = std::min(enough, 2 * (i + 1));
+      if (have_plan_ && !has_plan && !thorough()) enough = std::min(enough, 2 * (i + 1));
       has_plan = have_plan_;
       if (i > 0) break;
     }

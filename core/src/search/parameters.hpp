@@ -18,9 +18,12 @@
   X(std::size_t, most_trials, 40, "starts on sides for all ways together, the most promising ones")                  \
   X(std::size_t, most_sides, 6, "starts on further sides for one way of being in contact")                           \
   X(double, side_work, 3e5, "work for all starts on sides before the ordinary search goes on")                       \
+  X(int, thorough, 10, "times as many starts, and as much work for them, where the search is thorough")              \
+  X(double, same_minimum, 1e-6, "difference of the objectives (relative) of two plans that count as one")            \
+  X(double, missed, 0.01, "distance to the target (L) from which on a plan says that it misses it")                  \
   X(int, outline_steps, 40, "points of a shape that is only looked at")                                              \
-  X(int, arcs_of_one, 33, "shapes of one arc")                                                                       \
-  X(double, widest_of_one, 3.2, "largest angle of one arc, rad")                                                     \
+  X(int, arcs_of_one, 65, "shapes of one arc")                                                                       \
+  X(double, widest_of_one, 6.4, "largest angle of one arc, rad")                                                     \
   X(int, arcs_of_two, 13, "shapes of each of two arcs")                                                              \
   X(double, widest_of_two, 2.4, "largest angle of each of two arcs, rad")                                            \
   X(double, beside, 0.7, "sine of the angle between rod and obstacle from which on it passes beside it")             \
@@ -63,7 +66,6 @@
   X(double, nearly_feasible, 1e-3, "violation below which the point of a solver is worth sharpening")                \
   X(double, beats, 1e-12, "an objective must be lower by this to win")                                               \
   X(double, dearer, 1e-6, "a point that costs so much more than the plan is not completed (scaled objective)")       \
-  X(bool, other_side, true, "a way that costs more is started again from the shape of the plan")                     \
   X(bool, ask_rests, true, "where no first start led to a plan, rests under sampled moments are starts")             \
   X(bool, hang, true, "under large loads shapes that hang are starts")                                               \
   X(bool, grow_small, true, "very small obstacles are grown, and shrink back")                                       \

@@ -15,22 +15,7 @@
 namespace tendril {
 void Planner::consider(ModeState& state, const StartShape& shape) {
   if (rest_is_due(modes_[static_cast<std::size_t>(state.mode)])) start_from_rests();
-  consider(state, [&] {
-    try_start(state, shape);
-    // Where nothing presses, a plan of another mode nearly belongs to this one too: what costs more lies on another
-    // side of an obstacle, and the better side is worth a start. The contacts of a grasp always press, but where its
-    // balance is left to an objective, that has as many sides.
-    if (!search_parameters().other_side || balanced_by_row() || winner_ < 0 || winner_ == state.mode ||
-        !state.best.certified() || must_stop() ||
-        !(state.best.objective > best_objective() + search_parameters().beats)) {
-      return;
-    }
-    const Candidate& better = states_[static_cast<std::size_t>(winner_)].best;
-    StartShape from = better.program->shape_of(better.x);
-    from.arc_lengths.clear();
-    from.forces.clear();
-    try_start(state, from);
-  });
+  consider(state, [&] { try_start(state, shape); });
 }
 
 void Planner::consider(ModeState& state, const std::function<void()>& trial) {
@@ -157,6 +142,7 @@ Plan Planner::run() {
   if (winner_ >= 0) return report();
   if (search_parameters().balance_first && d_.palm && !d_.palm->balance) start_from_balance(order);
   search(order);
+  if (fast()) return report();
   if (winner_ >= 0 || d_.palm) hold_cheaper();
   search_further(starts(), order);
   if (search_parameters().settle) settle(order);
@@ -175,13 +161,14 @@ void Planner::search(const std::vector<std::size_t>& order) {
     // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
     // families with several valleys of the effort; what follows its own starts is no equilibrium.
     // Where nothing can be chosen equilibria stand alone, and no search leads from one to a better one.
-    if (winner_ >= 0 && (balanced_by_row() ? round >= earlier + d_.grip->starts() : round > 0 && !d_.palm && chooses()))
+    if (winner_ >= 0 && !thorough() &&
+        (balanced_by_row() ? round >= earlier + d_.grip->starts() : round > 0 && !d_.palm && chooses()))
       break;
     round_ = round;
     // Before the second start per mode the rod itself shows where it can be.
-    if (search_parameters().ask_rests && round > 0 && !d_.palm && !rested_ && winner_ < 0) {
+    if (search_parameters().ask_rests && round > 0 && !d_.palm && !rested_ && (winner_ < 0 || thorough())) {
       start_from_rests();
-      if (winner_ >= 0 && chooses()) break;
+      if (winner_ >= 0 && chooses() && !thorough()) break;
     }
     deferring_ = balanced_by_row();
     for (const std::size_t i : order) {
@@ -199,7 +186,7 @@ void Planner::search(const std::vector<std::size_t>& order) {
 }
 
 void Planner::search_sides(const std::vector<std::size_t>& order) {
-  if (d_.palm || !search_parameters().sides) return;
+  if (d_.palm || fast() || !search_parameters().sides) return;
   const std::vector<SideStart> starts = starts_by_sides(d_);
   if (starts.size() < 2) return;
   const SideStart own = start_by_sides(d_, d_.scene_start());
@@ -219,21 +206,23 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
       of_way.push_back({merit, i, &start});
     }
     std::stable_sort(of_way.begin(), of_way.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
-    if (of_way.size() > static_cast<std::size_t>(search_parameters().most_sides)) {
-      of_way.resize(static_cast<std::size_t>(search_parameters().most_sides));
-    }
+    const std::size_t most_sides = search_parameters().most_sides * static_cast<std::size_t>(generosity());
+    if (of_way.size() > most_sides) of_way.resize(most_sides);
     // The scene's own start comes before all others.
     trials.push_back({0.0, i, &own});
     trials.insert(trials.end(), of_way.begin(), of_way.end());
   }
   std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
-  if (trials.size() > search_parameters().most_trials) trials.resize(search_parameters().most_trials);
+  const std::size_t most_trials = search_parameters().most_trials * static_cast<std::size_t>(generosity());
+  if (trials.size() > most_trials) trials.resize(most_trials);
   for (const Trial& trial : trials) {
     ModeState& state = states_[trial.way];
-    if (must_stop() || steps_.tally.work > search_parameters().side_work) return;
-    // A plan from another side may lie on this one.
-    if (state.best.has_point && sides_of(d_, state.best.program->shape_of(state.best.x)) == trial.start->sides)
-      continue;
+    if (must_stop() || steps_.tally.work > generosity() * search_parameters().side_work) return;
+    if (!thorough() && state.best.has_point) {
+      // A plan from another side may lie on this one, as near to what is asked for as a start can be.
+      const SideStart found = start_by_sides(d_, state.best.program->shape_of(state.best.x));
+      if (found.sides == trial.start->sides && found.merit <= trial.start->merit) continue;
+    }
     state.sided = true;
     // Not split, a contact may have to go on into the next piece.
     const bool hops = !d_.scene.coordinates.split_at_contact && !modes_[trial.way].contacts.empty();
@@ -241,7 +230,7 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
   }
 }
 
-bool Planner::looked_at(const ModeState& state) const { return have_plan_ && state.sided; }
+bool Planner::looked_at(const ModeState& state) const { return have_plan_ && state.sided && !thorough(); }
 
 void Planner::hold_cheaper() {
   if (!search_parameters().hold_cheaper) return;
@@ -286,6 +275,7 @@ void Planner::start_from_balance(const std::vector<std::size_t>& order) {
   }
   winner_ = -1;
   have_plan_ = false;
+  minima_.clear();
   consider(states_[static_cast<std::size_t>(mode)], shape);
 }
 

@@ -83,6 +83,10 @@ class Planner {
   };
 
   bool must_stop() const { return steps_.must_stop(); }
+  bool fast() const { return d_.scene.effort == SearchEffort::fast; }
+  bool thorough() const { return d_.scene.effort == SearchEffort::thorough; }
+  /// Limits of what is tried are so many times as high.
+  int generosity() const { return thorough() ? search_parameters().thorough : 1; }
   /// So much went without a plan that what follows has to be enough for all that was not tried.
   bool hurried() const {
     const bool looked = rested_ && round_ > 0;  // every mode had its start, and the rod was asked
@@ -210,8 +214,11 @@ class Planner {
   std::size_t state_of(const std::vector<ContactSetup>& contacts);
   void name_state(std::size_t i);
   std::vector<std::size_t> parents(int contacts) const;
+  /// Remembers a certified plan, if none like it is known.
+  void keep_minimum(const ModeState& state, const Candidate& c);
   /// Rounds of search().
   int starts() const {
+    if (fast()) return 1 + (control_.start != nullptr ? 1 : 0);
     return search_parameters().most_starts + (control_.start != nullptr ? 1 : 0) + (d_.palm ? 1 : 0);
   }
   static bool all_press(const ModeState& state) {
@@ -227,12 +234,15 @@ class Planner {
   /// there. Then it lies along an obstacle, which is why no point of contact keeps it outside.
   void look_for_spread();
   Plan report();
+  /// What a reader should know first: where the start runs, and how far the plan is from what was asked for.
+  void add_notes(Plan& plan) const;
 
   Task& d_;
   const PlanControl& control_;
   std::vector<Mode> modes_;  ///< those of the problem, then what the search adds
   ProgramSearch steps_;
   std::deque<ModeState> states_;  ///< one per mode; stay where they are as modes are added
+  std::vector<PlanMinimum> minima_;
   int winner_ = -1;
   bool certified_ = false;                ///< the point that complete() judged last
   bool have_plan_ = false;                ///< some mode is certified

@@ -216,6 +216,7 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
   }
   if (!c.has_point) return true;
   certified_ = c.certified();
+  if (certified_) keep_minimum(state, c);
   const bool unstable = !c.certified() && (!(c.certificate.stability > tolerance::stability) ||
                                            !(c.certificate.contact_convexity > tolerance::convexity));
   if (unstable && !c.program->spec().least_margin && c.objective < state.unstable_objective) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "rod/outline.hpp"
 #include "rod/self_overlap.hpp"
 #include "scene/plan_report.hpp"
 #include "search/follower.hpp"
@@ -10,6 +11,60 @@
 #include "search/task.hpp"
 
 namespace tendril {
+namespace {
+
+std::string side_in_words(int side) {
+  return side == 0 ? "" : std::abs(side) > 1 ? "ahead" : side > 0 ? "left" : "right";
+}
+
+std::string as_share(double distance) { return shown(100.0 * distance, 3) + " % of the length"; }
+
+}  // namespace
+
+void Planner::keep_minimum(const ModeState& state, const Candidate& c) {
+  PlanMinimum found;
+  found.mode = state.record.mode;
+  if (!d_.obstacles.empty() && !d_.palm) {
+    for (const int side : sides_of(d_, c.program->shape_of(c.x))) found.sides.push_back(side_in_words(side));
+  }
+  found.objective = c.objective * d_.objective_scale;
+  const auto same = [&](const PlanMinimum& known) {
+    return known.mode == found.mode && known.sides == found.sides &&
+           std::abs(known.objective - found.objective) <=
+               search_parameters().same_minimum * std::max(1.0, std::abs(found.objective));
+  };
+  if (std::any_of(minima_.begin(), minima_.end(), same)) return;
+  found.moments = moments_of(&c);
+  for (double& m : found.moments) m *= d_.scale.moment();
+  const auto place = std::find_if(minima_.begin(), minima_.end(),
+                                  [&](const PlanMinimum& known) { return known.objective > found.objective; });
+  minima_.insert(place, std::move(found));
+}
+
+void Planner::add_notes(Plan& plan) const {
+  if (!d_.palm && control_.start == nullptr) {
+    std::vector<OutlinePoint> line;
+    outline(d_.rod, d_.scene_start().curvature, search_parameters().outline_steps, line);
+    for (std::size_t o = 0; o < d_.obstacles.size(); ++o) {
+      double depth = 0.0;
+      for (const OutlinePoint& p : line) depth = std::max(depth, -d_.obstacles[o]->at(p.position).distance);
+      if (depth <= 0.0) continue;
+      plan.notes.push_back("the start runs through '" + d_.obstacle_names[o] + "', " + as_share(depth) + " deep: " +
+                           (fast() ? "the search began there all the same" : "starts beside it were tried as well"));
+    }
+  }
+  if (!d_.target.has_position) return;
+  const bool read = std::any_of(d_.terms.begin(), d_.terms.end(), [](const PoseProgramTerm& term) {
+    return term.term->reads().target && term.term->reads().tip_position;
+  });
+  if (!read) plan.notes.emplace_back("no objective reads the target and the tip");
+  const double distance = norm(d_.target.position - d_.rod.base);
+  if (distance > 1.0) plan.notes.push_back("the target lies out of reach, by " + as_share(distance - 1.0));
+  if (!plan.target_error || !read) return;
+  const double miss = *plan.target_error / d_.scale.length;
+  if (miss > search_parameters().missed) plan.notes.push_back("the tip misses the target by " + as_share(miss));
+}
+
 Plan Planner::report() {
   Plan plan;
   plan.coordinates_name = d_.scene.coordinates.plugin;
@@ -102,6 +157,8 @@ Plan Planner::report() {
   plan.backbone = sampled_backbone(chosen->certifier->finer(x), length);
   plan.self_overlap = self_overlap(plan.backbone);
   if (d_.grip) d_.grip->finish(d_, program, x, plan);
+  plan.minima = minima_;
+  add_notes(plan);
   return plan;
 }
 
