@@ -131,6 +131,17 @@ class PlacesOn : public testing::TestWithParam<bool> {
   const std::function<std::string(int)> number = [](int i) { return std::to_string(i); };
 };
 
+TEST_P(PlacesOn, WorkIsThatOfForcesOnTheWayToWhereTheyAct) {
+  Eigen::VectorXd elsewhere = p.at;
+  elsewhere.head(p.lambda.size()) *= 0.7;
+  const double expected = p.work(p.virtual_forces, elsewhere) - p.work(p.virtual_forces, p.at);
+  p.move(elsewhere);
+  const double after = p.places->work(p.virtual_forces);
+  p.move(p.at);
+  // Sums of a dozen numbers of size 1.
+  EXPECT_NEAR(after - p.places->work(p.virtual_forces), expected, 1e-13);
+}
+
 TEST_P(PlacesOn, RowsAreDerivativesOfPoints) {
   for (int k = 0; k < p.places->count(); ++k) {
     SCOPED_TRACE("place " + std::to_string(k));

@@ -119,6 +119,7 @@ TEST(PoseValues, EquilibriumRowsAreTheSlopesOfTheEnergy) {
     const Eigen::VectorXd x = sample_point(program);
     const PoseProgram::Layout& at = program.layout();
     const Eigen::VectorXd rows = program.constraints(x).head(at.coordinates);
+    EXPECT_NEAR(program.potential(x), potential(sample, program, x, {}), 1e-12);
     std::vector<DeadForce> forces;
     for (const PoseProgram::ContactState& contact : program.contacts()) {
       forces.push_back({contact.arc_length, contact.force * contact.surface.normal});

@@ -6,7 +6,6 @@
 #include "nlp/multipliers.hpp"
 #include "obstacle/shrunk.hpp"
 #include "program/stability.hpp"
-#include "rod/quadrature.hpp"
 #include "tendril/error.hpp"
 #include "tendril/tolerances.hpp"
 
@@ -28,14 +27,6 @@ struct Certifier::Data {
     for (const Obstacle* o : spec.obstacles) shrunk.emplace_back(*o);
     tables = program->chain().curve_tables();
     curve = std::make_unique<Curve>(tables);
-    const Chain& chain = program->chain();
-    const int n = chain.functions();
-    first.resize(chain.nodes(), n);
-    Eigen::MatrixXd value(chain.nodes(), n);
-    Eigen::MatrixXd second(chain.nodes(), n);
-    const Eigen::VectorXd& sigma = chain.table().sigma;
-    chain.model().evaluate({sigma.data(), static_cast<std::size_t>(sigma.size())}, value, first, second);
-    polynomials.resize(static_cast<std::size_t>(tables->per_interval()) + 1);
   }
 
   static PoseProgramSpec doubled(PoseProgramSpec s) {
@@ -66,7 +57,6 @@ struct Certifier::Data {
     return obstacle + static_cast<std::size_t>(spec.carried) >= spec.obstacles.size() ? *from_palm : *curve;
   }
 
-  double moment_balance(ConstVectorRef x);
   double margin(ConstVectorRef x) { return stability.margin(*program, x); }
   /// A quadratic form that holds for half of all disturbances is positive there only if it is for all of them: a
   /// contact at the end of the rod has to hold it as one that slides and as one at the tip.
@@ -93,11 +83,8 @@ struct Certifier::Data {
   std::unique_ptr<Curve> curve, from_palm;
 
   Stability stability;
-  Eigen::MatrixXd first;  ///< the basis' slopes at the nodes
   // Memory that is used again.
-  Eigen::VectorXd coarse, rows;                ///< of the judged program, and on the doubled rule
-  Eigen::VectorXd shear, coefficients, up_to;  ///< moment balance
-  std::vector<double> polynomials;             ///< moment balance
+  Eigen::VectorXd coarse, rows;  ///< of the judged program, and on the doubled rule
   std::vector<int> biactive;
   std::vector<ClosestApproach> near;
   KktJudgement known;
@@ -113,97 +100,6 @@ void Certifier::set_checks(const std::vector<CheckPoint>& checks) {
   const Loads loads = data_->program->loads();
   data_->program = std::make_unique<PoseProgram>(data_->spec);
   data_->program->set_loads(loads);
-}
-
-/// max over nodes and knots of |EI (kappa - kappa0) - moment of everything beyond|.
-double Certifier::Data::moment_balance(ConstVectorRef x) {
-  const Chain& chain = program->chain();
-  const Backbone& shape = program->backbone();
-  const Loads& loads = program->loads();
-  const int n = tables->per_interval();
-  const int intervals = tables->intervals();
-  const int functions = chain.functions();
-  const bool gravity = spec.rod->has_gravity();
-  const Eigen::VectorXd& sigma = chain.table().sigma;
-
-  const std::vector<PoseProgram::ContactState>& contacts = program->contacts();
-  Vec2 force = loads.tip_force;
-  double mass = spec.rod->payload;
-  double beyond = 0.0;  // moment of all forces beyond the current point, about it
-  double worst = 0.0;
-  shear.resize(n);
-  coefficients.resize(n);
-  up_to.resize(n);
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    if (spec.contacts[k].at_tip) force += contacts[k].force * contacts[k].surface.normal;
-  }
-  // The force of an unsplit contact ends inside a piece, where no series over the nodes follows it: force times arm
-  // does.
-  const auto unsplit_moment = [&](int j, double at) {
-    double moment = 0.0;
-    if (spec.split || contacts.empty()) return moment;
-    const double s = shape.start(j) + shape.length(j) * at;
-    const Vec2 here = curve->position(j, at);
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      if (spec.contacts[k].at_tip || !(contacts[k].arc_length > s)) continue;
-      moment += cross(contacts[k].point - here, contacts[k].force * contacts[k].surface.normal);
-    }
-    return moment;
-  };
-  std::size_t knot = static_cast<std::size_t>(program->layout().arc_lengths);
-  for (int j = chain.piece_count() - 1; j >= 0; --j) {
-    const Chain::Piece& piece = chain.piece(j);
-    const double h = shape.length(j);
-    while (spec.split && knot > 0 && chain.piece_before_knot(static_cast<int>(knot) - 1) == j) {
-      --knot;
-      force += contacts[knot].force * contacts[knot].surface.normal;
-    }
-    double applied = piece.stiffness * piece.rest_curvature;
-    for (int a = 0; a < chain.actuator_count(); ++a) {
-      const int variable = program->moment_variable(a);
-      if (variable >= 0 && chain.actuated(a, j)) applied += x[variable];
-    }
-    const double own = piece.weight * h;
-    const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), functions);
-    const auto check = [&](double curvature, double moment) {
-      worst = std::max(worst, std::abs(piece.stiffness * curvature - applied - moment));
-    };
-    check(chain.table().slope_end.dot(q) / h, beyond + unsplit_moment(j, 1.0));
-    for (int i = intervals - 1; i >= 0; --i) {
-      const double width = tables->end(i + 1) - tables->end(i);
-      double before = 0.0;
-      for (int g = 0; g < n; ++g) {
-        const int node = i * n + g;
-        Vec2 f = force;
-        if (gravity) f += (mass + own * (1.0 - sigma[node])) * loads.gravity;
-        shear[g] = cross(shape.tangent(j, node), f);
-      }
-      coefficients.noalias() = tables->transform() * shear;
-      up_to.noalias() = 0.5 * width * h * (tables->cumulative() * coefficients);
-      before = width * h * coefficients[0];
-      for (int g = 0; g < n; ++g) {
-        check(first.row(i * n + g).dot(q) / h, beyond + before - up_to[g] + unsplit_moment(j, sigma[i * n + g]));
-      }
-      // The defect of an unsplit basis peaks at the contact, where it cannot kink.
-      for (std::size_t k = 0; !spec.split && k < contacts.size(); ++k) {
-        const double at = (contacts[k].arc_length - shape.start(j)) / h;
-        if (spec.contacts[k].at_tip || !(at >= tables->end(i) && at <= tables->end(i + 1))) continue;
-        const double z = 2.0 * (at - tables->end(i)) / width - 1.0;
-        legendre_polynomials(z, polynomials);
-        double here = (1.0 + z) * coefficients[0];
-        for (std::size_t m = 1; m + 1 < polynomials.size(); ++m) {
-          const double order = static_cast<double>(m);
-          here += coefficients[static_cast<Eigen::Index>(m)] * (polynomials[m + 1] - polynomials[m - 1]) /
-                  (2.0 * order + 1.0);
-        }
-        check(shape.at(j, at).curvature, beyond + before - 0.5 * width * h * here + unsplit_moment(j, at));
-      }
-      beyond += before;
-    }
-    check(chain.table().slope_start.dot(q) / h, beyond + unsplit_moment(j, 0.0));
-    mass += own;
-  }
-  return worst;
 }
 
 void Certifier::Data::judge_stationarity(PoseProgram& judged, ConstVectorRef x, Certificate& c,
@@ -310,7 +206,7 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
     const double convexity = d.program->contact_convexity(k);
     if (std::isnan(convexity) || convexity < c.contact_convexity) c.contact_convexity = convexity;
   }
-  c.moment_balance = d.moment_balance(x);
+  c.moment_balance = d.program->moment_defect(x, *d.curve);
   c.stability = spreads(c) ? -infinity : d.margin_to_both_sides(x);
 }
 
@@ -402,7 +298,7 @@ void Certifier::set_loads(const Loads& loads) {
 
 double Certifier::moment_balance(ConstVectorRef x) {
   data_->move(x);
-  return data_->moment_balance(x);
+  return data_->program->moment_defect(x, *data_->curve);
 }
 
 double Certifier::stability(ConstVectorRef x) {

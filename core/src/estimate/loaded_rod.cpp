@@ -1,12 +1,14 @@
 #include "estimate/loaded_rod.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
-#include "program/pose_program.hpp"
-#include "rod/moving_point.hpp"
+#include "nlp/newton.hpp"
+#include "program/equations.hpp"
+#include "rod/places.hpp"
 #include "tendril/error.hpp"
 
 namespace tendril {
@@ -17,6 +19,7 @@ constexpr double newton_tolerance = 1e-11;
 constexpr int most_newton_steps = 40;
 /// A coordinate never moves by more than this in one step (radians): beyond it the linearization means nothing.
 constexpr double longest_newton_step = 1.0;
+constexpr Vec2 axes[] = {{1.0, 0.0}, {0.0, 1.0}};
 
 }  // namespace
 
@@ -25,16 +28,27 @@ class LoadedRod::Pieces {
  public:
   Pieces(const Rod& rod, const std::vector<double>& moments, const LegendreBasis& basis,
          const std::vector<int>& stretches, double turn)
-      : program_(spec(rod, basis, stretches, turn)), x_(Eigen::VectorXd::Zero(program_.variable_count())) {
+      : program_(spec(rod, basis, stretches, turn)),
+        equations_(Equations::of_equilibrium(program_)),
+        x_(Eigen::VectorXd::Zero(program_.variable_count())) {
+    for (int k = 0; k < force_count(); ++k) {
+      loads_.push_back(program_.force_variable(k));
+      loads_.push_back(program_.arc_length_variable(k));
+    }
     for (std::size_t a = 0; a < moments.size(); ++a) x_[program_.moment_variable(static_cast<int>(a))] = moments[a];
   }
 
   const Chain& chain() const { return program_.chain(); }
   /// Of the state moved to.
   const Backbone& backbone() {
-    program_.jacobian(x_);
+    program_.constraints(x_);
     return program_.backbone();
   }
+  /// Of the equilibrium, for the coordinates.
+  Equations& equations() { return equations_; }
+  const Eigen::VectorXd& variables() const { return x_; }
+  /// Each force and its place in turn.
+  const std::vector<int>& loads() const { return loads_; }
 
   void move(std::span<const NormalForce> forces, ConstVectorRef coordinates) {
     x_.head(coordinates.size()) = coordinates;
@@ -44,50 +58,35 @@ class LoadedRod::Pieces {
       x_[program_.force_variable(k)] = f.force;
     }
   }
-
   int force_count() const { return program_.layout().forces; }
-  /// What is out of balance, and its derivatives by the coordinates, and by each force and its place in turn.
-  Eigen::VectorXd residual() { return program_.constraints(x_).head(size()); }
-  Eigen::MatrixXd jacobian() { return program_.jacobian(x_).topLeftCorner(size(), size()); }
-  Eigen::MatrixXd load_rates() {
-    Eigen::MatrixXd rates(size(), 2 * force_count());
-    for (int k = 0; k < force_count(); ++k) {
-      rates.col(2 * k) = program_.jacobian(x_).col(program_.force_variable(k)).head(size());
-      rates.col(2 * k + 1) = program_.jacobian(x_).col(program_.arc_length_variable(k)).head(size());
-    }
-    return rates;
-  }
 
   /// K of the bending energy q . K q / 2.
-  Eigen::MatrixXd bending() const {
-    const int n = chain().functions();
-    Eigen::MatrixXd k = Eigen::MatrixXd::Zero(size(), size());
-    for (int j = 0; j < chain().piece_count(); ++j) {
-      k.block(j * n, j * n, n, n) =
-          chain().piece(j).stiffness / program_.backbone().length(j) * chain().table().stiffness;
-    }
+  Eigen::MatrixXd bending() {
+    Eigen::MatrixXd k = Eigen::MatrixXd::Zero(equations_.size(), equations_.size());
+    Eigen::MatrixXd mixed = Eigen::MatrixXd::Zero(equations_.size(), force_count());
+    at({}).add_energy_second(1.0, nullptr, {k, mixed, mixed.topRows(0)});
     return k;
   }
 
-  void place(MovingPoint& point, double s) {
-    const std::span<const double> knots(x_.data() + program_.layout().first_arc_length,
-                                        static_cast<std::size_t>(force_count()));
-    point.move(backbone(), chain().piece_at(s, knots), s);
+  /// Places at arc lengths of the state, ready for their rows. They stay as long as the same ones are asked for.
+  const Places& at(std::span<const double> arc_lengths) {
+    if (!places_ || !std::equal(arc_lengths.begin(), arc_lengths.end(), asked_.begin(), asked_.end())) {
+      asked_.assign(arc_lengths.begin(), arc_lengths.end());
+      places_.emplace(*program_.spec().rod, chain(), force_count());
+      for (const double s : asked_) places_->add_fixed(s);
+    }
+    places_->move(x_.head(equations_.size()),
+                  {x_.data() + program_.layout().first_arc_length, static_cast<std::size_t>(force_count())});
+    places_->differentiate();
+    return *places_;
   }
-  /// n . dP/dq of a point that was placed.
-  Eigen::RowVectorXd row(const MovingPoint& point, Vec2 n) const {
-    Eigen::RowVectorXd out = Eigen::RowVectorXd::Zero(size());
-    program_.backbone().row_before(point.piece(), point.position(), n, out.data());
-    point.own_row(n, false, out.data() + point.piece() * chain().functions());
+  /// n . dP of a place: by the coordinates, and at frozen ones by the arc length of each force.
+  std::pair<Eigen::RowVectorXd, Eigen::RowVectorXd> row(int place, Vec2 n) const {
+    std::pair<Eigen::RowVectorXd, Eigen::RowVectorXd> out;
+    out.first.setZero(equations_.size());
+    out.second.setZero(force_count());
+    places_->row(place, n, {out.first.data(), out.second.data()});
     return out;
-  }
-  /// dP/ds_k of a point of fixed arc length at frozen coordinates.
-  Vec2 rate(const MovingPoint& point, int k) const {
-    const int j = point.piece();
-    Vec2 sum{};
-    for (int i = 0; i < j; ++i) sum += chain().length_rate()(i, k) * program_.backbone().chord(i);
-    sum += chain().length_rate()(j, k) * point.chord();
-    return sum - (chain().start_rate()(j, k) + point.sigma() * chain().length_rate()(j, k)) * point.tangent();
   }
 
  private:
@@ -100,10 +99,12 @@ class LoadedRod::Pieces {
     for (const int stretch : stretches) out.contacts.push_back({ContactSetup::along_normal, false, stretch});
     return out;
   }
-  int size() const { return chain().coordinate_count(); }
-
   PoseProgram program_;
+  Equations equations_;
   Eigen::VectorXd x_;
+  std::vector<int> loads_;
+  std::vector<double> asked_;
+  std::optional<Places> places_;
 };
 
 LoadedRod::LoadedRod(const Rod& rod, std::vector<double> moments, int order, double turn)
@@ -179,32 +180,27 @@ LoadedRod::Shape LoadedRod::newton(std::vector<NormalForce> forces, Eigen::Vecto
   ++solves_;
   Pieces& p = pieces(forces);
   Shape shape{std::move(forces), std::move(coordinates)};
-  p.move(shape.forces, shape.coordinates);
-  Eigen::VectorXd r = p.residual();
-  bool last = false;
-  while (shape.iterations < most_newton_steps && r.allFinite()) {
-    ++shape.iterations;
-    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(p.jacobian());
-    Eigen::VectorXd step = -lu.solve(r);
-    const double size = step.lpNorm<Eigen::Infinity>();
-    if (!std::isfinite(size)) return shape;
-    double fraction = std::min(1.0, longest_newton_step / size);
-    // The simplified next step tells whether this one helps (natural level function).
-    for (bool accepted = false; !accepted; fraction *= 0.5) {
-      if (fraction < 1e-4) return shape;
-      const Eigen::VectorXd trial = shape.coordinates + fraction * step;
-      p.move(shape.forces, trial);
-      r = p.residual();
-      const double next = lu.solve(r).lpNorm<Eigen::Infinity>();
-      accepted = size <= 1e-8 || (std::isfinite(next) && next <= (1.0 - 0.25 * fraction) * size);
-      if (accepted) shape.coordinates = trial;
+  const auto correct = [&](const Eigen::VectorXd& q, Eigen::VectorXd& step) {
+    p.move(shape.forces, q);
+    if (!p.equations().evaluate(p.variables())) return infinity;
+    step = -p.equations().factor().solve(p.equations().residual());
+    return step.lpNorm<Eigen::Infinity>();
+  };
+  // The simplified next step tells whether this one helps (natural level function).
+  const auto share = [&](const Eigen::VectorXd& q, const Eigen::VectorXd& step, double size) {
+    for (double part = std::min(1.0, longest_newton_step / size); part >= 1e-4; part *= 0.5) {
+      p.move(shape.forces, q + part * step);
+      const Eigen::VectorXd& residual = p.equations().residual_at(p.variables());
+      const double next = p.equations().factors().solve(residual).lpNorm<Eigen::Infinity>();
+      if (size <= 1e-8 || (std::isfinite(next) && next <= (1.0 - 0.25 * part) * size)) return part;
     }
-    if (last) {
-      shape.converged = true;
-      return shape;
-    }
-    last = size <= newton_tolerance;
-  }
+    return 0.0;
+  };
+  Eigen::VectorXd step;
+  const NewtonOutcome outcome =
+      tendril::newton(shape.coordinates, step, most_newton_steps, newton_tolerance, correct, share);
+  shape.converged = outcome.converged;
+  shape.iterations = outcome.steps;
   return shape;
 }
 
@@ -212,35 +208,27 @@ LoadedRod::Response LoadedRod::response(const Shape& shape, std::span<const doub
   Pieces& p = pieces(shape.forces);
   p.move(shape.forces, shape.coordinates);
   Response out;
-  out.coordinate_rates = p.load_rates();
-  if (p.force_count() > 0) out.coordinate_rates = -p.jacobian().partialPivLu().solve(out.coordinate_rates).eval();
-  const auto count = static_cast<Eigen::Index>(arc_lengths.size());
-  out.points.resize(2 * count);
-  out.rates.resize(2 * count, out.coordinate_rates.cols());
-  MovingPoint point(p.chain());
-  for (Eigen::Index m = 0; m < count; ++m) {
-    p.place(point, arc_lengths[static_cast<std::size_t>(m)]);
-    out.points[2 * m] = point.position().x;
-    out.points[2 * m + 1] = point.position().y;
-    if (p.force_count() == 0) continue;
-    out.rates.row(2 * m) = p.row(point, {1.0, 0.0}) * out.coordinate_rates;
-    out.rates.row(2 * m + 1) = p.row(point, {0.0, 1.0}) * out.coordinate_rates;
-    for (int k = 0; k < p.force_count(); ++k) {
-      const Vec2 rate = p.rate(point, k);
-      out.rates(2 * m, 2 * k + 1) += rate.x;
-      out.rates(2 * m + 1, 2 * k + 1) += rate.y;
+  p.equations().evaluate(p.variables());
+  p.equations().factor();
+  p.equations().find_rates(p.variables(), p.loads(), out.coordinate_rates);
+  const Places& at = p.at(arc_lengths);
+  out.points.resize(2 * at.count());
+  out.rates.resize(2 * at.count(), out.coordinate_rates.cols());
+  for (int m = 0; m < at.count(); ++m) {
+    out.points.segment<2>(2 * m) << at.point(m).x, at.point(m).y;
+    for (const int axis : {0, 1}) {
+      const auto [row, slide] = p.row(m, axes[axis]);
+      out.rates.row(2 * m + axis) = row * out.coordinate_rates;
+      for (int k = 0; k < p.force_count(); ++k) out.rates(2 * m + axis, 2 * k + 1) += slide[k];
     }
   }
   return out;
 }
 
 Eigen::MatrixXd LoadedRod::unit_forces(Pieces& p, std::span<const double> places) {
-  MovingPoint point(p.chain());
-  Eigen::MatrixXd columns(p.chain().coordinate_count(), static_cast<Eigen::Index>(places.size()));
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    p.place(point, places[i]);
-    columns.col(static_cast<Eigen::Index>(i)) = p.row(point, point.normal()).transpose();
-  }
+  const Places& at = p.at(places);
+  Eigen::MatrixXd columns(p.chain().coordinate_count(), at.count());
+  for (int i = 0; i < at.count(); ++i) columns.col(i) = p.row(i, turned(at.tangent(i))).first.transpose();
   return columns;
 }
 
@@ -248,14 +236,12 @@ Eigen::MatrixXd LoadedRod::influence(const Shape& shape, std::span<const double>
                                      std::span<const double> places) const {
   Pieces& p = pieces(shape.forces);
   p.move(shape.forces, shape.coordinates);
-  const Eigen::MatrixXd rates = -p.jacobian().partialPivLu().solve(unit_forces(p, places));
-  MovingPoint point(p.chain());
-  Eigen::MatrixXd out(2 * static_cast<Eigen::Index>(arc_lengths.size()), rates.cols());
-  for (std::size_t m = 0; m < arc_lengths.size(); ++m) {
-    const auto first = 2 * static_cast<Eigen::Index>(m);
-    p.place(point, arc_lengths[m]);
-    out.row(first) = p.row(point, {1.0, 0.0}) * rates;
-    out.row(first + 1) = p.row(point, {0.0, 1.0}) * rates;
+  p.equations().evaluate(p.variables());
+  const Eigen::MatrixXd rates = -p.equations().factor().solve(unit_forces(p, places));
+  const Places& at = p.at(arc_lengths);
+  Eigen::MatrixXd out(2 * at.count(), rates.cols());
+  for (int m = 0; m < at.count(); ++m) {
+    for (const int axis : {0, 1}) out.row(2 * m + axis) = p.row(m, axes[axis]).first * rates;
   }
   return out;
 }
@@ -263,7 +249,7 @@ Eigen::MatrixXd LoadedRod::influence(const Shape& shape, std::span<const double>
 LoadedRod::Imbalance LoadedRod::imbalance(const Curvature& curvature, std::span<const double> places) const {
   Pieces& p = pieces({});
   p.move({}, coordinates({}, curvature));
-  const Eigen::VectorXd missing = -p.residual();
+  const Eigen::VectorXd missing = -p.equations().residual_at(p.variables());
   const Eigen::LLT<Eigen::MatrixXd> bending(p.bending());
   return {bending.matrixL().solve(missing), bending.matrixL().solve(unit_forces(p, places))};
 }
@@ -271,12 +257,10 @@ LoadedRod::Imbalance LoadedRod::imbalance(const Curvature& curvature, std::span<
 std::vector<LoadedRod::Point> LoadedRod::points(const Shape& shape, std::span<const double> arc_lengths) const {
   Pieces& p = pieces(shape.forces);
   p.move(shape.forces, shape.coordinates);
-  MovingPoint point(p.chain());
+  const Places& at = p.at(arc_lengths);
   std::vector<Point> out;
-  for (const double s : arc_lengths) {
-    p.place(point, s);
-    out.push_back({point.position(), point.angle(), point.curvature()});
-  }
+  out.reserve(arc_lengths.size());
+  for (int i = 0; i < at.count(); ++i) out.push_back({at.point(i), at.angle(i), at.side(i, 0).curvature});
   return out;
 }
 

@@ -1,11 +1,12 @@
-#include <Eigen/LU>
 #include <cmath>
-#include <numeric>
 
 #include "grasp/frames.hpp"
+#include "program/equations.hpp"
 
 namespace tendril {
 namespace {
+
+constexpr double singular_below = 1e-15;  ///< reciprocal condition of the equations
 
 /// How the held finger answers when the object or a moment moves: derivatives of the force that one finger exerts along
 /// an axis.
@@ -29,25 +30,17 @@ Response response_of(PoseProgramSpec spec, Vec2 axis, double shift, ConstVectorR
   Eigen::VectorXd y(program.variable_count());
   y.head(at.palm) = x.head(at.palm);
   y[at.palm] = shift;
-  const Eigen::MatrixXd jacobian = program.jacobian(y);
-
-  const auto append = [](std::vector<int>& list, int first, int count) {
-    const std::size_t before = list.size();
-    list.resize(before + static_cast<std::size_t>(count));
-    std::iota(list.begin() + static_cast<std::ptrdiff_t>(before), list.end(), first);
-  };
-  std::vector<int> unknowns;
-  append(unknowns, 0, at.coordinates);
-  append(unknowns, at.first_arc_length, at.arc_lengths + at.forces);
-  std::vector<int> rows;
-  append(rows, 0, at.coordinates + at.forces);
-  append(rows, at.first_closest, at.arc_lengths);
-  const Eigen::FullPivLU<Eigen::MatrixXd> system(Eigen::MatrixXd(jacobian(rows, unknowns)));
-  const Eigen::RowVectorXd balance = jacobian.row(at.first_balance);
+  Equations equations = Equations::of_contacts(program);
+  equations.evaluate(y);
+  const bool singular = !(equations.factor().rcond() > singular_below);
+  const MatrixView jacobian = program.jacobian(y);
+  Eigen::MatrixXd rates;
   const auto derivative = [&](int variable) {
-    if (!system.isInvertible()) return std::nan("");
-    const Eigen::VectorXd z = system.solve(-Eigen::VectorXd(jacobian(rows, variable)));
-    return -(balance[variable] + Eigen::RowVectorXd(balance(unknowns)).dot(z));
+    if (singular) return std::nan("");
+    equations.find_rates(y, {variable}, rates);
+    double sum = jacobian(at.first_balance, variable);
+    for (int i = 0; i < equations.size(); ++i) sum += jacobian(at.first_balance, equations.unknown(i)) * rates(i, 0);
+    return -sum;
   };
   Response out;
   out.by_object = derivative(at.palm);

@@ -16,6 +16,132 @@
 #include "tendril/grasp.hpp"
 
 namespace tendril {
+namespace {
+
+void take_obstacles(Task& d, const Scene& scene) {
+  if (d.components.obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const Obstacle& o = *d.components.obstacles[i];
+    d.obstacles.push_back(&o);
+    if (const double distance = o.at(d.rod.base).distance; !(distance >= 0.0)) {
+      throw SceneError("obstacle[" + std::to_string(i) + "]", d.obstacle_names[i] + " lies around the rod's base (" +
+                                                                  shown(-d.scale.to_si(distance, dimension::length)) +
+                                                                  " m deep): no shape is free of it");
+    }
+  }
+}
+
+/// An objective reads nothing that the scene has not.
+void require_quantities(const Task& d, const Scene& scene, std::size_t i) {
+  const std::string path = "objective[" + std::to_string(i) + "].plugin";
+  const std::string name = "objective '" + scene.objectives[i].plugin + "' needs ";
+  const Reads reads = d.components.terms[i]->reads();
+  if (reads.target && !d.target.has_position && !d.target.has_angle) {
+    throw SceneError(path, name + "a [target], but the scene has none");
+  }
+  if (reads.any_contact() && !d.contact_planned()) {
+    throw SceneError(path, name + "a contact, but this scene plans none (contact mode \"" +
+                               std::string(to_string(scene.contact.mode)) + "\", " +
+                               std::to_string(scene.obstacles.size()) + " obstacles)");
+  }
+  if (reads.palm_distance && !d.palm) throw SceneError(path, name + "a palm, but a pose has none");
+}
+
+void take_terms(Task& d, const Scene& scene) {
+  std::map<std::string, int> seen;
+  bool reads_moments = false;
+  double largest_weight = 0.0;
+  for (std::size_t i = 0; i < scene.objectives.size(); ++i) {
+    const ObjectiveSpec& objective = scene.objectives[i];
+    if (!needs_term(objective)) {
+      d.left_out.push_back({"objective " + objective.plugin, "its weight is 0"});
+      continue;
+    }
+    if (!d.components.terms[i]) throw Error("the term of objective '" + objective.plugin + "' is missing");
+    require_quantities(d, scene, i);
+    const int count = ++seen[objective.plugin];
+    PoseProgramTerm term{d.components.terms[i].get(), objective.weight, objective.plugin};
+    if (count > 1) term.name += "#" + std::to_string(count);
+    reads_moments = reads_moments || term.term->reads().moments;
+    largest_weight = std::max(largest_weight, objective.weight);
+    d.terms.push_back(term);
+  }
+  if (d.palm && !reads_moments) {
+    throw SceneError("objective",
+                     "a grasp needs an objective that weighs the moments: with the contact "
+                     "force at its limit and no force along the axis there is still a whole family of grasps");
+  }
+  // Only ratios of weights mean anything: the largest is 1, however small or large all of them are.
+  if (largest_weight > 0.0) d.objective_scale = largest_weight;
+  for (PoseProgramTerm& t : d.terms) {
+    t.weight /= d.objective_scale;
+    d.objective_bound += t.weight * t.term->lower_bound();
+  }
+}
+
+/// What no program of this task has, with the reason.
+void tell_left_out(Task& d, const Scene& scene) {
+  const auto leave = [&d](const std::string& what, const std::string& why) { d.left_out.push_back({what, why}); };
+  if (!scene.gravity) {
+    leave("gravity term", "the scene has no gravity");
+  } else if (!d.rod.has_gravity()) {
+    leave("gravity term", "neither the rod nor the tip has mass, or gravity is zero");
+  }
+  if (d.rod.payload == 0.0) leave("payload", "no tip mass is given");
+  if (!d.rod.has_tip_force()) leave("tip force", "none is given");
+  for (std::size_t a = 0; a < d.rod.actuators.size(); ++a) {
+    if (d.rod.actuators[a].fixed_at_zero()) leave("moment of actuator " + std::to_string(a + 1), "its limit is 0");
+  }
+  if (d.rod.actuators.empty()) leave("moments", "the rod has no actuator");
+  const bool ignored = scene.contact.mode == ContactModeName::ignore;
+  if (d.scene.obstacles.empty() || ignored) {
+    const char* why = d.scene.obstacles.empty() ? "the scene has no obstacle" : "contact mode \"ignore\"";
+    leave("check points", why);
+    leave("contact variables and rows", why);
+  } else if (!d.contact_planned()) {
+    leave("contact variables and rows",
+          scene.contact.mode == ContactModeName::avoid ? "contact mode \"avoid\"" : "max_force is 0");
+  }
+  if (!d.palm) {
+    leave("palm distance", "a pose has no palm");
+    return;
+  }
+  if (d.palm->minimum == d.palm->maximum) leave("palm distance", "it is fixed");
+  if (!d.palm->balance) leave("force balance as a row", "the scene leaves it to an objective");
+  if (!plans_both_fingers(scene)) leave("the lower finger", "it is the mirror image of the upper one");
+  leave("complementarity of the contacts", "a grasp holds its object: every contact touches");
+}
+
+/// The small programs, one per way of being in contact.
+void make_modes(Task& d) {
+  if (d.scene.contact.mode != ContactModeName::require || !d.contact_planned()) {
+    Mode none{d.obstacles.empty() ? "free" : "no contact", {}, ""};
+    for (const PoseProgramTerm& t : d.terms) {
+      const Reads reads = t.term->reads();
+      if (!(reads.contact_point || reads.contact_gap || reads.contact_normal || reads.contact_arc_length)) continue;
+      none.skip = "objective '" + t.name + "' reads the contact point, which this mode has not";
+    }
+    d.modes.push_back(std::move(none));
+  }
+  if (!d.contact_planned()) return;
+  const int count = d.scene.contact.count;
+  const auto stretches = static_cast<int>(d.rod.fixed_knots().size()) - 1;
+  const std::vector<ContactSetup> slots = contact_slots(stretches, d.contact_obstacles);
+  const auto few = every_assignment(slots, count, search_parameters().most_enumerated);
+  d.enumerated = few.has_value() || count == 1;
+  for (const std::vector<ContactSetup>& contacts : few ? *few : *every_assignment(slots, 1, slots.size())) {
+    d.modes.push_back(d.mode(contacts));
+  }
+  if (!d.enumerated) d.left_out.push_back(search_note(d));
+  if (count > 1) {
+    d.left_out.push_back(
+        {"two contacts inside the rod with one obstacle",
+         "within one segment only one is planned; a second one may be at the tip or on another segment"});
+  }
+}
+
+}  // namespace
+
 Problem::Problem(Problem&&) noexcept = default;
 Problem& Problem::operator=(Problem&&) noexcept = default;
 Problem::~Problem() = default;
@@ -48,142 +174,18 @@ Problem::Problem(const Scene& scene, Components components) : task_(std::make_un
   if (!d.components.coordinates) throw Error("a problem needs a coordinate model");
   if (!d.components.solver) throw Error("a problem needs a solver");
   if (d.components.terms.size() != scene.objectives.size()) throw Error("one term per objective is needed");
-
-  // Obstacles.
   d.obstacle_names = obstacle_names(d.scene);
-  if (needs_obstacles(scene)) {
-    if (d.components.obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
-    for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-      const Obstacle& o = *d.components.obstacles[i];
-      d.obstacles.push_back(&o);
-      if (const double distance = o.at(d.rod.base).distance; !(distance >= 0.0)) {
-        throw SceneError("obstacle[" + std::to_string(i) + "]", d.obstacle_names[i] + " lies around the rod's base (" +
-                                                                    shown(-d.scale.to_si(distance, dimension::length)) +
-                                                                    " m deep): no shape is free of it");
-      }
-    }
-  }
+  if (needs_obstacles(scene)) take_obstacles(d, scene);
   d.contact_obstacles = static_cast<int>(d.obstacles.size());
   d.max_force = d.scale.to_dimensionless(d.scene.contact.max_force, dimension::force);
   d.min_force = scene.contact.mode == ContactModeName::require
                     ? d.scale.to_dimensionless(scene.contact.min_force, dimension::force)
                     : 0.0;
   if (grasp) set_up_grasp(d);
-
-  // Target and terms.
   d.take_target(scene.problem == ProblemKind::trajectory ? scene.trajectory.targets.front() : scene.target);
-  std::map<std::string, int> seen;
-  bool reads_contact_place = false;
-  std::string place_reader;
-  bool reads_moments = false;
-  double largest_weight = 0.0;
-  for (std::size_t i = 0; i < scene.objectives.size(); ++i) {
-    const ObjectiveSpec& objective = scene.objectives[i];
-    if (!needs_term(objective)) {
-      d.left_out.push_back({"objective " + objective.plugin, "its weight is 0"});
-      continue;
-    }
-    if (!d.components.terms[i]) throw Error("the term of objective '" + objective.plugin + "' is missing");
-    const int count = ++seen[objective.plugin];
-    PoseProgramTerm term{d.components.terms[i].get(), objective.weight, objective.plugin};
-    if (count > 1) term.name += "#" + std::to_string(count);
-    const Reads reads = term.term->reads();
-    const std::string path = "objective[" + std::to_string(i) + "].plugin";
-    if (reads.target && !d.target.has_position && !d.target.has_angle) {
-      throw SceneError(path, "objective '" + objective.plugin + "' needs a [target], but the scene has none");
-    }
-    if (reads.any_contact() && !d.contact_planned()) {
-      throw SceneError(path, "objective '" + objective.plugin +
-                                 "' needs a contact, but this scene plans none (contact mode \"" +
-                                 std::string(to_string(scene.contact.mode)) + "\", " +
-                                 std::to_string(scene.obstacles.size()) + " obstacles)");
-    }
-    reads_moments = reads_moments || reads.moments;
-    if (reads.palm_distance && !grasp) {
-      throw SceneError(path, "objective '" + objective.plugin + "' needs a palm, but a pose has none");
-    }
-    if (reads.contact_point || reads.contact_gap || reads.contact_normal || reads.contact_arc_length) {
-      reads_contact_place = true;
-      place_reader = term.name;
-    }
-    largest_weight = std::max(largest_weight, objective.weight);
-    d.terms.push_back(term);
-  }
-  if (grasp && !reads_moments) {
-    throw SceneError("objective",
-                     "a grasp needs an objective that weighs the moments: with the contact "
-                     "force at its limit and no force along the axis there is still a whole family of grasps");
-  }
-  // Only ratios of weights mean anything: the largest is 1, however small or large all of them are.
-  if (largest_weight > 0.0) d.objective_scale = largest_weight;
-  for (PoseProgramTerm& t : d.terms) {
-    t.weight /= d.objective_scale;
-    d.objective_bound += t.weight * t.term->lower_bound();
-  }
-
-  // What is left out, with the reason.
-  if (!scene.gravity) {
-    d.left_out.push_back({"gravity term", "the scene has no gravity"});
-  } else if (!d.rod.has_gravity()) {
-    d.left_out.push_back({"gravity term", "neither the rod nor the tip has mass, or gravity is zero"});
-  }
-  if (d.rod.payload == 0.0) d.left_out.push_back({"payload", "no tip mass is given"});
-  if (!d.rod.has_tip_force()) d.left_out.push_back({"tip force", "none is given"});
-  for (std::size_t a = 0; a < d.rod.actuators.size(); ++a) {
-    if (d.rod.actuators[a].fixed_at_zero()) {
-      d.left_out.push_back({"moment of actuator " + std::to_string(a + 1), "its limit is 0"});
-    }
-  }
-  if (d.rod.actuators.empty()) d.left_out.push_back({"moments", "the rod has no actuator"});
-  std::string no_contact;
-  if (d.scene.obstacles.empty()) {
-    no_contact = "the scene has no obstacle";
-  } else if (scene.contact.mode == ContactModeName::ignore) {
-    no_contact = "contact mode \"ignore\"";
-  }
-  if (!no_contact.empty()) {
-    d.left_out.push_back({"check points", no_contact});
-    d.left_out.push_back({"contact variables and rows", no_contact});
-  } else if (!d.contact_planned()) {
-    d.left_out.push_back({"contact variables and rows",
-                          scene.contact.mode == ContactModeName::avoid ? "contact mode \"avoid\"" : "max_force is 0"});
-  }
-  if (!grasp) {
-    d.left_out.push_back({"palm distance", "a pose has no palm"});
-  } else {
-    if (d.palm->minimum == d.palm->maximum) d.left_out.push_back({"palm distance", "it is fixed"});
-    if (!d.palm->balance) d.left_out.push_back({"force balance as a row", "the scene leaves it to an objective"});
-    if (!both) d.left_out.push_back({"the lower finger", "it is the mirror image of the upper one"});
-    d.left_out.push_back({"complementarity of the contacts", "a grasp holds its object: every contact touches"});
-  }
-
-  // Modes: the small programs.
-  const std::vector<double> knots = d.rod.fixed_knots();
-  const std::size_t stretches = knots.size() - 1;
-  const bool require = d.scene.contact.mode == ContactModeName::require && d.contact_planned();
-  if (!require) {
-    Mode none{d.obstacles.empty() ? "free" : "no contact", {}, ""};
-    if (reads_contact_place)
-      none.skip = "objective '" + place_reader + "' reads the contact point, which this mode has not";
-    d.modes.push_back(std::move(none));
-  }
-  if (d.contact_planned()) {
-    const int obstacles = d.contact_obstacles;
-    const int count = scene.contact.count;
-    const std::vector<ContactSetup> slots = contact_slots(static_cast<int>(stretches), obstacles);
-    const auto few = every_assignment(slots, count, search_parameters().most_enumerated);
-    d.enumerated = few.has_value() || count == 1;
-    for (const std::vector<ContactSetup>& contacts : few ? *few : *every_assignment(slots, 1, slots.size())) {
-      d.modes.push_back(d.mode(contacts));
-    }
-    if (!d.enumerated) d.left_out.push_back(search_note(d));
-    if (count > 1) {
-      d.left_out.push_back(
-          {"two contacts inside the rod with one obstacle",
-           "within one segment only one is planned; a second one may be at the tip or on another segment"});
-    }
-  }
-
+  take_terms(d, scene);
+  tell_left_out(d, scene);
+  make_modes(d);
   d.nodes = d.first_nodes();
   if (both) add_lower_finger(d, scene);
   d.seconds_assemble = now() - begin;

@@ -21,6 +21,7 @@ PoseProgram::Data::Data(PoseProgramSpec s) : PoseState(std::move(s)) {
   add(layout.convexities, convexity_rows);
   pushes.on.resize(static_cast<std::size_t>(places.count()));
   mixed.setZero(layout.coordinates, layout.arc_lengths);
+  moments.resize(moment_variable.size());
 }
 
 PoseProgram::~PoseProgram() = default;
@@ -169,6 +170,26 @@ void PoseProgram::do_hessian(ConstVectorRef /*x*/, double sigma, ConstVectorRef 
   d.places.add_energy_second(d.base.energy_slope(), multipliers.data(), by);
   h.block(0, first, q, s) += d.mixed;
   h.block(first, 0, s, q) += d.mixed.transpose();
+}
+
+double PoseProgram::potential(ConstVectorRef x) {
+  constraints(x);
+  Data& d = *data_;
+  Eigen::VectorXd pulled = Eigen::VectorXd::Zero(d.layout.coordinates);
+  for (std::size_t a = 0; a < d.moment_variable.size(); ++a) {
+    if (const int i = d.moment_variable[a]; i >= 0) d.places.pull_back_moment(static_cast<int>(a), x[i], pulled.data());
+  }
+  return d.places.energy() - d.places.work({{}, d.forces.tip, d.forces.gravity, d.forces.payload}) -
+         pulled.dot(x.head(d.layout.coordinates));
+}
+
+double PoseProgram::moment_defect(ConstVectorRef x, const Curve& curve) {
+  constraints(x);
+  Data& d = *data_;
+  for (std::size_t a = 0; a < d.moments.size(); ++a) {
+    d.moments[a] = d.moment_variable[a] < 0 ? 0.0 : x[d.moment_variable[a]];
+  }
+  return d.places.moment_defect(d.forces, d.moments, curve);
 }
 
 double PoseProgram::contact_convexity(int contact) const {

@@ -17,6 +17,8 @@
 
 namespace tendril {
 
+class Curve;
+
 /// One contact that a program plans with.
 struct ContactSetup {
   /// Instead of an obstacle: whatever pushes there pushes along the rod's own normal (-sin phi, cos phi). Gap and
@@ -184,6 +186,10 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   /// All contacts, in the order of PoseProgramSpec::contacts.
   const std::vector<ContactState>& contacts() const;
   const Backbone& backbone() const;  ///< The rod's shape.
+  /// Pi (model.md section 3) at x: bending energy less the work of loads and moments; contacts do not count.
+  double potential(ConstVectorRef x);
+  /// Largest defect of the local balance of moments at x (model.md section 7). `curve`: of the rod's shape there.
+  double moment_defect(ConstVectorRef x, const Curve& curve);
   /// How far the base stands from Rod::base.
   Vec2 base_shift() const;
   /// Weighted value of term i, and its name.

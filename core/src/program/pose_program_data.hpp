@@ -14,6 +14,7 @@ struct PoseProgram::Data : PoseState {
 
   std::vector<std::unique_ptr<RowBlock>> blocks;  ///< in the order of rows
   Eigen::MatrixXd mixed;                          ///< second derivatives by coordinates and arc lengths
+  std::vector<double> moments;                    ///< of actuators
 };
 
 }  // namespace tendril

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <limits>
 
-#include "program/equations_alone.hpp"
+#include "nlp/newton.hpp"
 
 namespace tendril {
 namespace {
 
 /// Newton's method on the equations: every bound on its steps keeps it on its branch.
 constexpr int most_corrections = 25;
-constexpr double settled = 1e-12;    ///< correction, relative to 1 + the largest variable, that ends it
+constexpr double small = 1e-6;       ///< correction, relative to 1 + the largest variable, that is followed by one more
 constexpr double contraction = 0.5;  ///< a correction larger than this of the one before does not converge
 constexpr double farthest = 0.5;     ///< first correction, relative to 1 + the largest variable
 /// Of a step along the branch, each variable relative to 1 + itself.
@@ -58,12 +58,13 @@ ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts par
     : NonlinearProgram(static_cast<int>(parts.chosen.size()),
                        static_cast<int>(parts.others.size() + parts.limited.size()), program.residual_count()),
       program_(program),
-      equations_(equations_alone(program.spec())),
       parts_(std::move(parts)),
+      alone_(Equations::alone(program.spec())),
+      equations_(alone_, parts_.equations, parts_.following),
       x_(x) {
   const auto chosen = static_cast<Eigen::Index>(parts_.chosen.size());
   const auto following = static_cast<Eigen::Index>(parts_.following.size());
-  for (int k = 0; k < program.layout().forces; ++k) equations_.set_branch(k, program.branch(k));
+  for (int k = 0; k < program.layout().forces; ++k) alone_.set_branch(k, program.branch(k));
   reached_at_ = Eigen::VectorXd::Constant(chosen, std::numeric_limits<double>::quiet_NaN());
   start_.resize(chosen);
   for (int j = 0; j < chosen; ++j) {
@@ -83,12 +84,10 @@ ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts par
     row_lower_[others + static_cast<int>(r)] = program.lower()[i];
     row_upper_[others + static_cast<int>(r)] = program.upper()[i];
   }
-  system_.setZero(following, following);
-  factors_ = Eigen::PartialPivLU<Eigen::MatrixXd>(following);
-  right_.setZero(following, chosen);
   slope_.setZero(following, chosen);
   residual_.setZero(following);
   correction_.setZero(following);
+  step_.setZero(program.variable_count());
   adjoint_.setZero(following);
   full_multipliers_.setZero(program.row_count());
   tangent_.setZero(program.variable_count(), chosen);
@@ -106,62 +105,35 @@ ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts par
 ReducedProgram::~ReducedProgram() = default;
 
 bool ReducedProgram::correct() {
+  if (equations_.size() == 0) return equations_.evaluate(x_);
   double before = infinity;
-  for (int iteration = 0; iteration < most_corrections; ++iteration) {
-    fill_system();
-    const VectorView rows = equations_.constraints(x_);
-    const Eigen::Index n = residual_.size();
-    for (Eigen::Index r = 0; r < n; ++r) {
-      const int row = parts_.equations[static_cast<std::size_t>(r)];
-      residual_[r] = rows[row] - equations_.row_lower()[row];
-    }
-    if (!residual_.allFinite() || !system_.allFinite()) return false;
-    if (n == 0) return true;
-    factors_.compute(system_);
-    correction_ = factors_.solve(residual_);
-    const double largest = correction_.cwiseAbs().maxCoeff();
+  const auto correction = [&](const Eigen::VectorXd& x, Eigen::VectorXd& dx) {
+    if (!equations_.evaluate(x)) return infinity;
+    correction_ = equations_.factor().solve(equations_.residual());
     double size = 1.0;
-    for (const int i : parts_.following) size = std::max(size, std::abs(x_[i]));
-    if (!std::isfinite(largest) || (before == infinity && largest > farthest * size)) return false;
-    // What does not converge at first has left its branch. Newton's method squares its corrections: after one of the
-    // root of `settled` the next is rounding, however large that is.
-    if (largest > contraction * before) return before <= std::sqrt(settled) * size;
-    for (Eigen::Index c = 0; c < n; ++c) x_[parts_.following[static_cast<std::size_t>(c)]] -= correction_[c];
-    if (largest <= settled * size) return true;
-    before = largest;
-  }
-  return false;
-}
-
-void ReducedProgram::fill_system() {
-  const MatrixView jacobian = equations_.jacobian(x_);
-  for (Eigen::Index r = 0; r < system_.rows(); ++r) {
-    const int row = parts_.equations[static_cast<std::size_t>(r)];
-    for (Eigen::Index c = 0; c < system_.cols(); ++c) {
-      system_(r, c) = jacobian(row, parts_.following[static_cast<std::size_t>(c)]);
+    for (int i = 0; i < equations_.size(); ++i) {
+      dx[equations_.unknown(i)] = -correction_[i];
+      size = std::max(size, std::abs(x[equations_.unknown(i)]));
     }
-  }
+    return correction_.cwiseAbs().maxCoeff() / size;
+  };
+  // What does not converge at first has left its branch; after a small correction the next one is rounding, however
+  // large that is.
+  const auto share = [&](const Eigen::VectorXd& /*x*/, const Eigen::VectorXd& /*dx*/, double size) {
+    const double most = before == infinity ? farthest : contraction * before;
+    const bool converges = size <= most || before <= small;
+    before = size;
+    return converges ? 1.0 : 0.0;
+  };
+  return newton(x_, step_, most_corrections, small, correction, share).converged;
 }
 
 void ReducedProgram::find_slopes() {
-  fill_system();
-  const MatrixView jacobian = equations_.jacobian(x_);
-  const auto n = static_cast<Eigen::Index>(parts_.following.size());
-  const auto m = static_cast<Eigen::Index>(parts_.chosen.size());
-  for (Eigen::Index r = 0; r < n; ++r) {
-    const int row = parts_.equations[static_cast<std::size_t>(r)];
-    for (Eigen::Index c = 0; c < m; ++c) right_(r, c) = -jacobian(row, parts_.chosen[static_cast<std::size_t>(c)]);
-  }
-  if (n > 0) {
-    factors_.compute(system_);
-    slope_ = factors_.solve(right_);
-  }
-  sign_ = n > 0 ? static_cast<int>(factors_.permutationP().determinant()) : 1;
-  for (Eigen::Index r = 0; r < n; ++r) {
-    const double pivot = factors_.matrixLU()(r, r);
-    sign_ = pivot > 0.0 ? sign_ : pivot < 0.0 ? -sign_ : 0;
-  }
-  for (Eigen::Index r = 0; r < n; ++r) tangent_.row(parts_.following[static_cast<std::size_t>(r)]) = slope_.row(r);
+  equations_.evaluate(x_);
+  equations_.factor();
+  equations_.find_rates(x_, parts_.chosen, slope_);
+  sign_ = equations_.sign();
+  for (int r = 0; r < equations_.size(); ++r) tangent_.row(equations_.unknown(r)) = slope_.row(r);
 }
 
 double ReducedProgram::distance(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
@@ -303,7 +275,7 @@ void ReducedProgram::do_hessian(ConstVectorRef /*u*/, double sigma, ConstVectorR
   for (std::size_t r = 0; r < parts_.limited.size(); ++r) {
     residual_[parts_.limited[r]] += multipliers[others + static_cast<int>(r)];
   }
-  if (n > 0) adjoint_ = factors_.transpose().solve(residual_);
+  if (n > 0) adjoint_ = equations_.factors().transpose().solve(residual_);
   for (Eigen::Index r = 0; r < n; ++r) full_multipliers_[parts_.equations[static_cast<std::size_t>(r)]] = -adjoint_[r];
   for (int r = 0; r < others; ++r) full_multipliers_[parts_.others[static_cast<std::size_t>(r)]] = multipliers[r];
   bent_.noalias() = program_.hessian(x_, sigma, full_multipliers_) * tangent_;

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <Eigen/LU>
 #include <map>
 #include <string>
 #include <vector>
 
-#include "program/pose_program.hpp"
+#include "program/equations.hpp"
 
 namespace tendril {
 
@@ -64,16 +63,15 @@ class TENDRIL_API ReducedProgram : public NonlinearProgram {
   bool follow(ConstVectorRef u);
   /// Newton's method on the equations from x_, whose moments stay.
   bool correct();
-  /// d equations / d following at x_.
-  void fill_system();
   /// d x_following / d u at x_, the factors of the equations there, and the sign of their determinant.
   void find_slopes();
   /// Largest change of what follows, each relative to 1 + itself.
   double distance(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
 
   PoseProgram& program_;
-  PoseProgram equations_;  ///< with the variables of `program_`, to follow the branch with
   Parts parts_;
+  PoseProgram alone_;  ///< with the variables of `program_`, to follow the branch with
+  Equations equations_;
   Eigen::VectorXd start_;
   Eigen::VectorXd x_;  ///< of the pose program, of the last call
   std::map<std::vector<int>, Anchor> anchors_;
@@ -83,9 +81,8 @@ class TENDRIL_API ReducedProgram : public NonlinearProgram {
   int sign_ = 0;
   bool reached_ = false;
   Eigen::VectorXd reached_at_;  ///< moments
-  Eigen::MatrixXd system_, slope_, right_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> factors_;
-  Eigen::VectorXd residual_, correction_, adjoint_, full_multipliers_;
+  Eigen::MatrixXd slope_;
+  Eigen::VectorXd residual_, correction_, step_, adjoint_, full_multipliers_;
   Eigen::MatrixXd tangent_, bent_;  ///< d x / d u: all variables x chosen; Hessian times it
 };
 

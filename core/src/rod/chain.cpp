@@ -23,12 +23,12 @@ BasisTable make_table(const CoordinateModel& model, const Quadrature& rule, cons
   t.nodes = rule.size();
   t.sigma = rule.nodes();
   t.weight = rule.weights();
-  Eigen::MatrixXd first(t.nodes, t.functions);
+  t.slope.resize(t.nodes, t.functions);
   Eigen::MatrixXd second(t.nodes, t.functions);
   t.by_function.resize(t.nodes, t.functions);
-  model.evaluate(span_of(t.sigma), t.by_function, first, second);
+  model.evaluate(span_of(t.sigma), t.by_function, t.slope, second);
   t.by_node = t.by_function.transpose();
-  t.stiffness = first.transpose() * t.weight.asDiagonal() * first;
+  t.stiffness = t.slope.transpose() * t.weight.asDiagonal() * t.slope;
   for (int from = 0; from < t.nodes; from += rule.nodes_per_interval()) {
     t.bend_series.emplace_back((transform * second.middleRows(from, rule.nodes_per_interval())).transpose());
   }
@@ -38,7 +38,7 @@ BasisTable make_table(const CoordinateModel& model, const Quadrature& rule, cons
   Eigen::MatrixXd slope(2, t.functions);
   Eigen::MatrixXd bend(2, t.functions);
   model.evaluate(ends, value, slope, bend);
-  if (!value.allFinite() || !slope.allFinite() || !t.by_function.allFinite() || !first.allFinite()) {
+  if (!value.allFinite() || !slope.allFinite() || !t.by_function.allFinite() || !t.slope.allFinite()) {
     throw Error("the coordinate model returns values that are not finite");
   }
   if (value.row(0).cwiseAbs().maxCoeff() > 1e-12) {

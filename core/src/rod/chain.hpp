@@ -22,6 +22,7 @@ struct BasisTable {
   Eigen::MatrixXd by_node;      ///< functions x nodes, a column per node
   Eigen::MatrixXd products;     ///< functions (functions + 1) / 2 x nodes: beta_i beta_k, i <= k; empty for large bases
   Eigen::VectorXd end;          ///< beta(1)
+  Eigen::MatrixXd slope;        ///< nodes x functions: beta'
   Eigen::VectorXd slope_start;  ///< beta'(0)
   Eigen::VectorXd slope_end;    ///< beta'(1)
   Eigen::MatrixXd stiffness;    ///< int beta_i' beta_k' dsigma

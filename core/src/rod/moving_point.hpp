@@ -39,6 +39,7 @@ class MovingPoint {
 
   int node_count() const { return node_count_; }
   double weight(int g) const { return weight_[g]; }  ///< of dsigma
+  double node_sigma(int g) const { return sigma_nodes_[g]; }
   Vec2 node_tangent(int g) const { return {cosine_[g], sine_[g]}; }
   const double* node_beta(int g) const { return by_node_.col(g).data(); }
 

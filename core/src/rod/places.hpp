@@ -10,6 +10,8 @@
 
 namespace tendril {
 
+class Curve;
+
 /// A row of derivatives that is written in two parts: by the coordinates and by the arc lengths.
 struct RowPart {
   double* q = nullptr;
@@ -95,6 +97,11 @@ class TENDRIL_API Places {
   /// n . d(displacement), as row().
   void displacement_row(int place, Vec2 n, RowPart out) const;
 
+  /// What fixed forces do on the way from the base to where they act.
+  double work(const Forces& forces);
+  /// Largest defect of the local balance of moments under forces and the moments of actuators. `curve`: of the
+  /// backbone.
+  double moment_defect(const Forces& forces, std::span<const double> moments, const Curve& curve);
   /// out += derivative by the coordinates of the forces' work at fixed forces.
   void pull_back(const Forces& forces, double* out);
   /// out += moment * derivative by the coordinates of the angle over an actuator's span.
@@ -157,6 +164,8 @@ class TENDRIL_API Places {
     return !stations.empty() && static_cast<std::size_t>(stations.front()) < forces.on.size();
   }
   bool gather_pushes(int j, const Forces& forces);
+  double moment_defect(int j, const Ramp& load, const Forces& forces, std::span<const double> moments,
+                       const Curve& curve, double& beyond);
   void add_inside(const Forces& forces, const Forces* virtual_forces, int j, SecondPart& out);
 
   const Chain* chain_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "certificate/clearance.hpp"
+#include "rod/outline.hpp"
 
 namespace tendril {
 
@@ -76,17 +77,12 @@ void planned_contacts(const PoseProgram& program, const std::vector<std::string>
 }
 
 std::vector<BackbonePoint> outline(const StartShape& shape, const Rod& rod, double length) {
-  constexpr int steps = 100;
+  std::vector<OutlinePoint> line;
+  outline(rod, shape.curvature, 100, line);
   std::vector<BackbonePoint> points;
-  points.reserve(steps + 1);
-  Vec2 at = rod.base;
-  double angle = rod.base_angle;
-  for (int i = 0; i <= steps; ++i) {
-    const double s = static_cast<double>(i) / steps;
-    points.push_back({s * length, at.x * length, at.y * length, angle, shape.curvature(s) / length});
-    const double middle = angle + 0.5 / steps * shape.curvature(s + 0.25 / steps);
-    at += 1.0 / steps * Vec2{std::cos(middle), std::sin(middle)};
-    angle += shape.curvature(s + 0.5 / steps) / steps;
+  points.reserve(line.size());
+  for (const OutlinePoint& p : line) {
+    points.push_back({p.s * length, p.position.x * length, p.position.y * length, p.angle, p.curvature / length});
   }
   return points;
 }

@@ -6,6 +6,7 @@
 #include "base/clock.hpp"
 #include "certificate/check_points.hpp"
 #include "rod/self_overlap.hpp"
+#include "search/report.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril {
@@ -67,36 +68,13 @@ bool Follower::step(Plan& plan) {
 
 void Follower::write(Plan& plan, double begin, double certifying, const EvaluationCounts& before) {
   const Task& d = problem_;
-  const Eigen::VectorXd& x = point_.x;
-  const PoseProgram::Layout& at = program_.layout();
-  const double length = d.scale.length;
-  const double objective = program_.cost(x) * d.objective_scale;
-
   plan.status = PlanStatus::solved;
   plan.message.clear();
   plan.verification.clear();
   plan.model_error.reset();
   plan.local_model_error.reset();
-  plan.coordinates.assign(x.data(), x.data() + at.coordinates);
-  plan.moments.resize(d.rod.actuators.size());
-  for (std::size_t a = 0; a < plan.moments.size(); ++a) {
-    const int variable = program_.moment_variable(static_cast<int>(a));
-    plan.moments[a] = variable < 0 ? 0.0 : x[variable] * d.scale.moment();
-  }
-  const Vec2 tip = program_.backbone().tip();
-  plan.tip_x = tip.x * length;
-  plan.tip_y = tip.y * length;
-  plan.tip_angle = program_.backbone().tip_angle();
-  plan.target_error.reset();
-  if (d.target.has_position) plan.target_error = norm(tip - d.target.position) * length;
-  plan.objective = objective;
-  plan.terms.resize(d.terms.size());
-  for (std::size_t i = 0; i < d.terms.size(); ++i) {
-    plan.terms[i].first = d.terms[i].name;
-    plan.terms[i].second = program_.term_value(static_cast<int>(i)) * d.objective_scale;
-  }
-  planned_contacts(program_, d.obstacle_names, d.scale, plan.contacts);
-  sampler_.sample(certifier_.finer(x), length, plan.backbone);
+  tell_point(d, program_, point_.x, plan);
+  sampler_.sample(certifier_.finer(point_.x), d.scale.length, plan.backbone);
   plan.self_overlap = self_overlap(plan.backbone);
   plan.certificate = certificate_;
 
@@ -131,7 +109,7 @@ void Follower::write(Plan& plan, double begin, double certifying, const Evaluati
     if (!followed && record.outcome.rfind("skipped: ", 0) != 0) set_outcome(record.outcome, not_tried_outcome);
     if (followed) {
       char text[outcome_size];
-      std::snprintf(text, sizeof text, "%scertified, objective %s", followed_outcome, shown(objective).c_str());
+      std::snprintf(text, sizeof text, "%scertified, objective %s", followed_outcome, shown(plan.objective).c_str());
       set_outcome(record.outcome, text);
     }
     record.solves = record.iterations = 0;
@@ -140,7 +118,7 @@ void Follower::write(Plan& plan, double begin, double certifying, const Evaluati
     record.polishes = followed ? 1 : 0;
     record.seconds = followed ? now() - begin : 0.0;
     record.certified = followed;
-    record.objective = followed ? objective : infinity;
+    record.objective = followed ? plan.objective : infinity;
   }
 }
 

@@ -1,6 +1,7 @@
+#include "search/report.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "rod/outline.hpp"
 #include "rod/self_overlap.hpp"
@@ -18,6 +19,24 @@ std::string side_in_words(int side) {
 }
 
 std::string as_share(double distance) { return shown(100.0 * distance, 3) + " % of the length"; }
+
+/// A plan at a limit where better ones end says so.
+void tell_held(PoseProgram& program, ConstVectorRef x, Plan& plan) {
+  const PoseProgram::Layout& at = program.layout();
+  const VectorView rows = program.constraints(x);
+  if (at.margins > 0 && rows[at.first_margin] <= tolerance::held_margin + tolerance::bounds) {
+    plan.left_out.push_back({"plans that cost less",
+                             "held at the limit of stability: the objective falls along stable equilibria up to "
+                             "where they end; the plan keeps a margin of " +
+                                 shown(tolerance::held_margin)});
+  }
+  if (at.convexities > 0 &&
+      rows.segment(at.first_convexity, at.convexities).minCoeff() <= tolerance::held_convexity + tolerance::bounds) {
+    plan.left_out.push_back({"contact along a stretch",
+                             "the objective falls up to where the rod would lie along the obstacle; the plan keeps a "
+                             "point contact"});
+  }
+}
 
 }  // namespace
 
@@ -65,6 +84,28 @@ void Planner::add_notes(Plan& plan) const {
   if (miss > search_parameters().missed) plan.notes.push_back("the tip misses the target by " + as_share(miss));
 }
 
+void tell_point(const Task& task, PoseProgram& program, ConstVectorRef x, Plan& plan) {
+  plan.objective = program.cost(x) * task.objective_scale;
+  plan.terms.resize(task.terms.size());
+  for (std::size_t i = 0; i < task.terms.size(); ++i) {
+    plan.terms[i].first = task.terms[i].name;
+    plan.terms[i].second = program.term_value(static_cast<int>(i)) * task.objective_scale;
+  }
+  plan.coordinates.assign(x.data(), x.data() + program.layout().coordinates);
+  plan.moments.resize(task.rod.actuators.size());
+  for (std::size_t a = 0; a < plan.moments.size(); ++a) {
+    const int variable = program.moment_variable(static_cast<int>(a));
+    plan.moments[a] = variable < 0 ? 0.0 : x[variable] * task.scale.moment();
+  }
+  const Vec2 tip = program.backbone().tip();
+  plan.tip_x = tip.x * task.scale.length;
+  plan.tip_y = tip.y * task.scale.length;
+  plan.tip_angle = program.backbone().tip_angle();
+  plan.target_error.reset();
+  if (task.target.has_position) plan.target_error = norm(tip - task.target.position) * task.scale.length;
+  planned_contacts(program, task.obstacle_names, task.scale, plan.contacts);
+}
+
 Plan Planner::report() {
   Plan plan;
   plan.coordinates_name = d_.scene.coordinates.plugin;
@@ -78,25 +119,9 @@ Plan Planner::report() {
                                  "), but is no minimum of this objective, which falls from there to where no plan is "
                                  "certified"});
   }
-  if (winner_ >= 0) {
-    const Candidate& best = states_[static_cast<std::size_t>(winner_)].best;
-    const PoseProgram::Layout& at = best.program->layout();
-    if (at.margins > 0 &&
-        best.program->constraints(best.x)[at.first_margin] <= tolerance::held_margin + tolerance::bounds) {
-      plan.left_out.push_back({"plans that cost less",
-                               "held at the limit of stability: the objective falls along stable equilibria up to "
-                               "where they end; the plan keeps a margin of " +
-                                   shown(tolerance::held_margin)});
-    }
-    for (int i = 0; i < at.convexities; ++i) {
-      const int row = at.first_convexity + i;
-      if (best.program->constraints(best.x)[row] > tolerance::held_convexity + tolerance::bounds) continue;
-      plan.left_out.push_back({"contact along a stretch",
-                               "the objective falls up to where the rod would lie along the obstacle; the plan keeps a "
-                               "point contact"});
-      break;
-    }
-  }
+  if (winner_ >= 0)
+    tell_held(*states_[static_cast<std::size_t>(winner_)].best.program,
+              states_[static_cast<std::size_t>(winner_)].best.x, plan);
   Ways ways;
   for (ModeState& state : states_) ways.push_back(&state);
   const bool followed = winner_ >= 0 && states_[static_cast<std::size_t>(winner_)].starts_used == 0;
@@ -133,28 +158,12 @@ Plan Planner::report() {
 
   PoseProgram& program = *chosen->program;
   const Eigen::VectorXd& x = chosen->x;
-  program.cost(x);
+  tell_point(d_, program, x, plan);
   plan.certificate = chosen->certificate;
-  plan.objective = chosen->objective * d_.objective_scale;
-  for (std::size_t i = 0; i < d_.terms.size(); ++i) {
-    plan.terms.emplace_back(d_.terms[i].name, program.term_value(static_cast<int>(i)) * d_.objective_scale);
-  }
-  const double length = d_.scale.length;
-  plan.coordinates.assign(x.data(), x.data() + program.layout().coordinates);
-  for (std::size_t a = 0; a < d_.rod.actuators.size(); ++a) {
-    const int variable = program.moment_variable(static_cast<int>(a));
-    plan.moments.push_back(variable < 0 ? 0.0 : x[variable] * d_.scale.moment());
-  }
-  const Vec2 tip = program.backbone().tip();
-  plan.tip_x = tip.x * length;
-  plan.tip_y = tip.y * length;
-  plan.tip_angle = program.backbone().tip_angle();
-  if (d_.target.has_position) plan.target_error = norm(tip - d_.target.position) * length;
-  plan.contacts = planned_contacts(program, d_.obstacle_names, d_.scale);
   for (int k = 0; k < program.layout().forces; ++k) {
     plan.contacts[static_cast<std::size_t>(k)].extended = lies_along(*chosen, x, k);
   }
-  plan.backbone = sampled_backbone(chosen->certifier->finer(x), length);
+  plan.backbone = sampled_backbone(chosen->certifier->finer(x), d_.scale.length);
   plan.self_overlap = self_overlap(plan.backbone);
   if (d_.grip) d_.grip->finish(d_, program, x, plan);
   plan.minima = minima_;

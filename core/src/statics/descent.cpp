@@ -53,7 +53,7 @@ class Valley {
     Eigen::VectorXd x = x_;
     if (step != nullptr) x.head(n_) += scale_ * *step;
     const Eigen::VectorXd rows = program_->constraints(x);
-    double sum = potential(x);
+    double sum = program_->potential(x);
     for (int i = 0; i < program_->layout().checks; ++i) {
       const double depth = std::min(0.0, rows[program_->layout().first_check + i] - held_[i] / stiffness);
       sum += 0.5 * stiffness * depth * depth;
@@ -180,32 +180,6 @@ class Valley {
       }
     }
     return s;
-  }
-
-  /// Pi (model.md section 3), up to a constant, of the point computed last.
-  double potential(const Eigen::VectorXd& x) {
-    const Loads& loads = program_->loads();
-    const Chain& chain = program_->chain();
-    const Backbone& shape = program_->backbone();
-    double sum = -dot(loads.tip_force, shape.tip());
-    double mass = path_.rod().payload;
-    for (int j = chain.piece_count() - 1; j >= 0; --j) {
-      const Chain::Piece& piece = chain.piece(j);
-      const double h = shape.length(j);
-      const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), chain.functions());
-      double moment = piece.stiffness * piece.rest_curvature;
-      for (int a = 0; a < chain.actuator_count(); ++a) {
-        if (chain.actuated(a, j)) moment += x[program_->moment_variable(a)];
-      }
-      sum += 0.5 * piece.stiffness / h * q.dot(chain.table().stiffness * q) - moment * chain.table().end.dot(q);
-      if (loads.gravity == Vec2{}) continue;
-      for (int g = 0; g < chain.nodes(); ++g) {
-        const double beyond = mass + piece.weight * h * (1.0 - chain.table().sigma[g]);
-        sum -= h * chain.table().weight[g] * beyond * dot(loads.gravity, shape.tangent(j, g));
-      }
-      mass += piece.weight * h;
-    }
-    return sum;
   }
 
   const LoadPath& path_;

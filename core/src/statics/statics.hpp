@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "certificate/certifier.hpp"
-#include "program/pose_program.hpp"
+#include "program/equations.hpp"
 #include "statics/load_path.hpp"
 #include "statics/state.hpp"
 #include "tendril/coordinate_model.hpp"
@@ -20,12 +20,12 @@ class Statics {
   Statics(const LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std::vector<PointContact> contacts,
           int nodes);
 
-  int size() const { return size_; }  ///< of y
-  int coordinates() const { return program_->layout().coordinates; }
-  int contact_count() const { return program_->layout().forces; }
-  const ContactSetup& contact(int k) const { return program_->spec().contacts[static_cast<std::size_t>(k)]; }
+  int size() const { return equations_.size(); }  ///< of y
+  int coordinates() const { return program_.layout().coordinates; }
+  int contact_count() const { return program_.layout().forces; }
+  const ContactSetup& contact(int k) const { return program_.spec().contacts[static_cast<std::size_t>(k)]; }
   int arc_length_index(int k) const { return contact(k).at_tip ? -1 : coordinates() + k; }
-  int force_index(int k) const { return coordinates() + program_->layout().arc_lengths + k; }
+  int force_index(int k) const { return coordinates() + program_.layout().arc_lengths + k; }
 
   /// The point of a state, whose contacts are those of this system in any order.
   Eigen::VectorXd point(const State& state) const;
@@ -48,6 +48,7 @@ class Statics {
   Eigen::VectorXd tangent(const Eigen::VectorXd& z);
   /// Metric row: bending energy of the coordinates, and the load. `metric(a) . b`.
   Eigen::VectorXd metric(const Eigen::VectorXd& z, const Eigen::VectorXd& a) const;
+  double length(const Eigen::VectorXd& z, const Eigen::VectorXd& a) const;  ///< in it
 
   /// From a point near a fold to the fold itself: F = 0 and a singular dF/dy. False if there is none near.
   bool solve_fold(Eigen::VectorXd& z, Eigen::VectorXd& null_vector);
@@ -68,7 +69,10 @@ class Statics {
   const Eigen::VectorXd& variables() const { return x_; }
 
  private:
-  void evaluate(const Eigen::VectorXd& z);
+  /// The equations at z and their rate with the load; false: something is no number.
+  bool evaluate(const Eigen::VectorXd& z);
+  /// Derivatives by y and the load, without the last row.
+  void fill(Eigen::MatrixXd& system) const;
   Eigen::VectorXd full(const Eigen::VectorXd& y) const;
   Certifier& certifier(const Eigen::VectorXd& z);
   /// Room of contact k's arc length downward and upward.
@@ -79,14 +83,12 @@ class Statics {
 
   const LoadPath& path_;
   std::shared_ptr<const LegendreBasis> basis_;
-  std::unique_ptr<PoseProgram> program_;
-  std::unique_ptr<Certifier> certifier_;
-  std::vector<int> rows_, columns_;  ///< of the program
-  double load_ = 1.0;                ///< of the program, and of the certifier
+  PoseProgram program_;
+  Certifier certifier_;
+  Equations equations_;
+  double load_ = 1.0;  ///< of the program, and of the certifier
   double certified_load_ = 1.0;
-  int size_ = 0;
-  Eigen::VectorXd x_, residual_;
-  Eigen::MatrixXd jacobian_;  ///< size x (size + 1)
+  Eigen::VectorXd x_, rate_;
 };
 
 }  // namespace tendril

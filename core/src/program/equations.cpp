@@ -1,0 +1,86 @@
+#include "program/equations.hpp"
+
+#include <numeric>
+#include <utility>
+
+namespace tendril {
+namespace {
+
+void append(std::vector<int>& list, int first, int count) {
+  const auto before = static_cast<std::ptrdiff_t>(list.size());
+  list.resize(list.size() + static_cast<std::size_t>(count));
+  std::iota(list.begin() + before, list.end(), first);
+}
+
+}  // namespace
+
+Equations::Equations(PoseProgram& program, std::vector<int> rows, std::vector<int> unknowns)
+    : program_(program), rows_(std::move(rows)), unknowns_(std::move(unknowns)), factors_(size()) {
+  residual_.setZero(size());
+  jacobian_.setZero(size(), size());
+}
+
+Equations Equations::of_contacts(PoseProgram& program) {
+  const PoseProgram::Layout& at = program.layout();
+  std::vector<int> rows, unknowns;
+  append(rows, 0, at.coordinates);
+  append(rows, at.first_closest, at.arc_lengths);
+  append(rows, at.first_gap, at.forces);
+  append(unknowns, 0, at.coordinates);
+  append(unknowns, at.first_arc_length, at.arc_lengths + at.forces);
+  return {program, std::move(rows), std::move(unknowns)};
+}
+
+Equations Equations::of_equilibrium(PoseProgram& program) {
+  std::vector<int> coordinates;
+  append(coordinates, 0, program.layout().coordinates);
+  return {program, coordinates, coordinates};
+}
+
+PoseProgramSpec Equations::alone(PoseProgramSpec spec) {
+  spec.least_margin.reset();
+  spec.least_convexity.reset();
+  spec.checks.clear();
+  spec.terms.clear();
+  return spec;
+}
+
+const Eigen::VectorXd& Equations::residual_at(ConstVectorRef x) {
+  const VectorView rows = program_.constraints(x);
+  for (int r = 0; r < size(); ++r) residual_[r] = rows[row(r)];
+  return residual_;
+}
+
+bool Equations::evaluate(ConstVectorRef x) {
+  const MatrixView jacobian = program_.jacobian(x);
+  residual_at(x);
+  for (int c = 0; c < size(); ++c) {
+    for (int r = 0; r < size(); ++r) jacobian_(r, c) = jacobian(row(r), unknown(c));
+  }
+  return residual_.allFinite() && jacobian_.allFinite();
+}
+
+const Eigen::PartialPivLU<Eigen::MatrixXd>& Equations::factor() {
+  if (size() > 0) factors_.compute(jacobian_);
+  return factors_;
+}
+
+int Equations::sign() const {
+  int sign = size() > 0 ? static_cast<int>(factors_.permutationP().determinant()) : 1;
+  for (int r = 0; r < size(); ++r) {
+    const double pivot = factors_.matrixLU()(r, r);
+    sign = pivot > 0.0 ? sign : pivot < 0.0 ? -sign : 0;
+  }
+  return sign;
+}
+
+void Equations::find_rates(ConstVectorRef x, const std::vector<int>& variables, Eigen::MatrixXd& out) {
+  const MatrixView jacobian = program_.jacobian(x);
+  right_.resize(size(), static_cast<Eigen::Index>(variables.size()));
+  for (Eigen::Index c = 0; c < right_.cols(); ++c) {
+    for (int r = 0; r < size(); ++r) right_(r, c) = -jacobian(row(r), variables[static_cast<std::size_t>(c)]);
+  }
+  if (size() > 0) out = factors_.solve(right_);
+}
+
+}  // namespace tendril

@@ -1,0 +1,79 @@
+// The local balance of moments, EI (kappa - kappa0) = moments of actuators and of everything beyond, which an
+// equilibrium in a basis keeps on the average only: what is left of it measures the basis (model.md section 7).
+
+#include <algorithm>
+#include <cmath>
+
+#include "rod/curve.hpp"
+#include "rod/sweep.hpp"
+
+namespace tendril {
+
+double Places::moment_defect(const Forces& forces, std::span<const double> moments, const Curve& curve) {
+  Sweep sweep(*this, forces);
+  double beyond = 0.0;
+  double worst = 0.0;
+  for (int j = chain_->piece_count() - 1; j >= 0; --j) {
+    sweep.enter(j);
+    worst = std::max(worst, moment_defect(j, sweep.load(j), forces, moments, curve, beyond));
+    sweep.leave(j);
+  }
+  return worst;
+}
+
+/// The same of piece j; `beyond`: the moment of all forces behind its end about that, afterwards about its start.
+double Places::moment_defect(int j, const Ramp& load, const Forces& forces, std::span<const double> moments,
+                             const Curve& curve, double& beyond) {
+  const Chain::Piece& p = chain_->piece(j);
+  const BasisTable& table = chain_->table();
+  const CurveTables& tables = *chain_->curve_tables();
+  const int n = tables.per_interval();
+  const double h = backbone_.length(j);
+  const Eigen::Map<const Eigen::VectorXd> q(backbone_.coordinates(j), table.functions);
+  double applied = p.stiffness * p.rest_curvature;
+  for (int a = 0; a < chain_->actuator_count(); ++a) {
+    if (chain_->actuated(a, j)) applied += moments[static_cast<std::size_t>(a)];
+  }
+  const auto acts = [&](int k) { return at(k).piece == j && static_cast<std::size_t>(k) < forces.on.size(); };
+  double worst = 0.0;
+  const auto check = [&](double sigma, double curvature, double moment) {
+    // A force inside the piece ends there, where no series over its nodes follows it: force times arm does.
+    for (const int k : inside_) {
+      if (!acts(k) || !(moving_[own(k)].sigma() > sigma)) continue;
+      moment += cross(at(k).point - curve.position(j, sigma), on(k, forces).force);
+    }
+    worst = std::max(worst, std::abs(p.stiffness * curvature - applied - moment));
+  };
+  check(1.0, table.slope_end.dot(q) / h, beyond);
+  auto shear = node_buffer_.head(n);
+  auto coefficients = push_along_.head(n);
+  auto up_to = push_across_.head(n);
+  for (int i = tables.intervals() - 1; i >= 0; --i) {
+    const double width = tables.end(i + 1) - tables.end(i);
+    for (int g = 0; g < n; ++g) {
+      shear[g] = cross(backbone_.tangent(j, i * n + g), load.end + left_[i * n + g] * load.slope);
+    }
+    coefficients.noalias() = tables.transform() * shear;
+    up_to.noalias() = 0.5 * width * (tables.cumulative() * coefficients);
+    beyond += width * coefficients[0];
+    for (int g = 0; g < n; ++g) {
+      check(table.sigma[i * n + g], table.slope.row(i * n + g).dot(q) / h, beyond - up_to[g]);
+    }
+  }
+  check(0.0, table.slope_start.dot(q) / h, beyond);
+  const double at_start = beyond;
+  for (const int k : inside_) {
+    if (!acts(k)) continue;
+    // The defect of a basis peaks where it cannot kink.
+    const MovingPoint& m = moving_[own(k)];
+    double moment = at_start;
+    for (int i = 0; i < m.node_count(); ++i) {
+      moment -= m.weight(i) * cross(m.node_tangent(i), load.end + (1.0 - m.node_sigma(i)) * load.slope);
+    }
+    check(m.sigma(), m.curvature(), moment);
+    beyond += cross(at(k).point - backbone_.knot_point(j), on(k, forces).force);
+  }
+  return worst;
+}
+
+}  // namespace tendril
