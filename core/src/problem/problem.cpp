@@ -237,6 +237,7 @@ Problem::Problem(const Scene& scene, Components components) : task_(std::make_un
     }
   }
 
+  require_independent_functions(d);
   d.nodes = d.first_nodes();
   if (both) add_lower_finger(d, scene);
   d.seconds_assemble = now() - begin;
@@ -340,7 +341,7 @@ Plan Problem::plan(const PlanControl& control) {
   }
   for (const PoseProgramTerm& term : task_->terms) term.fault->clear();
   Plan plan = task_->lower ? plan_both_fingers(*task_, control) : plan_either_way(*task_, control);
-  blame_components(*task_, plan);
+  blame_terms(*task_, plan);
   plan.seconds_assemble = task_->seconds_assemble;
   plan.seconds_solve = now() - begin - plan.seconds_certify;
   if (!task_->palm) plan.start_backbone = outline(task_->scene_start(), task_->rod, task_->scale.length);

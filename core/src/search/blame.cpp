@@ -1,6 +1,7 @@
 #include "search/blame.hpp"
 
 #include <Eigen/Dense>
+#include <cmath>
 
 namespace tendril {
 namespace {
@@ -22,6 +23,9 @@ std::string basis_fault(const CoordinateModel& model) {
     if (!(size > 0.0)) return "its function " + std::to_string(i + 1) + " bends the rod nowhere";
     first.col(i) /= size;
   }
+  // Cheap, and never the smaller one of the two: most bases end here.
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(first);
+  if (std::abs(qr.matrixQR()(functions - 1, functions - 1)) > 1e-6 * qr.maxPivot()) return "";
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(first, Eigen::ComputeThinV);
   // Below this, coordinates that differ visibly give shapes that differ by rounding.
   constexpr double least = 1e-11;
@@ -37,17 +41,22 @@ std::string basis_fault(const CoordinateModel& model) {
 
 }  // namespace
 
-void blame_components(const Task& task, Plan& plan) {
-  if (plan.status == PlanStatus::solved || plan.status == PlanStatus::interrupted) return;
+void require_independent_functions(const Task& task) {
+  const std::string fault = basis_fault(*task.model);
+  if (fault.empty()) return;
+  throw SceneError("coordinates.plugin", "coordinates plugin '" + task.scene.coordinates.plugin + "': " + fault);
+}
+
+void blame_terms(const Task& task, Plan& plan) {
   std::string blame;
-  if (const std::string fault = basis_fault(*task.model); !fault.empty()) {
-    blame = "coordinates plugin '" + task.scene.coordinates.plugin + "': " + fault;
-  }
   for (const PoseProgramTerm& term : task.terms) {
     if (term.fault->empty()) continue;
-    blame += (blame.empty() ? "" : "; ") + ("objective '" + term.name + "': " + *term.fault);
+    const std::string name = "objective '" + term.name + "'";
+    blame += (blame.empty() ? "" : "; ") + name + ": " + *term.fault;
+    if (plan.status == PlanStatus::solved)
+      plan.left_out.push_back({"shapes where " + name + " is no number", *term.fault});
   }
-  if (blame.empty()) return;
+  if (blame.empty() || plan.status == PlanStatus::solved || plan.status == PlanStatus::interrupted) return;
   plan.status = PlanStatus::failed;
   plan.message = blame + (plan.message.empty() ? "" : " (" + plan.message + ")");
 }

@@ -4,8 +4,12 @@
 
 namespace tendril {
 
-/// Where a plan has failed and a component has done what none may (a term that is no number somewhere, a basis whose
-/// functions depend on each other), says so in place of what came of it. The status is then `failed`.
-void blame_components(const Task& task, Plan& plan);
+/// Throws SceneError if functions of the basis depend linearly on each other, so that one shape has many coordinates and
+/// no search for them ends.
+void require_independent_functions(const Task& task);
+
+/// Names terms that were no number somewhere, and the place: as the reason of a plan that failed, whose status is then
+/// `failed`, and among what a solved one left out.
+void blame_terms(const Task& task, Plan& plan);
 
 }  // namespace tendril
