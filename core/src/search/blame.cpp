@@ -49,16 +49,18 @@ void require_independent_functions(const Task& task) {
 
 void blame_terms(const Task& task, Plan& plan) {
   std::string blame;
+  bool named = false;  // by the message that is there
   for (const PoseProgramTerm& term : task.terms) {
     if (term.fault->empty()) continue;
     const std::string name = "objective '" + term.name + "'";
+    named = named || plan.message.find(name) != std::string::npos;
     blame += (blame.empty() ? "" : "; ") + name + ": " + *term.fault;
     if (plan.status == PlanStatus::solved)
       plan.left_out.push_back({"shapes where " + name + " is no number", *term.fault});
   }
   if (blame.empty() || plan.status == PlanStatus::solved || plan.status == PlanStatus::interrupted) return;
   plan.status = PlanStatus::failed;
-  plan.message = blame + (plan.message.empty() ? "" : " (" + plan.message + ")");
+  plan.message = blame + (plan.message.empty() || named ? "" : " (" + plan.message + ")");
 }
 
 }  // namespace tendril
