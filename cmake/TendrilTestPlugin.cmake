@@ -3,6 +3,7 @@
 # Adds the tests of a plugin that tendril_add_plugin() builds:
 #   <name>.check  what every plugin of its kind has to keep (derivatives, distances, ...; a solver: the conformance suite)
 #   <name>.plan   SCENE, planned with the plugin, ends solved
+# A plugin that does not return fails both: the check names it after 60 s, and ctest ends what goes on after 120 s.
 # The check takes the plugin's options from SCENE too; without one the defaults are tested. TENDRIL_TEST_SOLVER, if set,
 # plans scenes with another solver than the one that they name.
 function(tendril_test_plugin)
@@ -46,5 +47,12 @@ function(tendril_test_plugin)
       set(other --solver ${solver})
     endif()
     add_test(NAME ${arg_NAME}.plan COMMAND $<TARGET_FILE:tendril::command> plan "${arg_SCENE}" --plugin-dir "${directory}" ${other})
+    set_tests_properties(${arg_NAME}.plan PROPERTIES TIMEOUT 120)
   endif()
+  # The conformance suite tries time limits of its own.
+  set(limit 120)
+  if(arg_KIND STREQUAL "solver")
+    set(limit 600)
+  endif()
+  set_tests_properties(${arg_NAME}.check PROPERTIES TIMEOUT ${limit})
 endfunction()

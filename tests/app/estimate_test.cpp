@@ -168,15 +168,15 @@ INSTANTIATE_TEST_SUITE_P(
                     BadEstimate{"file = \".\"", "", "is a directory"},
                     BadEstimate{"file = \"/dev/zero\"", "", "larger than 4 MiB"},
                     BadEstimate{from_file, "# nothing\n", "p.csv: found no points"},
-                    BadEstimate{from_file, "0.1, 0\n0.2\n", "p.csv:2:1: found 1 values, expected 2"},
+                    BadEstimate{from_file, "0.1, 0\n0.2\n", "p.csv:2:1: found 1 value, expected 2"},
                     BadEstimate{from_file, "0.1, 0\n0.2, abc\n", "p.csv:2:6: found \"abc\""},
-                    BadEstimate{from_file, "0.1, 0\n0.2, nan\n", "p.csv:2:6: found \"nan\""},
-                    BadEstimate{from_file, "0.1, 0\n0.2, \n", "p.csv:2:"},
-                    BadEstimate{from_file, "1, 2, 3, 4\n", "p.csv:1:1: found 4 values, expected two (x, y) or three"},
+                    BadEstimate{from_file, "0.1, 0\n0.2, nan\n", "found 1 measured point, expected at least 2"},
+                    BadEstimate{from_file, "0.1, 0\n0.2, \n", "found 1 measured point, expected at least 2"},
+                    BadEstimate{from_file, "1, 2, 3, 4\n", "p.csv:1:1: found 4 values and no names above"},
                     BadEstimate{from_file, "x, x\n1, 2\n", "p.csv:1:4: found the column \"x\""},
-                    BadEstimate{from_file, "x [N], y [mm]\n1, 2\n", "p.csv:1:1: found \"1 N\""},
+                    BadEstimate{from_file, "x [N], y [mm]\n1, 2\n", "p.csv:1:1: found the unit \"N\" of the column"},
                     BadEstimate{from_file, "x [mm, y [mm]\n1, 2\n", "p.csv:1:1: found the column \"x [mm\""},
-                    BadEstimate{from_file, "x\n1\n", "p.csv:1:1: found the column \"x\""},
+                    BadEstimate{from_file, "x\n1\n", "p.csv:1:1: found the columns \"x\", expected x, y or s, x, y"},
                     BadEstimate{from_file, "\xff\n", "p.csv:1:1: found bytes that are not UTF-8"}));
 
 TEST(BadEstimate, NeedsItsMoments) {

@@ -94,6 +94,47 @@ INSTANTIATE_TEST_SUITE_P(Traps, UnitsRefuse,
                                          Refusal{"4.9e-4 Nm^2", dimension::stiffness, "did you mean 'N m^2'?"},
                                          Refusal{"2.5 N", dimension::moment, "whose unit is not that of a moment"}));
 
+// A capital letter too many, or one too few, is a factor of 1e9: it is asked back, whatever the quantity.
+INSTANTIATE_TEST_SUITE_P(Prefixes, UnitsRefuse,
+                         testing::Values(Refusal{"100 Mm", dimension::length,
+                                                 "whose unit is 1e+06 m, too large for a rod"},
+                                         Refusal{"100 Mm", dimension::length, "did you mean 'mm'?"},
+                                         Refusal{"100 nm", dimension::length, "too small for a rod"},
+                                         Refusal{"0.5 MN", dimension::force, "did you mean 'mN'?"},
+                                         Refusal{"2 MN m", dimension::moment, "did you mean 'mN m'?"},
+                                         Refusal{"5 GN m^2", dimension::stiffness, "too large for a rod"},
+                                         Refusal{"20 Mg", dimension::mass, "did you mean 'mg'?"},
+                                         Refusal{"84 Mg/m", dimension::linear_density, "did you mean 'mg/m'?"},
+                                         Refusal{"10 Ms", dimension::time, "did you mean 'ms'?"},
+                                         Refusal{"50 mPa", dimension::pressure, "did you mean 'MPa'?"},
+                                         Refusal{"3 Mrad", dimension::angle, "did you mean 'mrad'?"},
+                                         Refusal{"5 1/Mm", dimension::curvature, "too small for a rod"}));
+
+TEST(Units, OfEveryRodAreTaken) {
+  const Units units;
+  for (const char* text : {"1 um", "1 mm", "1 cm", "1 inch", "1 m", "1 km"}) {
+    EXPECT_NO_THROW(units.read(text, dimension::length)) << text;
+  }
+  for (const char* text : {"1 nN", "1 uN", "1 mN", "1 N", "1 kN", "1 dyne", "1 lbf"}) {
+    EXPECT_NO_THROW(units.read(text, dimension::force)) << text;
+  }
+  for (const char* text : {"1 nN um", "1 uN m", "1 N mm", "1 kN m"}) {
+    EXPECT_NO_THROW(units.read(text, dimension::moment)) << text;
+  }
+  for (const char* text : {"1 nN um^2", "1 N mm^2", "1 kN m^2"}) {
+    EXPECT_NO_THROW(units.read(text, dimension::stiffness)) << text;
+  }
+  for (const char* text : {"1 Pa", "1 kPa", "1 bar", "1 psi", "1 MPa"}) {
+    EXPECT_NO_THROW(units.read(text, dimension::pressure)) << text;
+  }
+  for (const char* text : {"1 us", "1 ms", "1 s", "1 h", "1 day"}) {
+    EXPECT_NO_THROW(units.read(text, dimension::time)) << text;
+  }
+  for (const char* text : {"1 urad", "1 mrad", "1 deg", "1 arcmin", "1 turn"}) {
+    EXPECT_NO_THROW(units.read(text, dimension::angle)) << text;
+  }
+}
+
 TEST(Units, RefuseAVeryLongUnit) {
   const Units units;
   EXPECT_THROW(units.read("1 " + std::string(100'000, '('), dimension::length), QuantityError);

@@ -284,12 +284,14 @@ TEST(BadMeasurement, IsRefused) {
   scene = good;
   scene.measurement.points.resize(1);
   scene.measurement.noise = 0.0;
-  expect_refused(scene, "found 1 measured points, expected at least 2");
+  expect_refused(scene, "found 1 measured point, expected at least 2");
   scene = good;
   scene.measurement.points[3].arc_length = 0.2;
   expect_refused(scene, "arc length 0.2 m");
+  scene.measurement.points[3].arc_length = -1e-3;
+  expect_refused(scene, "expected at least 0");
   scene.measurement.points[3].arc_length = 0.0;
-  expect_refused(scene, "expected more than 0");
+  expect_refused(scene, "the measured point at arc length 0 lies 0.02 m from the rod's base");
   scene = good;
   scene.measurement.points[3].position.x = std::nan("");
   expect_refused(scene, "not finite");

@@ -70,5 +70,28 @@ TEST(Improvement, HappensByChanceAsOftenAsSaid) {
   EXPECT_GE(often, 120);
 }
 
+// Independent residuals look smooth as often as the probability says, and a curve with the same size always does.
+TEST(Significance, SmoothResidualsAreToldFromNoise) {
+  test::NormalNumbers normal(4);
+  constexpr int points = 30;
+  constexpr int runs = 20000;
+  int often = 0;
+  for (int run = 0; run < runs; ++run) {
+    Eigen::VectorXd noise(2 * points);
+    for (double& v : noise) v = normal();
+    if (smooth_probability(noise) < 0.01) ++often;
+  }
+  // 200 expected; the normal approximation and chance allow for half as many more.
+  EXPECT_LE(often, 300);
+  EXPECT_GE(often, 100);
+  Eigen::VectorXd curve(2 * points);
+  for (int i = 0; i < points; ++i) {
+    curve[2 * i] = std::sin(3.0 * i / points);
+    curve[2 * i + 1] = std::cos(5.0 * i / points);
+  }
+  EXPECT_LT(smooth_probability(curve), 1e-6);
+  EXPECT_EQ(smooth_probability(Eigen::VectorXd::Zero(20)), 1.0);
+}
+
 }  // namespace
 }  // namespace tendril

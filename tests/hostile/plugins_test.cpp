@@ -49,7 +49,24 @@ TEST(HostileObjective, ThatThrowsIsNamed) {
   expect_blamed(plan(with_term("throwing_term")), "objective plugin 'throwing_term'", "the sensor is gone");
 }
 
-TEST(HostileObjective, ThatGivesNoNumberIsNamed) { expect_blamed(plan(with_term("nan_term")), "nan_term", "finite"); }
+TEST(HostileObjective, ThatGivesNoNumberIsNamed) {
+  expect_blamed(plan(with_term("nan_term")), "objective 'nan_term'", "nan with the tip at (");
+}
+
+// No number only where the tip is above 10 mm, where the plan is wanted: the plugin and the place, by every solver.
+TEST(HostileObjective, ThatGivesNoNumberSomewhereIsNamedWithThePlace) {
+  const std::string scene = test::scene_with("free.toml", "\"actuation_effort\"", "\"low_term\"");
+  const CommandRun run = plan(scene, {"--set", "rod.actuator.0.limit=\"10 N mm\""});
+  expect_blamed(run, "objective 'low_term'", "it is nan with the tip at (");
+  EXPECT_EQ(nlohmann::json::parse(run.out)["status"], "failed");
+}
+
+// With the peg there is another plan, below it. It is solved, and says what it stayed away from.
+TEST(HostileObjective, ThatGivesNoNumberSomewhereIsNamedByAPlanElsewhere) {
+  const CommandRun run = plan(with_term("low_term"));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(contains_text(run.out, "shapes where objective 'low_term' is no number"));
+}
 
 TEST(HostileObstacle, ThatMisbehavesIsNamed) {
   expect_blamed(plan(with_shape("throwing_shape")), "obstacle plugin 'throwing_shape'", "the map is gone");
@@ -72,6 +89,8 @@ TEST(HostileCoordinates, ThatMisbehaveAreNamed) {
   expect_blamed(with("no_function"), "coordinates plugin 'no_function'", "function_count() is 0");
   expect_blamed(with("throwing_basis"), "coordinates plugin 'throwing_basis'", "no basis today");
   expect_blamed(with("nan_basis"), "coordinates plugin 'nan_basis'", "not finite");
+  expect_blamed(with("dependent_basis"), "coordinates plugin 'dependent_basis'",
+                "its functions 1, 2, 3 depend linearly");
   expect_blamed(with("negative_part"), "coordinates plugin 'negative_part'", "not positive");
 }
 

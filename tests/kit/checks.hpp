@@ -11,8 +11,8 @@ namespace tendril::kit {
 /// independent functions, and comes near to known shapes when pieces get smaller.
 void check_coordinates(const CoordinateModel& model, Findings& findings);
 
-/// A term for a rod with `moments` actuators: derivatives of both kinds, equal values for both scalars, parts that are
-/// what they are called, nothing read that is not declared, lower bound kept.
+/// A term for a rod with `moments` actuators: derivatives of both kinds, no kinks, no allocation, equal values for both
+/// scalars, nothing read that is not declared, lower bound kept.
 void check_objective(const ObjectiveTerm& term, int moments, const Target& target, Findings& findings);
 
 /// A shape: its distance is one, normal and curvatures are the distance's derivatives, the rounded core, box, outline

@@ -1,8 +1,9 @@
-// tendril-check-plugin KIND NAME [--plugin-dir DIRECTORY]... [--scene FILE] [--set KEY=VALUE]...
+// tendril-check-plugin KIND NAME [--plugin-dir DIRECTORY]... [--scene FILE] [--set KEY=VALUE]... [--time-limit SECONDS]
 //
 // Opens one plugin as the command does and checks what every component of its kind has to keep. With a scene, the
 // component's options are those of the scene, once for each use; without one, the defaults.
-// Exit code 0: nothing is wrong; 1: something is, told on standard output; 2: wrong use, or the plugin cannot be had.
+// Exit code 0: nothing is wrong; 1: something is, told on standard output, or the plugin does not return within the
+// time limit; 2: wrong use, or the plugin cannot be had. A crash names the plugin.
 
 #include <cstdio>
 #include <exception>
@@ -14,6 +15,7 @@
 #include "checks.hpp"
 #include "tendril/app/document.hpp"
 #include "tendril/app/scene_reader.hpp"
+#include "tendril/plugins/crash.hpp"
 #include "tendril/plugins/registry.hpp"
 #include "tendril/problem.hpp"
 
@@ -25,12 +27,13 @@ struct Arguments {
   std::string kind, name, scene;
   std::vector<std::filesystem::path> plugin_directories;
   std::vector<app::Override> settings;
+  unsigned time_limit = 60;  // s
 };
 
 Arguments read_arguments(const std::vector<std::string>& words) {
   const std::string usage =
       "usage: tendril-check-plugin coordinates|objective|obstacle NAME [--plugin-dir DIR]... [--scene FILE] [--set "
-      "KEY=VALUE]... (solvers: tendril-conformance-tests --solver NAME)";
+      "KEY=VALUE]... [--time-limit SECONDS] (solvers: tendril-conformance-tests --solver NAME)";
   Arguments arguments;
   std::vector<std::string> plain;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -45,6 +48,9 @@ Arguments read_arguments(const std::vector<std::string>& words) {
       arguments.plugin_directories.emplace_back(value);
     } else if (words[i] == "--scene") {
       arguments.scene = value;
+    } else if (words[i] == "--time-limit" && !value.empty() && value.size() < 6 &&
+               value.find_first_not_of("0123456789") == std::string::npos) {
+      arguments.time_limit = static_cast<unsigned>(std::stoul(value));
     } else if (words[i] == "--set" && equals != std::string::npos) {
       arguments.settings.push_back({"--set " + value, value.substr(0, equals), value.substr(equals + 1)});
     } else {
@@ -134,6 +140,8 @@ void check(plugins::Registry& registry, const Arguments& arguments, const Scene&
 
 int run(const std::vector<std::string>& words) {
   const Arguments arguments = read_arguments(words);
+  plugins::name_plugin_in_crashes();
+  plugins::end_after(arguments.time_limit);
   plugins::Registry registry{plugins::Catalog(plugins::search_places(arguments.plugin_directories))};
   const Scene scene = surroundings(arguments);
   validate(scene);

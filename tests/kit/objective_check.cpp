@@ -1,6 +1,7 @@
 #include <cmath>
 #include <random>
 
+#include "allocation/counting_malloc.hpp"
 #include "checks.hpp"
 #include "difference.hpp"
 #include "quantities.hpp"
@@ -47,6 +48,23 @@ class Flat {
   }
 
   Parts<double> at(const std::vector<double>& x) { return evaluate(plain_.set(x), Parts<double>{}); }
+
+#ifdef TENDRIL_COUNTS_ALLOCATIONS
+  /// Allocations of one evaluation in each form.
+  long allocations_at(const std::vector<double>& x) {
+    const std::vector<HyperDual> dual(x.begin(), x.end());
+    std::vector<double> residuals(most_residuals);
+    std::vector<HyperDual> dual_residuals(most_residuals);
+    const Quantities<double>& plain = plain_.set(x);
+    const Quantities<HyperDual>& twice = dual_.set(dual);
+    Contribution<double> out(residuals);
+    Contribution<HyperDual> dual_out(dual_residuals);
+    const long before = test::allocations();
+    term_.evaluate(plain, out);
+    term_.evaluate(twice, dual_out);
+    return test::allocations() - before;
+  }
+#endif
 
   Parts<HyperDual> along(const std::vector<double>& x, std::size_t a, std::size_t b) {
     std::vector<HyperDual> dual(x.begin(), x.end());
@@ -139,6 +157,102 @@ void check_derivatives(Flat& flat, std::mt19937& random, Findings& findings) {
   }
 }
 
+/// Value and slope along a line through the values that a term reads.
+struct OnLine {
+  double value = 0.0, slope = 0.0, bend = 0.0;
+};
+
+/// Follows a jump of the value or of the slope along random lines into ever shorter pieces: what is smooth changes less
+/// and less, a kink or a jump stays.
+class SmoothnessCheck {
+ public:
+  SmoothnessCheck(Flat& flat, std::mt19937& random, Findings& findings)
+      : flat_(flat), random_(random), findings_(findings) {}
+
+  void run() {
+    for (std::size_t i = 0; i < flat_.names().size(); ++i) {
+      if (!flat_.names()[i].asked) continue;
+      for (int trial = 0; trial < 4; ++trial) follow(i);
+    }
+  }
+
+ private:
+  OnLine at(std::size_t i, double value) {
+    x_[i] = value;
+    const HyperDual cost = flat_.along(x_, i, i).cost();
+    return {cost.v, cost.a, cost.ab};
+  }
+
+  /// Change between two points, in units of a slope, that slope and bend do not explain.
+  static double unexplained(const OnLine& a, const OnLine& b, double width) {
+    return std::abs(b.slope - a.slope - 0.5 * width * (a.bend + b.bend)) +
+           std::abs(b.value - a.value - 0.5 * width * (a.slope + b.slope)) / width;
+  }
+
+  void follow(std::size_t i) {
+    const Input& input = flat_.names()[i];
+    x_ = flat_.random_point(random_);
+    constexpr int pieces = 64;
+    const double step = (input.high - input.low) / pieces;
+    double low = input.low;
+    double largest = -1.0;
+    OnLine before = at(i, low);
+    double size = std::abs(before.value) + std::abs(before.slope);
+    for (int p = 1; p <= pieces; ++p) {
+      const double here = input.low + step * p;
+      const OnLine now = at(i, here);
+      size = std::max(size, std::abs(now.value) + std::abs(now.slope));
+      if (const double change = unexplained(before, now, step); change > largest) {
+        largest = change;
+        low = here - step;
+      }
+      before = now;
+    }
+    if (!std::isfinite(size)) return;
+    narrow(i, low, low + step, 1.0 + size);
+  }
+
+  void narrow(std::size_t i, double low, double high, double size) {
+    OnLine left = at(i, low);
+    OnLine right = at(i, high);
+    for (int halving = 0; halving < 24; ++halving) {
+      const double middle = 0.5 * (low + high);
+      const OnLine half = at(i, middle);
+      const double width = 0.5 * (high - low);
+      const bool in_left = unexplained(left, half, width) >= unexplained(half, right, width);
+      (in_left ? high : low) = middle;
+      (in_left ? right : left) = half;
+    }
+    // The piece is 1e-9 wide now: a smooth term changes by about as much.
+    constexpr double least = 1e-4;
+    const std::string place = flat_.names()[i].name + " = " + shown(low);
+    findings_.expect(std::abs(right.value - left.value) <= least * size, "jump",
+                     "the term jumps from " + shown(left.value) + " to " + shown(right.value) + " at " + place +
+                         "; expected a continuous one");
+    findings_.expect(
+        std::abs(right.slope - left.slope) <= least * size, "kink",
+        "its slope jumps from " + shown(left.slope) + " to " + shown(right.slope) + " at " + place +
+            "; expected a smooth term, which solvers rely on (sqrt(v^2 + 1e-6) instead of |v|, for instance)");
+  }
+
+  Flat& flat_;
+  std::mt19937& random_;
+  Findings& findings_;
+  std::vector<double> x_;
+};
+
+#ifdef TENDRIL_COUNTS_ALLOCATIONS
+void check_allocation(Flat& flat, std::mt19937& random, Findings& findings) {
+  const std::vector<double> x = flat.random_point(random);
+  flat.allocations_at(x);  // what a term makes once and keeps is no fault
+  const long count = flat.allocations_at(x);
+  findings.expect(
+      count == 0, "allocation",
+      "one evaluation allocates " + std::to_string(count) +
+          " times; expected never, since it is evaluated thousands of times: make storage in the constructor");
+}
+#endif
+
 void check_reads(const Reads& reads, Flat& flat, std::mt19937& random, Findings& findings) {
   for (const double s : reads.samples) {
     findings.expect(s >= 0.0 && s <= 1.0, "samples",
@@ -170,6 +284,10 @@ void check_objective(const ObjectiveTerm& term, int moments, const Target& targe
     if (flat.at(flat.random_point(random)).residual_count > most_residuals) return;
     check_reads(reads, flat, random, findings);
     check_derivatives(flat, random, findings);
+    SmoothnessCheck(flat, random, findings).run();
+#ifdef TENDRIL_COUNTS_ALLOCATIONS
+    check_allocation(flat, random, findings);
+#endif
   }
 }
 

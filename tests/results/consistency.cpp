@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tendril::results {
 namespace {
@@ -64,7 +65,10 @@ void check_terms(const Json& result, const Scene& scene, const TargetSpec& targe
         const double y = (tip.at("y").get<double>() - target.position->y) / length;
         expected += x * x + y * y;
       }
-      if (target.angle) expected += std::pow(tip.at("angle").get<double>() - *target.angle, 2);
+      // A direction: full turns do not count.
+      if (target.angle) {
+        expected += std::pow(std::remainder(tip.at("angle").get<double>() - *target.angle, 2.0 * std::numbers::pi), 2);
+      }
     } else if (term.plugin == "actuation_effort") {
       for (const Json& moment : result.at("moments")) expected += std::pow(moment.get<double>() / moment_unit, 2);
     } else if (term.plugin == "contact_force") {

@@ -136,7 +136,7 @@ TEST(SearchStatus, AnObjectiveThatGivesNoNumberIsNamed) {
   components.terms[1] = std::make_unique<NoNumber>();
   const Plan found = Problem(made, std::move(components)).plan();
   EXPECT_TRUE(ended_as(found, PlanStatus::failed));
-  EXPECT_EQ(found.message, "objective 'actuation_effort' gives a number that is not finite");
+  EXPECT_EQ(found.message, "objective 'actuation_effort': it is nan with moment 1 = 0.5 EI/L");
 }
 
 TEST(SearchStatus, AGraspWhoseOnlyDefectIsItsMarginIsHeldOrUnstable) {

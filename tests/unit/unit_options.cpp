@@ -174,7 +174,7 @@ TEST(Options, ListsAreCheckedEntryByEntryAndForTheirSize) {
   const OptionSchema schema{
       {.name = "point", .type = OptionType::list, .minimum = 0, .dimension = dimension::length, .size = 2}};
   EXPECT_EQ(resolve(schema, {{"point", {List{{std::string("5 mm")}, {0.0}}}}}).table("point")(0, 0), 5e-3);
-  expect_says(refusal(schema, {{"point", {List{{1.0}}}}}), {"[1]", "1 entries", "a list of 2 numbers"});
+  expect_says(refusal(schema, {{"point", {List{{1.0}}}}}), {"[1.0]", "1 entries", "a list of 2 numbers"});
   expect_says(refusal(schema, {{"point", {List{{1.0}, {-1.0}}}}}), {"found -1", "out of range"});
   expect_says(refusal(schema, {{"point", {1.0}}}), {"found 1", "a list of 2 numbers"});
   expect_says(refusal(schema, {{"point", {List{}}}}), {"empty"});
@@ -208,7 +208,7 @@ TEST(Options, RaggedMatricesAreRefused) {
               {"rows of different or no length"});
   expect_says(refusal(schema, {{"weights", {List{{List{{1.0}}}, {2.0}}}}}), {"rows of different or no length"});
   expect_says(refusal(schema, {{"weights", {List{{List{}}}}}}), {"rows of different or no length"});
-  expect_says(refusal(schema, {{"weights", {List{{1.0}, {List{{3.0}}}}}}}), {"found [3]"});
+  expect_says(refusal(schema, {{"weights", {List{{1.0}, {List{{3.0}}}}}}}), {"found [3.0]"});
 }
 
 TEST(Options, AnUnlistedOptionPassesOnlyWhereTheSchemaSaysSo) {

@@ -25,7 +25,7 @@ struct SceneOptions {
   std::vector<Override> overrides;
 
   void add_to(CLI::App& command) {
-    command.add_option("SCENE", scene, "Scene file (TOML)")->required();
+    command.add_option("SCENE", scene, "Scene file (TOML); - reads it from standard input")->required();
     add_plugin_directory(command, plugin_directories);
     setting(command, "--coordinates", "NAME", "coordinates.plugin", "Coordinate plugin instead of the scene's", true);
     setting(command, "--order", "N", "coordinates.order", "Functions per piece", false);

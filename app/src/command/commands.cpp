@@ -11,6 +11,7 @@
 #include "command/trajectory_command.hpp"
 #include "result/grasp_result.hpp"
 #include "system/output.hpp"
+#include "system/tables.hpp"
 #include "tendril/app/figure.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
@@ -23,10 +24,11 @@ namespace tendril::app {
 namespace {
 
 void note_dropped(const Session& session) {
+  for (const std::string& warning : session.scene().warnings) note(printable(warning));
   std::string text;
   for (const LeftOut& item : session.dropped())
     text += fmt::format("{}{} ({})", text.empty() ? "dropped " : ", ", item.what, item.why);
-  if (!text.empty()) note(text);
+  if (!text.empty()) note(printable(text));
 }
 
 ResultForms forms_of(Session& session, const Plan& plan, std::function<std::string()> json,

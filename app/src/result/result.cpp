@@ -77,7 +77,7 @@ Json counts_json(const std::vector<Description::Count>& counts, bool with_kind) 
 
 }  // namespace
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number(double value) { return std::isfinite(value) ? Json(value + 0.0) : Json(nullptr); }
 
 Json numbers(const std::vector<double>& values) {
   Json::array_t array;

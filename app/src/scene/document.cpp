@@ -235,9 +235,10 @@ const Node* Node::find(std::string_view key) const {
 }
 
 Document Document::read(const std::filesystem::path& path) {
-  const std::string text = read_input(path, "scene");
-  require_text(text, path);
-  return parse(text, path.string());
+  const std::string text = read_scene_input(path);
+  const std::filesystem::path name = path == standard_input ? "standard input" : path;
+  require_text(text, name);
+  return parse(text, name.string());
 }
 
 Document Document::parse(const std::string& text, std::string file) {
@@ -327,7 +328,11 @@ std::string describe_value(const Node& node) {
     std::string operator()(const Node::Other& other) const { return other.name; }
     std::string operator()(bool value) const { return value ? "true" : "false"; }
     std::string operator()(std::int64_t value) const { return fmt::format("the number {}", value); }
-    std::string operator()(double value) const { return fmt::format("the number {}", value); }
+    std::string operator()(double value) const {
+      // A real number shows that it is one: 6.0 is no 6 where a whole number is expected.
+      const std::string text = fmt::format("{}", value);
+      return "the number " + text + (text.find_first_not_of("-0123456789") == std::string::npos ? ".0" : "");
+    }
     std::string operator()(const std::string& value) const {
       std::string text = "\"";
       for (const char c : value.substr(0, 80)) text += (c >= 0 && c < ' ') || c == 127 ? '?' : c;

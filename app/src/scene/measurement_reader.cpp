@@ -3,145 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 
-#include "tendril/app/files.hpp"
+#include "scene/table_file.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::app {
 
 namespace {
 
-std::string trimmed(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+/// A length, or a number of pixels if the scene says how long one is.
+MeasuredLength read_measured(const Context& context, const Node& node, const KeySpec& key) {
+  return {read_quantity(context, node, key), !std::holds_alternative<std::string>(node.value)};
 }
-
-/// A cell of a line of comma-separated values, and the column of its first character.
-struct Cell {
-  std::string text;
-  std::size_t column = 1;
-};
-
-std::vector<Cell> cells_of(const std::string& line) {
-  std::vector<Cell> cells;
-  for (std::size_t begin = 0; begin <= line.size();) {
-    const std::size_t end = std::min(line.find(',', begin), line.size());
-    const std::string raw = line.substr(begin, end - begin);
-    const auto blank = raw.find_first_not_of(" \t\r");
-    cells.push_back({trimmed(raw), begin + (blank == std::string::npos ? 0 : blank) + 1});
-    begin = end + 1;
-  }
-  return cells;
-}
-
-/// A file of points: an optional line of names (s, x, y, in any order, each with an optional unit in brackets), then
-/// one point per line. Empty lines and lines that begin with # are skipped.
-class PointFile {
- public:
-  PointFile(std::filesystem::path path, const Units& units) : path_(std::move(path)), units_(units) {}
-
-  std::vector<std::vector<double>> read() {
-    const std::string text = read_input(path_, "measurement");
-    require_text(text, path_);
-    for (std::size_t begin = 0; begin < text.size();) {
-      const std::size_t end = std::min(text.find('\n', begin), text.size());
-      ++line_;
-      const std::string line = text.substr(begin, end - begin);
-      begin = end + 1;
-      const std::string content = trimmed(line);
-      if (content.empty() || content.front() == '#') continue;
-      take(cells_of(line));
-    }
-    if (rows_.empty()) throw InputError(path_.string() + ": found no points, expected lines with x, y or s, x, y");
-    return std::move(rows_);
-  }
-
- private:
-  [[noreturn]] void fail(const Cell& cell, const std::string& message) const {
-    throw InputError(fmt::format("{}:{}:{}: {}", path_.string(), line_, cell.column, message));
-  }
-
-  void take(const std::vector<Cell>& cells) {
-    if (columns_.empty()) {
-      const bool names =
-          !cells.front().text.empty() && std::string("sxy").find(cells.front().text[0]) != std::string::npos;
-      if (names) return take_names(cells);
-      if (cells.size() != 2 && cells.size() != 3) {
-        fail(cells.front(), fmt::format("found {} values, expected two (x, y) or three (s, x, y)", cells.size()));
-      }
-      for (std::size_t i = 0; i < cells.size(); ++i) columns_.push_back(i);
-      units_of_.resize(cells.size());
-    }
-    if (cells.size() != columns_.size()) {
-      fail(cells.back(),
-           fmt::format("found {} values, expected {} as in the lines before", cells.size(), columns_.size()));
-    }
-    if (rows_.size() == most_measured_points) {
-      fail(cells.front(), fmt::format("found more than {} points, expected at most as many", most_measured_points));
-    }
-    std::vector<double> row(cells.size());
-    for (std::size_t i = 0; i < cells.size(); ++i) row[columns_[i]] = value(cells[i], units_of_[i]);
-    rows_.push_back(std::move(row));
-  }
-
-  void take_names(const std::vector<Cell>& cells) {
-    const std::string expected = "x, y or s, x, y, each with its unit in brackets if it is not m, such as x [mm]";
-    std::vector<std::string> names;
-    for (const Cell& cell : cells) {
-      const auto bracket = cell.text.find_first_of("[(");
-      names.push_back(trimmed(cell.text.substr(0, bracket)));
-      std::string unit;
-      if (bracket != std::string::npos) {
-        const char closing = cell.text[bracket] == '[' ? ']' : ')';
-        if (cell.text.back() != closing) fail(cell, "found the column \"" + cell.text + "\", expected " + expected);
-        unit = trimmed(cell.text.substr(bracket + 1, cell.text.size() - bracket - 2));
-        value({"1", cell.column}, unit);
-      }
-      units_of_.push_back(unit);
-    }
-    const std::vector<std::string> order =
-        names.size() == 3 ? std::vector<std::string>{"s", "x", "y"} : std::vector<std::string>{"x", "y"};
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const auto at = std::find(order.begin(), order.end(), names[i]);
-      const auto column = static_cast<std::size_t>(at - order.begin());
-      const bool again = std::find(columns_.begin(), columns_.end(), column) != columns_.end();
-      if (names.size() != order.size() || at == order.end() || again) {
-        fail(cells[i], "found the column \"" + cells[i].text + "\", expected " + expected);
-      }
-      columns_.push_back(column);
-    }
-    if (names.size() < 2) fail(cells.front(), "found one column, expected " + expected);
-  }
-
-  double value(const Cell& cell, const std::string& unit) const {
-    // A plain number is in m, as everywhere in a scene.
-    double plain = 0.0;
-    const char* end = cell.text.data() + cell.text.size();
-    const auto [rest, error_code] = std::from_chars(cell.text.data(), end, plain);
-    if (unit.empty() && error_code == std::errc() && rest == end) {
-      if (!std::isfinite(plain)) {
-        fail(cell, "found \"" + cell.text + "\", expected " + expected_quantity(dimension::length, " that is finite"));
-      }
-      return plain;
-    }
-    try {
-      return units_.read(unit.empty() ? cell.text : cell.text + ' ' + unit, dimension::length);
-    } catch (const Error& error) {
-      fail(cell, error.what());
-    }
-  }
-
-  std::filesystem::path path_;
-  const Units& units_;
-  std::size_t line_ = 0;
-  std::vector<std::size_t> columns_;  // which of s, x, y or x, y each column is
-  std::vector<std::string> units_of_;
-  std::vector<std::vector<double>> rows_;
-};
 
 /// Rows of lengths, all of two or all of three entries.
 void read_measured_points(const Context& context, const Node& node, const KeySpec& key, MeasurementDraft& draft) {
@@ -164,10 +40,19 @@ void read_measured_points(const Context& context, const Node& node, const KeySpe
                             fmt::format("found a point of {} entries, expected {} as in the points before",
                                         entries->size(), draft.rows.front().size()));
     }
-    std::vector<double> row;
-    for (const Node& entry : *entries) row.push_back(read_quantity(context, entry, key));
+    std::vector<MeasuredLength> row;
+    row.reserve(entries->size());
+    for (const Node& entry : *entries) row.push_back(read_measured(context, entry, key));
     draft.rows.push_back(std::move(row));
   }
+}
+
+void read_origin(const Context& context, const Node& node, const KeySpec& key, MeasurementDraft& draft) {
+  const auto* list = std::get_if<Node::List>(&node.value);
+  if (list == nullptr || list->size() != 2) {
+    context.fail(node, "a list of two entries [x, y], each " + expected_quantity(key.dimension));
+  }
+  draft.origin = {read_measured(context, (*list)[0], key), read_measured(context, (*list)[1], key)};
 }
 
 void read_known_moments(const Context& context, const Node& node, const KeySpec& key, MeasurementDraft& draft) {
@@ -176,6 +61,106 @@ void read_known_moments(const Context& context, const Node& node, const KeySpec&
     context.fail(node, "a list of moments, one for each actuator");
   }
   for (const Node& item : *list) draft.moments.push_back(read_quantity(context, item, key));
+}
+
+/// Points as they were measured, one after the other: s, x, y or x, y each; NaN where nothing was seen.
+struct Readings {
+  std::vector<std::vector<double>> rows;
+  std::vector<bool> blank;
+};
+
+Readings read_file(const Context& context, const MeasurementDraft& draft, Scene& scene) {
+  TableFileSpec spec;
+  spec.what = "measurement";
+  spec.columns = {{"s", dimension::length, {"arc_length", "arc length", "arclength"}},
+                  {"x", dimension::length},
+                  {"y", dimension::length}};
+  spec.forms = {{1, 2}, {0, 1, 2}};
+  spec.most_rows = most_measured_points;
+  spec.pixel = draft.scale.value_or(0.0);
+  const std::filesystem::path path = std::filesystem::path(context.document.file()).parent_path() / draft.file;
+  TableFile file = read_table_file(path, spec, context.units);
+  for (const std::string& name : file.unread) {
+    scene.left_out.push_back({"column \"" + name + "\" of " + draft.file, "an estimate reads s, x and y"});
+  }
+  return {std::move(file.rows), std::move(file.blank)};
+}
+
+Readings readings_of(const Context& context, const MeasurementDraft& draft, Scene& scene) {
+  if (!draft.file.empty()) return read_file(context, draft, scene);
+  Readings out;
+  for (const std::vector<MeasuredLength>& row : draft.rows) {
+    std::vector<double> lengths;
+    lengths.reserve(row.size());
+    for (const MeasuredLength& value : row) lengths.push_back(value.in_metres(draft.scale));
+    out.rows.push_back(std::move(lengths));
+  }
+  out.blank.assign(out.rows.size(), false);
+  return out;
+}
+
+bool is_complete(const std::vector<double>& row) {
+  return std::none_of(row.begin(), row.end(), [](double v) { return std::isnan(v); });
+}
+
+/// Points [x, y] stand at equal distances: from the base or from the tip on, with one at the base or without.
+struct Spacing {
+  bool from_tip = false;
+  bool with_base = false;
+};
+
+/// Arc length of place `i` of `count`.
+double equal_arc_length(const Spacing& spacing, std::size_t i, std::size_t count, double length) {
+  const std::size_t place = spacing.from_tip ? count - 1 - i : i;
+  const auto steps = static_cast<double>(spacing.with_base ? std::max<std::size_t>(count, 2) - 1 : count);
+  return length * static_cast<double>(place + (spacing.with_base ? 0 : 1)) / steps;
+}
+
+/// Where the points say that the base is. A point at arc length s near it is close to s along the base's tangent.
+Spacing spacing_of(const std::vector<std::vector<double>>& rows, const RodSpec& rod) {
+  const Vec2 tangent{std::cos(rod.base_angle), std::sin(rod.base_angle)};
+  // Distance of the seen point that lies first from where it would be.
+  const auto error = [&](const Spacing& spacing) {
+    double least = std::numeric_limits<double>::infinity();
+    double found = least;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const double s = equal_arc_length(spacing, i, rows.size(), rod.length());
+      if (!is_complete(rows[i]) || s >= least) continue;
+      least = s;
+      found = norm(Vec2{rows[i][0], rows[i][1]} - rod.base_position - s * tangent);
+    }
+    return found;
+  };
+  Spacing best;
+  // Few points are too far apart to tell.
+  if (rows.size() < 3) return best;
+  const auto nearest = [&](bool from_tip) { return std::min(error({from_tip, false}), error({from_tip, true})); };
+  best.from_tip = nearest(true) < 0.25 * nearest(false);
+  best.with_base = error({best.from_tip, true}) < 0.25 * error({best.from_tip, false});
+  return best;
+}
+
+/// The points that were seen, along the rod; what else stands there is told.
+void take_points(const MeasurementDraft& draft, Readings readings, Scene& scene, MeasurementSpec& spec) {
+  const std::size_t written = readings.rows.size();
+  // Empty rows at the end are no places along the rod, between points they are.
+  while (!readings.rows.empty() && readings.blank[readings.rows.size() - 1]) readings.rows.pop_back();
+  spec.equal_spacing = !readings.rows.empty() && readings.rows.front().size() == 2;
+  const Spacing spacing = spec.equal_spacing ? spacing_of(readings.rows, scene.rod) : Spacing{};
+  for (std::size_t i = 0; i < readings.rows.size(); ++i) {
+    const std::vector<double>& row = readings.rows[i];
+    if (!is_complete(row)) continue;
+    const double s = row.size() == 3 ? row[0] : equal_arc_length(spacing, i, readings.rows.size(), scene.rod.length());
+    const Vec2 origin{draft.origin[0].in_metres(draft.scale), draft.origin[1].in_metres(draft.scale)};
+    const Vec2 p = Vec2{row[row.size() - 2], row[row.size() - 1]} - origin;
+    spec.points.push_back({s, {p.x, draft.y_down ? -p.y : p.y}});
+  }
+  const std::size_t lost = written - spec.points.size();
+  if (lost > 0) {
+    scene.left_out.push_back({fmt::format("{} of the {} rows of {}", lost, written, draft.file),
+                              "they hold no point: a value is empty or not a number"});
+  }
+  if (spacing.from_tip) scene.warnings.push_back("the measured points are read from the tip to the base");
 }
 
 }  // namespace
@@ -192,6 +177,13 @@ Table<MeasurementDraft> measurement_table() {
                 read_measured_points),
            text<T>("file", "", "CSV file with the points instead, beside the scene; columns x, y or s, x, y.",
                    [](T& t, const std::string& v) { t.file = v; }),
+           quantity<T>("scale", dimension::length, positive, "none: numbers are in m",
+                       "Length of one pixel; lengths without a unit in 'points', 'file' and 'origin' are pixels then.",
+                       [](T& t, double v) { t.scale = v; }),
+           list("origin", KeyType::point, dimension::length,
+                "Where in the picture the scene's point (0, 0) is, in the coordinates of the points.", read_origin),
+           boolean<T>("y_down", "false", "The points' y axis points down, as in a picture.",
+                      [](T& t, bool v) { t.y_down = v; }),
            quantity<T>("noise", dimension::length, positive, "estimated from the residuals",
                        "Standard deviation of each measured coordinate.", [](T& t, double v) { t.noise = v; }),
            list("moments", KeyType::quantities, dimension::moment,
@@ -199,7 +191,7 @@ Table<MeasurementDraft> measurement_table() {
                 read_known_moments)}};
 }
 
-MeasurementSpec finish_measurement(const Context& context, const MeasurementDraft& draft, const Scene& scene) {
+MeasurementSpec finish_measurement(const Context& context, const MeasurementDraft& draft, Scene& scene) {
   const Document& document = context.document;
   MeasurementSpec spec;
   if (scene.problem != ProblemKind::estimate) {
@@ -210,20 +202,10 @@ MeasurementSpec finish_measurement(const Context& context, const MeasurementDraf
     }
     return spec;
   }
-  std::vector<std::vector<double>> rows = draft.rows;
-  if (!draft.file.empty()) {
-    if (!rows.empty()) {
-      document.fail(document.find("measurement.file"), "found 'file' beside 'points', expected either of them");
-    }
-    rows = PointFile(std::filesystem::path(document.file()).parent_path() / draft.file, context.units).read();
+  if (!draft.file.empty() && !draft.rows.empty()) {
+    document.fail(document.find("measurement.file"), "found 'file' beside 'points', expected either of them");
   }
-  const double length = scene.rod.length();
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const std::vector<double>& row = rows[i];
-    const bool given = row.size() == 3;
-    const double s = given ? row[0] : length * static_cast<double>(i + 1) / static_cast<double>(rows.size());
-    spec.points.push_back({s, {row[row.size() - 2], row[row.size() - 1]}});
-  }
+  take_points(draft, readings_of(context, draft, scene), scene, spec);
   spec.noise = draft.noise.value_or(0.0);
   spec.moments = draft.moments;
   return spec;

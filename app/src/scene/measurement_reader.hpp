@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,10 +13,21 @@ namespace tendril::app {
 /// No measurement may have more points: the time limit of a scene is meant for fewer.
 inline constexpr std::size_t most_measured_points = 10'000;
 
+/// A length as written.
+struct MeasuredLength {
+  double value = 0.0;
+  bool plain = true;  ///< without a unit: in pixels where the scene says how long one is, else in m
+
+  double in_metres(const std::optional<double>& pixel) const { return plain && pixel ? value * *pixel : value; }
+};
+
 /// [measurement] as written, before the rod's length is known.
 struct MeasurementDraft {
-  std::vector<std::vector<double>> rows;  ///< s, x, y or x, y each, m
+  std::vector<std::vector<MeasuredLength>> rows;  ///< s, x, y or x, y each
   std::string file;
+  std::optional<double> scale;  ///< m, of a pixel
+  std::array<MeasuredLength, 2> origin{};
+  bool y_down = false;
   std::optional<double> noise;
   std::vector<double> moments;
 };
@@ -23,8 +35,8 @@ struct MeasurementDraft {
 /// Keys of [measurement].
 Table<MeasurementDraft> measurement_table();
 
-/// Reads the file if there is one, and gives every point its arc length. Throws InputError with the place, also where a
-/// scene of another kind has a measurement.
-MeasurementSpec finish_measurement(const Context& context, const MeasurementDraft& draft, const Scene& scene);
+/// Reads the file if there is one, and gives every point its arc length. What is not read is told in
+/// Scene::left_out. Throws InputError with the place, also where a scene of another kind has a measurement.
+MeasurementSpec finish_measurement(const Context& context, const MeasurementDraft& draft, Scene& scene);
 
 }  // namespace tendril::app

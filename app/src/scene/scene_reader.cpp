@@ -8,6 +8,7 @@
 #include "scene/measurement_reader.hpp"
 #include "scene/rod_reader.hpp"
 #include "scene/scene_tables.hpp"
+#include "scene/table_file.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::app {
@@ -29,16 +30,53 @@ void refuse_other_problems(const Document& document) {
   }
 }
 
-std::vector<TargetSpec> finish_trajectory(const Document& document, const TrajectoryDraft& draft) {
+/// Targets of a file: x, y or x, y, angle or angle alone on each line.
+std::vector<TargetSpec> read_targets(const Context& context, const std::string& name, Scene& scene) {
+  TableFileSpec spec;
+  spec.what = "trajectory";
+  spec.columns = {
+      {"x", dimension::length}, {"y", dimension::length}, {"angle", dimension::angle, {"phi", "direction"}}};
+  spec.forms = {{0, 1}, {0, 1, 2}, {2}};
+  spec.most_rows = most_measured_points;
+  const TableFile file =
+      read_table_file(std::filesystem::path(context.document.file()).parent_path() / name, spec, context.units);
+  std::vector<TargetSpec> targets;
+  for (const std::vector<double>& row : file.rows) {
+    if (std::any_of(row.begin(), row.end(), [](double v) { return std::isnan(v); })) continue;
+    TargetSpec target;
+    if (row.size() > 1) target.position = Vec2{row[0], row[1]};
+    if (row.size() != 2) target.angle = row.back();
+    targets.push_back(target);
+  }
+  for (const std::string& column : file.unread) {
+    scene.left_out.push_back({"column \"" + column + "\" of " + name, "a trajectory reads x, y and angle"});
+  }
+  if (targets.size() < file.rows.size()) {
+    scene.left_out.push_back(
+        {fmt::format("{} of the {} rows of {}", file.rows.size() - targets.size(), file.rows.size(), name),
+         "they hold no target: a value is empty or not a number"});
+  }
+  return targets;
+}
+
+std::vector<TargetSpec> finish_trajectory(const Context& context, const TrajectoryDraft& draft, Scene& scene) {
+  const Document& document = context.document;
   const std::size_t positions = draft.positions.size();
   const std::size_t angles = draft.angles.size();
+  if (!draft.file.empty()) {
+    if (positions > 0 || angles > 0) {
+      document.fail(document.find("trajectory.file"),
+                    "found 'file' beside 'positions' or 'angles', expected either of them");
+    }
+    return read_targets(context, draft.file, scene);
+  }
   if (positions > 0 && angles > 0 && positions != angles) {
     document.fail(document.find("trajectory.angles"),
                   fmt::format("found {} angles for {} positions, expected one for each", angles, positions));
   }
   if (positions == 0 && angles == 0 && document.root().find("trajectory") != nullptr) {
     document.fail(document.find("trajectory"),
-                  "[trajectory] has neither 'positions' nor 'angles', expected one of them");
+                  "[trajectory] has neither 'positions' nor 'angles' nor 'file', expected one of them");
   }
   std::vector<TargetSpec> targets(std::max(positions, angles));
   for (std::size_t i = 0; i < positions; ++i) targets[i].position = draft.positions[i];
@@ -51,9 +89,10 @@ std::vector<TargetSpec> finish_trajectory(const Document& document, const Trajec
 std::vector<KeySpec> scene_keys() { return scene_table().specs(); }
 
 Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
-  const Context context{document, *units};
   refuse_other_problems(document);
   SceneDraft draft;
+  std::vector<std::string> warnings;
+  const Context context{document, *units, warnings};
   draft.scene.coordinates.plugin = default_coordinates;
   draft.scene.solver.plugin = default_solver;
   draft.scene.coordinates.position = document.find("coordinates");
@@ -66,7 +105,7 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
     document.fail(document.find("gripper.palm_distance_range"), "expected two lengths: the smallest and the largest");
   }
   scene.measurement = finish_measurement(context, draft.measurement, scene);
-  scene.trajectory.targets = finish_trajectory(document, draft.trajectory);
+  scene.trajectory.targets = finish_trajectory(context, draft.trajectory, scene);
   if (scene.contact.min_force > scene.contact.max_force) {
     document.fail(document.find("contact.min_force"),
                   fmt::format("found min_force {} N above max_force {} N, expected min_force <= max_force",
@@ -75,6 +114,7 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     if (scene.obstacles[i].name.empty()) scene.obstacles[i].name = fmt::format("obstacle {}", i + 1);
   }
+  scene.warnings.insert(scene.warnings.begin(), warnings.begin(), warnings.end());
   scene.file = document.file();
   scene.read_quantity = [units = std::move(units)](std::string_view number, const Dimension& wanted) {
     try {
@@ -89,7 +129,8 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
 
 StudySpec read_study(const Document& document, const Units& units) {
   SceneDraft draft;
-  read_table(Context{document, units}, document.root(), "", scene_table(), draft);
+  std::vector<std::string> told_by_read_scene;
+  read_table(Context{document, units, told_by_read_scene}, document.root(), "", scene_table(), draft);
   if (!draft.study) document.fail({1, 1}, "the scene has no [study], expected one with targets, modes or limits");
   return std::move(*draft.study);
 }

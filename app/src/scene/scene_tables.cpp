@@ -83,8 +83,13 @@ Table<SceneDraft> trajectory_table() {
   using T = SceneDraft;
   return {{points<T>("positions", KeyType::points, dimension::length, "Where the tip should be, step by step.",
                      [](T& t, std::vector<Vec2> v) { t.trajectory.positions = std::move(v); }),
-           quantities<T>("angles", dimension::angle, any, "Directions that the tip should have, step by step.",
+           quantities<T>("angles", dimension::angle, any,
+                         "Directions that the tip should have, step by step, each the shorter way round from the one "
+                         "before.",
                          [](T& t, std::vector<double> v) { t.trajectory.angles = std::move(v); }),
+           text<T>("file", "",
+                   "CSV file with the targets instead, beside the scene; columns x, y, or x, y, angle, or angle.",
+                   [](T& t, const std::string& v) { t.trajectory.file = v; }),
            integer<T>("replan_every", 0, "0",
                       "Steps between full plans, which may jump to another way of being in contact; 0: full plans only "
                       "where a contact comes or goes or Newton's method fails.",
@@ -205,8 +210,13 @@ Table<SceneDraft> scene_table() {
           Table<TargetSpec>{
               {point<TargetSpec>("position", dimension::length, "", "Where the tip should be.",
                                  [](TargetSpec& t, Vec2 v) { t.position = v; }),
-               quantity<TargetSpec>("angle", dimension::angle, any, "", "Direction that the tip should have.",
-                                    [](TargetSpec& t, double v) { t.angle = v; })}},
+               quantity<TargetSpec>("angle", dimension::angle, any, "",
+                                    "Direction that the tip should have; full turns do not count.",
+                                    [](TargetSpec& t, double v) { t.angle = v; }),
+               integer<TargetSpec>("turns", -100, "whatever suits",
+                                   "Full turns of the tip against the base, beyond the half turn at most that leads to "
+                                   "'angle'.",
+                                   [](TargetSpec& t, int v) { t.turns = v; })}},
           [](T & t) -> auto& { return t.scene.target; }),
       tables<T>(
           "objective", "objective", "A term of the objective. Further keys are options of the plugin.",

@@ -19,6 +19,7 @@ inline constexpr const char* default_solver = "nlopt";
 struct TrajectoryDraft {
   std::vector<Vec2> positions;
   std::vector<double> angles;
+  std::string file;
 };
 
 /// What a scene says before defaults that depend on other keys are filled in.

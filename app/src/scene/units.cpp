@@ -15,25 +15,41 @@ namespace tendril::app {
 
 namespace {
 
+/// A dimension: its SI unit, what it is called, and the sizes (SI) between which units make sense for a rod: lengths
+/// from 1 um to 1 km, forces from nN to kN, and what comes of them.
 struct Named {
   std::string_view unit;
   const char* name;
   const char* example;
+  double smallest;
+  double largest;
 };
 
-constexpr std::array<Named, 13> names{{{"m", "a length", "60 mm"},
-                                       {"rad", "an angle", "30 deg"},
-                                       {"1/m", "a curvature", "5 1/m"},
-                                       {"N", "a force", "0.5 N"},
-                                       {"N m", "a moment", "2.5 N mm"},
-                                       {"N m^2", "a bending stiffness", "4.9e-4 N m^2"},
-                                       {"m/s^2", "an acceleration", "-9.81 m/s^2"},
-                                       {"kg/m", "a linear density", "84 g/m"},
-                                       {"kg", "a mass", "20 g"},
-                                       {"s", "a time", "10 s"},
-                                       {"N m/Pa", "a moment per pressure", "2e-6 N m/Pa"},
-                                       {"Pa", "a pressure", "50 kPa"},
-                                       {"", "a pure number", "0.5"}}};
+constexpr std::array<Named, 13> names{{{"m", "a length", "60 mm", 1e-6, 1e3},
+                                       {"rad", "an angle", "30 deg", 1e-9, 10.0},
+                                       {"1/m", "a curvature", "5 1/m", 1e-5, 1e6},
+                                       {"N", "a force", "0.5 N", 1e-9, 1e4},
+                                       {"N m", "a moment", "2.5 N mm", 1e-15, 1e5},
+                                       {"N m^2", "a bending stiffness", "4.9e-4 N m^2", 1e-21, 1e5},
+                                       {"m/s^2", "an acceleration", "-9.81 m/s^2", 1e-6, 1e3},
+                                       {"kg/m", "a linear density", "84 g/m", 1e-12, 1e2},
+                                       {"kg", "a mass", "20 g", 1e-15, 1e2},
+                                       {"s", "a time", "10 s", 1e-6, 1e5},
+                                       {"N m/Pa", "a moment per pressure", "2e-6 N m/Pa", 1e-24, 1e3},
+                                       {"Pa", "a pressure", "50 kPa", 1.0, 1e9},
+                                       {"", "a pure number", "0.5", 0.0, 0.0}}};
+
+/// What a unit of this size asks for; empty: it is as large as units for a rod are.
+std::string unusual_size(double size, const Dimension& dimension) {
+  for (const Named& known : names) {
+    constexpr double rounding = 1.0 + 1e-9;
+    if (known.unit != dimension.unit || dimension.unit.empty()) continue;
+    if (size * rounding >= known.smallest && size <= known.largest * rounding) return "";
+    return fmt::format("whose unit is {:.3g} {}, too {} for a rod", size, known.unit,
+                       size < known.smallest ? "small" : "large");
+  }
+  return "";
+}
 
 constexpr std::size_t longest_unit = 64;
 constexpr std::string_view blanks = " \t";
@@ -234,6 +250,13 @@ double Units::read(std::string_view text, const Dimension& dimension) const {
     refuse(known ? "whose unit is not that of " + dimension_name(dimension)
                  : "and " + quoted(unit) + " is not a known unit",
            split.empty() ? "" : "; did you mean '" + split + "'?");
+  }
+  if (const std::string unusual = unusual_size(*factor, dimension); !unusual.empty()) {
+    std::string other(unit);
+    if (other.front() == 'M' || other.front() == 'm') other.front() = other.front() == 'M' ? 'm' : 'M';
+    const auto size = database_->factor(other, dimension, known);
+    const bool better = other != unit && size && unusual_size(*size, dimension).empty();
+    refuse(unusual, better ? "; did you mean '" + other + "'?" : "");
   }
   const double si = value * *factor;
   if (!std::isfinite(si)) refuse("a number too large to hold");

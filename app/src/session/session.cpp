@@ -76,6 +76,7 @@ Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Unit
     const bool other_coordinates = plugin_in(document_, "coordinates") != coordinates;
     const bool other_solver = plugin_in(document_, "solver") != solver;
     scene_ = read_scene(document_, units_);
+    dropped_ = scene_.left_out;
     located("", [&] { validate(scene_); });
     {
       const Stopwatch open(seconds_open_);

@@ -44,7 +44,7 @@ std::optional<Shard> parse_shard(std::string_view text) {
 
 /// Everything that the numbers depend on and a user can change.
 std::uint64_t fingerprint_of(const SceneArguments& arguments) {
-  std::string text = std::string(TENDRIL_VERSION) + '\0' + read_input(arguments.scene, "scene");
+  std::string text = std::string(TENDRIL_VERSION) + '\0' + read_scene_input(arguments.scene);
   for (const Override& setting : arguments.overrides) text += '\0' + setting.key + '=' + setting.text;
   return checksum(text);
 }
@@ -235,9 +235,11 @@ int run_study(const StudyArguments& arguments) {
   if (arguments.merge && !arguments.shard.empty()) {
     throw InputError("--merge joins all shards, expected no --shard beside it");
   }
+  if (arguments.scene.scene == standard_input) share_standard_input();
   const std::uint64_t fingerprint = fingerprint_of(arguments.scene);
   Session session(arguments.scene);
   const Scene scene = session.scene();
+  for (const std::string& warning : scene.warnings) note(warning);
   const StudySpec study = session.study();
   const std::vector<StudyCase> cases = study_cases(study);
   check_cases(session, scene, study, cases);

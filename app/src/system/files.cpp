@@ -1,11 +1,14 @@
 #include "tendril/app/files.hpp"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
+#include <optional>
 #include <system_error>
 
 #include "tendril/app/input_error.hpp"
@@ -33,6 +36,26 @@ class Descriptor {
  private:
   int number_;
 };
+
+constexpr const char* too_large = " is larger than 4 MiB, the most that is read";
+
+/// Tells a process where the standard input of the one that started it stands.
+constexpr const char* shared_input = "TENDRIL_STANDARD_INPUT";
+
+/// Everything that an open file holds; the size of a device or a pipe is not known beforehand, so the limit is kept
+/// while reading.
+std::string read_all(int file, const std::string& name) {
+  std::string text;
+  std::string block(std::size_t{1} << 16, '\0');
+  while (true) {
+    const ssize_t count = ::read(file, block.data(), std::min(block.size(), largest_input + 1 - text.size()));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw InputError("cannot read " + name + ": " + reason(errno));
+    if (count == 0) return text;
+    text.append(block, 0, static_cast<std::size_t>(count));
+    if (text.size() > largest_input) throw InputError(name + too_large);
+  }
+}
 
 }  // namespace
 
@@ -71,20 +94,33 @@ std::string read_input(const fs::path& path, const std::string& what) {
   if (S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode)) {
     throw InputError("cannot read " + name + ": it is a pipe, expected a file");
   }
-  const std::string too_large = name + " is larger than 4 MiB, the most that is read";
-  if (S_ISREG(status.st_mode) && static_cast<std::size_t>(status.st_size) > largest_input) throw InputError(too_large);
-
-  // The size of a device is not known beforehand, so the limit is kept while reading as well.
-  std::string text;
-  std::string block(std::size_t{1} << 16, '\0');
-  while (true) {
-    const ssize_t count = ::read(file.get(), block.data(), std::min(block.size(), largest_input + 1 - text.size()));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw InputError("cannot read " + name + ": " + reason(errno));
-    if (count == 0) return text;
-    text.append(block, 0, static_cast<std::size_t>(count));
-    if (text.size() > largest_input) throw InputError(too_large);
+  if (S_ISREG(status.st_mode) && static_cast<std::size_t>(status.st_size) > largest_input) {
+    throw InputError(name + too_large);
   }
+  return read_all(file.get(), name);
+}
+
+std::string read_scene_input(const fs::path& path) {
+  if (path != standard_input) return read_input(path, "scene");
+  static std::optional<std::string> text;
+  if (text) return *text;
+  const char* shared = std::getenv(shared_input);  // NOLINT(concurrency-mt-unsafe): before any thread
+  text = shared != nullptr ? read_input(shared, "scene") : read_all(STDIN_FILENO, "the scene on standard input");
+  return *text;
+}
+
+void share_standard_input() {
+  const std::string text = read_scene_input(standard_input);
+  const int file = ::memfd_create("tendril-scene", 0);
+  bool good = file >= 0;
+  for (std::size_t done = 0; good && done < text.size();) {
+    const ssize_t count = ::write(file, text.data() + done, text.size() - done);
+    good = count > 0;
+    if (good) done += static_cast<std::size_t>(count);
+  }
+  if (!good) throw InputError("cannot hand on the scene of standard input: " + reason(errno));
+  const std::string path = "/proc/self/fd/" + std::to_string(file);
+  ::setenv(shared_input, path.c_str(), 1);  // NOLINT(concurrency-mt-unsafe): before any thread
 }
 
 void require_text(const std::string& text, const fs::path& path) {

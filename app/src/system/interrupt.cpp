@@ -3,6 +3,8 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include "tendril/plugins/crash.hpp"
+
 namespace tendril::app {
 
 namespace {
@@ -29,7 +31,7 @@ InterruptGuard::~InterruptGuard() { ::sigaction(SIGINT, &previous, nullptr); }
 const std::atomic<bool>& InterruptGuard::flag() { return interrupted; }
 
 Watchdog::Watchdog(std::chrono::duration<double> limit, std::string message)
-    : thread_([this, limit, text = std::move(message) + '\n'] {
+    : thread_([this, limit, watched = ::pthread_self(), text = std::move(message) + '\n'] {
         std::unique_lock lock(mutex_);
         // A limit that the clock cannot hold is no limit.
         if (limit > std::chrono::hours(24 * 365)) {
@@ -39,7 +41,7 @@ Watchdog::Watchdog(std::chrono::duration<double> limit, std::string message)
         if (done_.wait_for(lock, limit, [this] { return finished_; })) return;
         // Destructors would wait for the very code that does not return.
         [[maybe_unused]] const auto count = ::write(STDERR_FILENO, text.data(), text.size());
-        ::_exit(1);
+        plugins::end_while_running(watched);
       }) {}
 
 Watchdog::~Watchdog() {

@@ -18,22 +18,26 @@ DisplayUnits::DisplayUnits(double rod_length) {
   }
 }
 
-std::string DisplayUnits::lengths(double si) const { return fmt::format("{:.6g} {}", si / length_size, length); }
+// Adding 0 takes the sign from a zero: nobody means -0.
+
+std::string DisplayUnits::lengths(double si) const { return fmt::format("{:.6g} {}", si / length_size + 0.0, length); }
 
 std::string DisplayUnits::point(Vec2 p) const {
-  return fmt::format("({:.6g}, {:.6g}) {}", p.x / length_size, p.y / length_size, length);
+  return fmt::format("({:.6g}, {:.6g}) {}", p.x / length_size + 0.0, p.y / length_size + 0.0, length);
 }
 
-std::string DisplayUnits::moment(double si) const { return fmt::format("{:.6g} N {}", si / length_size, length); }
+std::string DisplayUnits::moment(double si) const { return fmt::format("{:.6g} N {}", si / length_size + 0.0, length); }
 
 std::string force(double si) {
   const double size = std::abs(si);
-  if (size >= 1.0 || size == 0.0) return fmt::format("{:.6g} N", si);
+  if (size >= 1.0 || size == 0.0) return fmt::format("{:.6g} N", si + 0.0);
   if (size >= 1e-3) return fmt::format("{:.6g} mN", si * 1e3);
   return fmt::format("{:.6g} uN", si * 1e6);
 }
 
-std::string angle(double rad) { return fmt::format("{:.6g} rad ({:.4g} deg)", rad, rad * 180.0 / std::numbers::pi); }
+std::string angle(double rad) {
+  return fmt::format("{:.6g} rad ({:.4g} deg)", rad + 0.0, rad * 180.0 / std::numbers::pi + 0.0);
+}
 
 std::string seconds(double s) {
   if (s < 1e-3) return fmt::format("{:.3g} us", s * 1e6);

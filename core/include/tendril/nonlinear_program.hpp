@@ -25,6 +25,15 @@ struct EvaluationCounts {
   std::int64_t first_derivatives = 0;  ///< gradient and Jacobian
   std::int64_t hessians = 0;           ///< Hessian of the Lagrangian
   double seconds = 0.0;                ///< wall time inside the program for all of these
+
+  /// Adds up.
+  EvaluationCounts& operator+=(const EvaluationCounts& more) {
+    values += more.values;
+    first_derivatives += more.first_derivatives;
+    hessians += more.hessians;
+    seconds += more.seconds;
+    return *this;
+  }
 };
 
 /// A dense, smooth nonlinear program

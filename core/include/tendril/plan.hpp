@@ -12,6 +12,7 @@
 #include "tendril/backbone_point.hpp"
 #include "tendril/certificate.hpp"
 #include "tendril/geometry.hpp"
+#include "tendril/scene.hpp"
 #include "tendril/solver.hpp"
 
 namespace tendril {
@@ -33,12 +34,6 @@ struct PlannedContact {
   /// The rod lies along the obstacle here: one of a run of contacts that stands for the stretch, or, in a plan that is
   /// not solved for that reason, the point whose force would be spread.
   bool extended = false;
-};
-
-/// Something that a scene could have needed and did not.
-struct LeftOut {
-  std::string what;  ///< what is not there
-  std::string why;   ///< a reason for a user
 };
 
 /// One program that the planner solved, and how it ended.

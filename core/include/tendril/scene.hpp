@@ -83,7 +83,10 @@ struct ContactSpec {
 /// The pose that the tip should have; either part may be absent.
 struct TargetSpec {
   std::optional<Vec2> position;  ///< m
-  std::optional<double> angle;   ///< rad
+  std::optional<double> angle;   ///< rad; a direction, so that full turns do not count
+  /// Full turns of the tip against the base's direction, beyond the half turn at most that leads to `angle`; absent:
+  /// whatever suits.
+  std::optional<int> turns{};
 };
 
 /// Targets in order; for the problem kind "trajectory".
@@ -130,6 +133,13 @@ struct MeasurementSpec {
   std::vector<MeasuredPoint> points;  ///< where the backbone was seen
   double noise = 0.0;                 ///< m, standard deviation of each coordinate; 0: not known
   std::vector<double> moments;        ///< N m, one per actuator; empty: not given
+  bool equal_spacing = false;         ///< arc lengths were not measured: the points are taken to be equally far apart
+};
+
+/// Something that a scene could have needed and did not.
+struct LeftOut {
+  std::string what;  ///< what is not there
+  std::string why;   ///< a reason for a user
 };
 
 /// Which fingers of a grasp are planned.
@@ -182,6 +192,8 @@ struct Scene {
   SolverSpec solver;                        ///< who solves the programs
   SearchEffort effort = SearchEffort::normal;  ///< how far is looked for a better plan
   QuantityReader read_quantity;                ///< for numbers with units inside raw options; may be empty
+  std::vector<LeftOut> left_out;               ///< what its files hold beyond this, and why it is not read
+  std::vector<std::string> warnings;           ///< what its reader would ask about
 };
 
 /// Which of a scene's components have to be opened at all (a weight of 0 opens nothing).

@@ -8,7 +8,8 @@ namespace {
 
 std::string formatted(double value, std::chars_format format, int precision) {
   char text[64];
-  return {text, std::to_chars(text, text + sizeof text, value, format, precision).ptr};
+  // Adding 0 takes the sign from a zero: nobody means -0.
+  return {text, std::to_chars(text, text + sizeof text, value + 0.0, format, precision).ptr};
 }
 
 }  // namespace

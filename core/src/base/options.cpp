@@ -56,7 +56,11 @@ std::string shown(const RawValue& raw) {
   struct Show {
     std::string operator()(bool v) const { return v ? "true" : "false"; }
     std::string operator()(std::int64_t v) const { return std::to_string(v); }
-    std::string operator()(double v) const { return number_text(v); }
+    std::string operator()(double v) const {
+      // A real number shows that it is one: 6.0 is no 6 where a whole number is expected.
+      const std::string text = number_text(v);
+      return text + (text.find_first_not_of("-0123456789") == std::string::npos ? ".0" : "");
+    }
     std::string operator()(const std::string& v) const {
       return '\'' + (v.size() > longest_text ? v.substr(0, longest_text) + "..." : v) + '\'';
     }

@@ -67,4 +67,15 @@ double improvement_probability(double improvement, double curve, int degrees) {
   return std::min(1.0, single + curve / std::numbers::pi * along);
 }
 
+double smooth_probability(const Eigen::VectorXd& residuals) {
+  const Eigen::Index changes = residuals.size() - 2;
+  const double square = residuals.squaredNorm();
+  if (changes < 2 || square == 0.0) return 1.0;
+  // Sum of squared changes over sum of squares: 2 on average, with a variance of 4 over the number of residuals.
+  const double ratio = (residuals.tail(changes) - residuals.head(changes)).squaredNorm() / square *
+                       static_cast<double>(residuals.size()) / static_cast<double>(changes);
+  const double deviations = (2.0 - ratio) / (2.0 / std::sqrt(static_cast<double>(residuals.size())));
+  return 0.5 * std::erfc(deviations / std::sqrt(2.0));
+}
+
 }  // namespace tendril

@@ -25,4 +25,8 @@ TENDRIL_API double curve_length(const Eigen::MatrixXd& columns, const Eigen::Mat
 /// variance was estimated, 0 if it is known.
 TENDRIL_API double improvement_probability(double improvement, double curve, int degrees);
 
+/// Probability that independent residuals of points, x and y in turn in the order of the points, change as little from
+/// one point to the next as these do: von Neumann's ratio in its normal approximation.
+TENDRIL_API double smooth_probability(const Eigen::VectorXd& residuals);
+
 }  // namespace tendril

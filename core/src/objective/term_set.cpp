@@ -145,6 +145,38 @@ void TermEvaluator::read_inputs(const BaseValues& at) {
   }
 }
 
+namespace {
+
+/// What a term sees that a user can find again, dimensionless.
+std::string place_of(const Reads& reads, const Quantities<double>& x) {
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "with " : ", ") + part; };
+  if (reads.tip_position) add("the tip at (" + shown(x.tip.x) + ", " + shown(x.tip.y) + ") L");
+  if (reads.tip_angle) add("the tip's angle " + shown(x.tip.angle) + " rad");
+  for (std::size_t i = 0; i < x.samples.size() && i < 1; ++i) {
+    add("the rod at (" + shown(x.samples[i].x) + ", " + shown(x.samples[i].y) +
+        ") L at s/L = " + shown(reads.samples[i]) + ", angle " + shown(x.samples[i].angle) + " rad, curvature " +
+        shown(x.samples[i].curvature) + "/L");
+  }
+  for (std::size_t a = 0; a < x.moments.size(); ++a) {
+    add("moment " + std::to_string(a + 1) + " = " + shown(x.moments[a]) + " EI/L");
+  }
+  for (std::size_t k = 0; k < x.contacts.size(); ++k) {
+    const ContactQuantities<double>& c = x.contacts[k];
+    add("contact " + std::to_string(k + 1) + " at (" + shown(c.x) + ", " + shown(c.y) + ") L, force " + shown(c.force) +
+        " EI/L^2, gap " + shown(c.gap) + " L");
+  }
+  if (reads.bending_energy) add("the bending energy " + shown(x.bending_energy) + " EI/L");
+  return text.empty() ? "whatever it reads" : text;
+}
+
+}  // namespace
+
+void TermEvaluator::note_fault(double value, const char* what) {
+  if (std::isfinite(value) || !weighted_.fault || !weighted_.fault->empty()) return;
+  *weighted_.fault = std::string(what) + " is " + shown(value) + ' ' + place_of(reads_, plain_.seen);
+}
+
 void TermEvaluator::evaluate(const BaseValues& at, double& cost, double& rest, double* residuals) {
   read_inputs(at);
   const Contribution<double> out = plain_.run(*weighted_.term);
@@ -161,6 +193,7 @@ void TermEvaluator::evaluate(const BaseValues& at, double& cost, double& rest, d
   }
   const double extra = weighted_.weight * out.smooth_part();
   value_ = squares + extra;
+  note_fault(value_, "it");
   cost += value_;
   rest += extra;
 }
@@ -192,6 +225,7 @@ void TermEvaluator::differentiate(const BaseValues& at, Eigen::VectorXd& gradien
     const double extra = weight * direction(out.smooth_part());
     double total = extra;
     for (const HyperDual& value : dual_.residuals) total += 2.0 * weight * value.v * direction(value);
+    note_fault(total, "its first derivative");
     for (int side = 0; side < 2; ++side) {
       if (input.base[side] < 0) continue;
       gradient[input.base[side]] += input.factor[side] * total;
@@ -233,6 +267,7 @@ void TermEvaluator::differentiate_twice(double weight) {
         second += 2.0 * (r.a * r.b + r.v * r.ab);
         slope += 2.0 * r.v * r.a;
       }
+      note_fault(second, "its second derivative");
       if (i == k) input_gradient_[i] = weight * slope;
       input_hessian_[i * n + k] = input_hessian_[k * n + i] = weight * second;
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct WeightedTerm {
   const ObjectiveTerm* term = nullptr;
   double weight = 1.0;
   std::string name;
+  std::shared_ptr<std::string> fault{};  ///< where it was first no number, in words; null: nobody asks
 };
 
 /// Where the base quantities stand: the backbone quantities and variables through which every term sees x. -1: not
@@ -102,6 +104,8 @@ class TermEvaluator {
   void refresh_factors(const BaseValues& at);
   void bind_contact(int contact);
   void read_inputs(const BaseValues& at);
+  /// Keeps the place for a report if `value` is no number and none was before. It allocates then, and only then.
+  void note_fault(double value, const char* what);
   /// Derivatives of the term by its inputs, times `weight`, into input_gradient_ and input_hessian_.
   void differentiate_twice(double weight);
 

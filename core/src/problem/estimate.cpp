@@ -7,7 +7,7 @@
 #include "base/deadline.hpp"
 #include "estimate/estimate_fit.hpp"
 #include "estimate/significance.hpp"
-#include "scene/make_rod.hpp"
+#include "problem/estimate_input.hpp"
 
 namespace tendril {
 namespace {
@@ -19,6 +19,10 @@ constexpr double largest_relative_error = 0.1;
 constexpr double significance = 0.01;
 /// Residuals larger than this often by chance alone mean that the model does not fit.
 constexpr double least_fit_probability = 1e-6;
+/// Where the noise is not known, residuals as large as this (units of L) are none, and from this on a row of them that
+/// is too smooth to be noise is told.
+constexpr double no_noise = 0.05;
+constexpr double least_misfit = 1e-3;
 /// Another local minimum within this much of chi-square (three standard deviations) explains the data as well.
 constexpr double equally_good = 9.0;
 /// Orders of the Legendre functions, each tried until the points stay where they are (units of L).
@@ -28,91 +32,6 @@ constexpr double order_tolerance = 1e-10;
 constexpr int most_refining_steps = 200;
 
 std::string text(double value) { return shown(value, 3); }
-
-/// The scene made dimensionless.
-struct Input {
-  Scale scale;
-  Rod rod;
-  std::vector<double> moments;
-  MeasuredShape measured;
-  int most_contacts = 1;
-};
-
-std::vector<double> known_moments(const Scene& scene) {
-  const std::vector<ActuatorSpec>& actuators = scene.rod.actuators;
-  if (!scene.measurement.moments.empty()) {
-    if (scene.measurement.moments.size() != actuators.size()) {
-      throw SceneError("measurement.moments", "found " + std::to_string(scene.measurement.moments.size()) +
-                                                  " moments, expected one for each of the rod's " +
-                                                  std::to_string(actuators.size()) + " actuators");
-    }
-    return scene.measurement.moments;
-  }
-  std::vector<double> moments;
-  for (std::size_t a = 0; a < actuators.size(); ++a) {
-    if (actuators[a].minimum != actuators[a].maximum) {
-      throw SceneError("measurement", "the moment of actuator " + std::to_string(a + 1) +
-                                          " while the points were measured is not known, expected moments = [...] in "
-                                          "[measurement], or an actuator whose min and max are equal");
-    }
-    moments.push_back(actuators[a].minimum);
-  }
-  return moments;
-}
-
-Input read(const Scene& scene) {
-  validate(scene);
-  Input in;
-  in.scale = scale_of(scene);
-  in.rod = make_rod(scene, in.scale);
-  for (const double m : known_moments(scene)) {
-    if (!std::isfinite(m)) throw SceneError("measurement.moments", "a known moment must be finite");
-    in.moments.push_back(in.scale.to_dimensionless(m, dimension::moment));
-  }
-  in.most_contacts = scene.contact.count;
-  if (in.most_contacts > 2) {
-    throw SceneError("contact.count",
-                     "found " + std::to_string(in.most_contacts) + " contacts to be estimated, expected 1 or 2");
-  }
-  const MeasurementSpec& measurement = scene.measurement;
-  if (measurement.points.empty()) {
-    throw SceneError("measurement",
-                     "there are no measured points, expected points = [...] or file = \"...\" in "
-                     "[measurement]");
-  }
-  std::vector<MeasuredPoint> points = measurement.points;
-  std::stable_sort(points.begin(), points.end(),
-                   [](const MeasuredPoint& a, const MeasuredPoint& b) { return a.arc_length < b.arc_length; });
-  in.measured.points.resize(2 * static_cast<Eigen::Index>(points.size()));
-  Eigen::Index i = 0;
-  for (const MeasuredPoint& p : points) {
-    const double s = p.arc_length / in.scale.length;
-    // A part in 1e9 is the rounding of units.
-    if (!(s > 0.0 && s <= 1.0 + 1e-9)) {
-      throw SceneError("measurement", "a measured point is at arc length " + text(p.arc_length) +
-                                          " m, expected more than 0 and at most the rod's length, " +
-                                          text(in.scale.length) + " m");
-    }
-    in.measured.arc_lengths.push_back(std::min(1.0, s));
-    for (const double coordinate : {p.position.x, p.position.y}) {
-      if (!std::isfinite(coordinate)) throw SceneError("measurement", "a measured coordinate is not finite");
-      in.measured.points[i++] = in.scale.to_dimensionless(coordinate, dimension::length);
-    }
-  }
-  if (std::isnan(measurement.noise) || measurement.noise < 0.0 || !std::isfinite(measurement.noise)) {
-    throw SceneError("measurement.noise", "the noise must be a positive length");
-  }
-  in.measured.noise = measurement.noise / in.scale.length;
-  // The noise itself needs residuals to be estimated from.
-  const int least = 2 * in.most_contacts + (measurement.noise > 0.0 ? 0 : 2);
-  if (in.measured.points.size() < least) {
-    throw SceneError("measurement", "found " + std::to_string(points.size()) + " measured points, expected at least " +
-                                        std::to_string((least + 1) / 2) + " for " + std::to_string(in.most_contacts) +
-                                        (in.most_contacts == 1 ? " contact" : " contacts") +
-                                        (measurement.noise > 0.0 ? "" : " and unknown noise"));
-  }
-  return in;
-}
 
 /// All local minima with one number of contacts, best first; the test against one contact less.
 struct Level {
@@ -139,8 +58,8 @@ struct Refined {
   double change = infinity;
 };
 
-Refined refine(const Input& in, const LoadedRod& coarse, const ShapeFit& fit, double turn, const Deadline& deadline,
-               int& solves) {
+Refined refine(const EstimateInput& in, const LoadedRod& coarse, const ShapeFit& fit, double turn,
+               const Deadline& deadline, int& solves) {
   Refined out;
   out.fit = fit;
   const LoadedRod* source = &coarse;
@@ -187,7 +106,8 @@ const ShapeFit* rival_of(const std::vector<ShapeFit>& fits, const Eigen::MatrixX
   return nullptr;
 }
 
-void report_contacts(const Input& in, const Refined& refined, const std::vector<ShapeFit>& fits, Estimate& out) {
+void report_contacts(const EstimateInput& in, const Refined& refined, const std::vector<ShapeFit>& fits,
+                     Estimate& out) {
   const ShapeFit& fit = refined.fit;
   const int contacts = fit.contacts();
   if (contacts == 0) return;
@@ -233,14 +153,39 @@ void report_contacts(const Input& in, const Refined& refined, const std::vector<
   }
 }
 
-void conclude(const Input& in, Estimate& out) {
+/// Why a shape does not explain the points; empty: it does, as far as the residuals tell.
+std::string misfit(const EstimateInput& in, const ShapeFit& fit) {
+  const int degrees = in.measured.degrees_of_freedom(fit.contacts());
+  const double rms = std::sqrt(fit.sum / static_cast<double>(in.measured.points.size()));
+  if (in.measured.noise > 0.0) {
+    const double chi_square = fit.sum / in.measured.variance(fit.sum, fit.contacts());
+    if (chi_square_probability(chi_square, degrees) >= least_fit_probability) return "";
+    return "the residuals are larger than the noise (chi-square " + text(chi_square) + " with " +
+           std::to_string(degrees) + " degrees of freedom)";
+  }
+  const std::string size = "the residuals of " + text(rms * in.scale.length) + " m ";
+  if (rms > no_noise) return size + "are too large for noise";
+  if (rms > least_misfit && smooth_probability(fit.residual) < least_fit_probability) {
+    return size + "change too smoothly along the rod to be noise";
+  }
+  return "";
+}
+
+/// `why`: the fit explains too little.
+void report_poor_fit(const EstimateInput& in, const std::string& why, Estimate& out) {
+  const std::string hint = in.hint();
+  out.status = EstimateStatus::poor_fit;
+  out.message = why;
+  out.message += hint.empty() ? ": the noise, the moments or the rod are not what the scene says, or there are more "
+                                "contacts than " +
+                                    std::to_string(in.most_contacts)
+                              : hint;
+}
+
+void conclude(const EstimateInput& in, const ShapeFit& fit, Estimate& out) {
   const std::string noun[] = {"no contact", "1 contact", "2 contacts"};
-  if (out.fit_probability < least_fit_probability) {
-    out.status = EstimateStatus::poor_fit;
-    out.message = "the residuals are larger than the noise (chi-square " + text(out.chi_square) + " with " +
-                  std::to_string(out.degrees_of_freedom) +
-                  " degrees of freedom): the noise, the moments or the rod are " +
-                  "not what the scene says, or there are more contacts than " + std::to_string(in.most_contacts);
+  if (const std::string why = misfit(in, fit); !why.empty()) {
+    report_poor_fit(in, why, out);
     for (EstimatedContact& c : out.contacts) {
       c.identifiable = false;
       c.reason = "the model does not fit the points";
@@ -263,7 +208,7 @@ void conclude(const Input& in, Estimate& out) {
 }
 
 /// Fits with no contact, one, and so on, each tested against the one before; fewer where time is over.
-std::vector<Level> fit_levels(const Input& in, const LoadedRod& rod, const Deadline& deadline, int& starts) {
+std::vector<Level> fit_levels(const EstimateInput& in, const LoadedRod& rod, const Deadline& deadline, int& starts) {
   const LoadedRod::Curvature curvature = measured_curvature(in.rod, in.measured);
   std::vector<Level> levels;
   for (int contacts = 0; contacts <= in.most_contacts; ++contacts) {
@@ -291,7 +236,7 @@ std::vector<Level> fit_levels(const Input& in, const LoadedRod& rod, const Deadl
 }
 
 /// What the points say with the number of contacts that they support.
-void report_fit(const Input& in, const Refined& refined, const std::vector<ShapeFit>& fits, Estimate& out) {
+void report_fit(const EstimateInput& in, const Refined& refined, const std::vector<ShapeFit>& fits, Estimate& out) {
   const ShapeFit& fit = refined.fit;
   out.order = refined.rod->order();
   out.model_error = refined.change * in.scale.length;
@@ -315,8 +260,13 @@ void report_fit(const Input& in, const Refined& refined, const std::vector<Shape
   }
 }
 
-std::vector<LeftOut> left_out_of(const Scene& scene) {
+std::vector<LeftOut> left_out_of(const Scene& scene, const EstimateInput& in) {
   std::vector<LeftOut> out;
+  if (in.at_base > 0) {
+    out.push_back({in.at_base == 1 ? "the measured point at the base"
+                                   : std::to_string(in.at_base) + " measured points at the base",
+                   "the rod is clamped there, whatever touches it"});
+  }
   out.push_back({"coordinates plugin", "an estimate uses Legendre functions whose order it chooses itself"});
   out.push_back({"solver plugin", "an estimate is a small least-squares problem that needs none"});
   if (!scene.obstacles.empty()) out.push_back({"obstacles", "an estimate does not use what touches the rod"});
@@ -349,10 +299,10 @@ std::string_view to_string(EstimateStatus status) {
 
 Estimate estimate(const Scene& scene, const PlanControl& control) {
   const double begin = now();
-  const Input in = read(scene);
+  const EstimateInput in(scene);
   Estimate out;
   out.moments = known_moments(scene);
-  out.left_out = left_out_of(scene);
+  out.left_out = left_out_of(scene, in);
   const Deadline deadline(control.stop, scene.solver.time_limit);
   const auto finish = [&] {
     if (deadline.interrupted()) {
@@ -384,25 +334,32 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
     out.tests.back().chi_square = level.fits.empty() ? infinity : level.fits.front().sum / variance;
   }
   if (chosen == nullptr) {
-    out.message = "no equilibrium near the measured points was found, whatever the contacts";
+    const std::string hint = in.hint();
+    if (!hint.empty()) out.status = EstimateStatus::poor_fit;
+    out.message = "no equilibrium near the measured points was found, whatever the contacts" + hint;
     return finish();
   }
 
   const Refined refined = refine(in, rod, chosen->fits.front(), turn, deadline, out.solves);
   if (deadline.over()) return finish();
   if (!refined.rod) {
-    out.message = "the fit did not converge with more functions per piece";
+    const std::string why = misfit(in, refined.fit);
+    if (why.empty()) {
+      out.message = "the fit did not converge with more functions per piece" + in.hint();
+    } else {
+      report_poor_fit(in, why, out);
+    }
     return finish();
   }
   report_fit(in, refined, chosen->fits, out);
-  conclude(in, out);
+  conclude(in, refined.fit, out);
   return finish();
 }
 
 Description describe_estimate(const Scene& scene) {
-  const Input in = read(scene);
+  const EstimateInput in(scene);
   Description out;
-  out.left_out = left_out_of(scene);
+  out.left_out = left_out_of(scene, in);
   out.energies.push_back("bending");
   if (in.rod.has_gravity()) out.energies.push_back("gravity");
   if (in.rod.has_tip_force()) out.energies.push_back("tip force");

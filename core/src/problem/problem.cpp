@@ -8,6 +8,7 @@
 #include "grasp/frames.hpp"
 #include "scene/make_rod.hpp"
 #include "scene/plan_report.hpp"
+#include "search/blame.hpp"
 #include "search/contacts.hpp"
 #include "search/follower.hpp"
 #include "search/parameters.hpp"
@@ -60,7 +61,8 @@ void take_terms(Task& d, const Scene& scene) {
     if (!d.components.terms[i]) throw Error("the term of objective '" + objective.plugin + "' is missing");
     require_quantities(d, scene, i);
     const int count = ++seen[objective.plugin];
-    PoseProgramTerm term{d.components.terms[i].get(), objective.weight, objective.plugin};
+    PoseProgramTerm term{d.components.terms[i].get(), objective.weight, objective.plugin,
+                         std::make_shared<std::string>()};
     if (count > 1) term.name += "#" + std::to_string(count);
     reads_moments = reads_moments || term.term->reads().moments;
     largest_weight = std::max(largest_weight, objective.weight);
@@ -140,6 +142,53 @@ void make_modes(Task& d) {
   }
 }
 
+bool reads_direction(const Task& task) {
+  return std::any_of(task.terms.begin(), task.terms.end(), [](const PoseProgramTerm& t) {
+    const Reads reads = t.term->reads();
+    return reads.target && reads.tip_angle;
+  });
+}
+
+/// Whether no other turn of the tip can bring much: it is where the target is.
+bool is_there(const Plan& plan, const Task& task) {
+  constexpr double near = 0.02;  // rad, and units of L
+  return plan.status == PlanStatus::solved && std::abs(plan.tip_angle - task.target.angle) <= near &&
+         plan.target_error.value_or(0.0) <= near * task.scale.length;
+}
+
+/// Plans with the turn of the tip that is nearest, and where that does not get there with the others, within one time
+/// limit.
+Plan plan_either_way(Task& task, const PlanControl& control) {
+  const double limit = task.scene.solver.time_limit;
+  const double begin = now();
+  const double reference = control.start != nullptr ? control.start->tip_angle : task.start_tip_angle();
+  std::vector<double> angles = task.angles_near(reference);
+  if (angles.empty() || !reads_direction(task)) return Planner(task, control).run();
+  Plan best;
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    task.target.angle = angles[i];
+    task.scene.solver.time_limit = limit - (now() - begin);
+    if (i > 0 && task.scene.solver.time_limit <= 0.0) {
+      best.search_cut = true;
+      break;
+    }
+    Plan next = Planner(task, control).run();
+    const bool there = is_there(next, task);
+    const bool better =
+        next.status == PlanStatus::solved && (best.status != PlanStatus::solved || next.objective < best.objective);
+    const bool stopped = next.status == PlanStatus::interrupted;
+    if (i == 0 || better) std::swap(best, next);
+    if (i > 0) {
+      best.evaluations += next.evaluations;
+      best.seconds_certify += next.seconds_certify;
+    }
+    if (there || stopped) break;
+  }
+  task.scene.solver.time_limit = limit;
+  task.face(best.tip_angle);
+  return best;
+}
+
 }  // namespace
 
 Problem::Problem(Problem&&) noexcept = default;
@@ -186,6 +235,7 @@ Problem::Problem(const Scene& scene, Components components) : task_(std::make_un
   take_terms(d, scene);
   tell_left_out(d, scene);
   make_modes(d);
+  require_independent_functions(d);
   d.nodes = d.first_nodes();
   if (both) add_lower_finger(d, scene);
   d.seconds_assemble = now() - begin;
@@ -263,6 +313,7 @@ Description Problem::describe() const {
 bool Problem::follow_without_solver(Plan& plan) {
   Task& d = *task_;
   if (d.lower) return false;
+  d.face(plan.tip_angle);
   if (!d.follower || !d.follower->stands_at(plan)) d.follower = Follower::from(d, plan);
   if (d.follower && d.follower->step(plan)) return true;
   d.follower.reset();
@@ -286,7 +337,9 @@ Plan Problem::plan(const PlanControl& control) {
     Plan followed = *control.start;
     if (follow_without_solver(followed)) return followed;
   }
-  Plan plan = task_->lower ? plan_both_fingers(*task_, control) : Planner(*task_, control).run();
+  for (const PoseProgramTerm& term : task_->terms) term.fault->clear();
+  Plan plan = task_->lower ? plan_both_fingers(*task_, control) : plan_either_way(*task_, control);
+  blame_terms(*task_, plan);
   plan.seconds_assemble = task_->seconds_assemble;
   plan.seconds_solve = now() - begin - plan.seconds_certify;
   if (!task_->palm) plan.start_backbone = outline(task_->scene_start(), task_->rod, task_->scale.length);

@@ -1,6 +1,8 @@
 #include "tendril/trajectory.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace tendril {
 namespace {
@@ -8,7 +10,8 @@ namespace {
 TargetSpec middle_of(const TargetSpec& a, const TargetSpec& b) {
   TargetSpec middle = b;
   if (a.position && b.position) middle.position = 0.5 * (*a.position + *b.position);
-  if (a.angle && b.angle) middle.angle = 0.5 * (*a.angle + *b.angle);
+  // Directions: the shorter way round.
+  if (a.angle && b.angle) middle.angle = *a.angle + 0.5 * std::remainder(*b.angle - *a.angle, 2.0 * std::numbers::pi);
   return middle;
 }
 
@@ -103,10 +106,7 @@ Effort effort_of(const Plan& plan) {
 Effort& operator+=(Effort& sum, const Effort& more) {
   sum.solver_calls += more.solver_calls;
   sum.polishes += more.polishes;
-  sum.evaluations.values += more.evaluations.values;
-  sum.evaluations.first_derivatives += more.evaluations.first_derivatives;
-  sum.evaluations.hessians += more.evaluations.hessians;
-  sum.evaluations.seconds += more.evaluations.seconds;
+  sum.evaluations += more.evaluations;
   return sum;
 }
 

@@ -8,7 +8,7 @@ namespace {
 
 std::vector<WeightedTerm> weighted_terms(const PoseProgramSpec& spec) {
   std::vector<WeightedTerm> terms;
-  for (const PoseProgramTerm& t : spec.terms) terms.push_back({t.term, t.weight, t.name});
+  for (const PoseProgramTerm& t : spec.terms) terms.push_back({t.term, t.weight, t.name, t.fault});
   return terms;
 }
 

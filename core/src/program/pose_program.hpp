@@ -58,6 +58,8 @@ struct PoseProgramTerm {
   const ObjectiveTerm* term = nullptr;  ///< borrowed
   double weight = 1.0;                  ///< dimensionless, > 0
   std::string name;                     ///< for reports
+  /// where it was first no number, in words; null: nobody asks
+  std::shared_ptr<std::string> fault{};
 };
 
 /// The palm that a finger stands on (model.md section 6, "grasp"). The program's frame is fixed to the object, whose

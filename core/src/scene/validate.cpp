@@ -190,6 +190,9 @@ void validate(const Scene& scene) {
     require_finite(scene.target.position->y, "target.position");
   }
   if (scene.target.angle) require_finite(*scene.target.angle, "target.angle");
+  if (scene.target.turns && !scene.target.angle) {
+    throw SceneError("target.turns", "found turns without a direction, expected 'angle' beside them");
+  }
 
   validate_trajectory(scene);
   validate_gripper(scene);

@@ -13,13 +13,6 @@ namespace {
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
 constexpr double at_limit = 1e-9;  ///< a variable this near to its limit stands at it, in reports
 
-void add_counts(EvaluationCounts& to, const EvaluationCounts& more) {
-  to.values += more.values;
-  to.first_derivatives += more.first_derivatives;
-  to.hessians += more.hessians;
-  to.seconds += more.seconds;
-}
-
 /// Of many variables the linear algebra costs most.
 constexpr double cheap_algebra = 60.0;
 
@@ -44,7 +37,7 @@ std::string limits_at(const NonlinearProgram& program, ConstVectorRef x) {
 }  // namespace
 
 void Tally::add_inside(const NonlinearProgram& program, const EvaluationCounts& asked) {
-  add_counts(evaluations, asked);
+  evaluations += asked;
   work += work_of(program, asked);
 }
 
@@ -52,7 +45,7 @@ void Tally::add_outside(const NonlinearProgram& program, const EvaluationCounts&
   const EvaluationCounts after = program.counts();
   const EvaluationCounts asked{after.values - before.values, after.first_derivatives - before.first_derivatives,
                                after.hessians - before.hessians, after.seconds - before.seconds};
-  add_counts(outside_solver, asked);
+  outside_solver += asked;
   work += work_of(program, asked);
 }
 
@@ -65,7 +58,7 @@ void report_tally(const Tally& tally, Plan& plan) {
   plan.solver.iterations = tally.iterations;
   plan.solver.evaluations = tally.evaluations;
   plan.evaluations = tally.evaluations;
-  add_counts(plan.evaluations, tally.outside_solver);
+  plan.evaluations += tally.outside_solver;
   plan.solver.seconds = tally.seconds;
   plan.solver.seconds_evaluating = tally.seconds_evaluating;
   plan.seconds_certify = tally.seconds_certifying;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "rod/chain.hpp"
@@ -19,6 +20,16 @@ std::string contact_name(const ContactSetup& c, const std::vector<std::string>& 
   return name;
 }
 
+constexpr double full_turn = 2.0 * std::numbers::pi;
+
+/// The angle that differs from `direction` by full turns and from `reference` by half a turn at most; of two that do,
+/// as far as rounding can tell, the larger one.
+double nearest_turn(double direction, double reference) {
+  const double difference = std::remainder(direction - reference, full_turn);
+  constexpr double rounding = 1e-9;
+  return reference + (difference < rounding - 0.5 * full_turn ? difference + full_turn : difference);
+}
+
 }  // namespace
 
 Task::Task() = default;
@@ -31,10 +42,49 @@ void Task::take_target(const TargetSpec& wanted) {
                        scale.to_dimensionless(wanted.position->y, dimension::length)};
     target.has_position = true;
   }
-  if (wanted.angle) {
-    target.angle = round_to_12_digits(*wanted.angle);
-    target.has_angle = true;
+  direction.reset();
+  if (!wanted.angle) return;
+  target.has_angle = true;
+  if (wanted.turns) {
+    target.angle = round_to_12_digits(nearest_turn(*wanted.angle, rod.base_angle) + full_turn * *wanted.turns);
+  } else {
+    direction = *wanted.angle;
+    face(start_tip_angle());
   }
+}
+
+double Task::start_tip_angle() const {
+  if (scene.start_tip_angle != 0.0) return rod.base_angle + scene.start_tip_angle;
+  double angle = rod.base_angle;
+  for (const Rod::Segment& s : rod.segments) angle += s.rest_curvature * (s.to - s.from);
+  return angle;
+}
+
+void Task::face(double reference) {
+  if (direction) target.angle = round_to_12_digits(nearest_turn(*direction, reference));
+}
+
+std::vector<double> Task::angles_near(double reference) const {
+  if (!direction) return {};
+  double low = -0.5 * full_turn;  // what gravity and contact may add
+  double high = 0.5 * full_turn;
+  for (const Rod::Actuator& a : rod.actuators) {
+    for (const Rod::Segment& s : rod.segments) {
+      const double length = std::min(a.to, s.to) - std::max(a.from, s.from);
+      if (length <= 0.0) continue;
+      low += a.minimum * length / s.stiffness;
+      high += a.maximum * length / s.stiffness;
+    }
+  }
+  double rest = rod.base_angle;
+  for (const Rod::Segment& s : rod.segments) rest += s.rest_curvature * (s.to - s.from);
+  const double first = nearest_turn(*direction, reference);
+  const double side = first > reference ? -full_turn : full_turn;
+  std::vector<double> angles{round_to_12_digits(first)};
+  for (const double other : {first + side, first - side}) {
+    if (other >= rest + low && other <= rest + high) angles.push_back(round_to_12_digits(other));
+  }
+  return angles;
 }
 
 bool Task::contact_planned() const {

@@ -43,6 +43,7 @@ struct Task {
   double objective_scale = 1.0;
   double objective_bound = 0.0;  ///< no plan can cost less (scaled)
   Target target;
+  std::optional<double> direction;  ///< rad, of the target, of which target.angle is one of many angles
   double min_force = 0.0, max_force = infinity;
   std::optional<double> least_margin;     ///< of stability, while plans are held at its limit
   std::optional<double> least_convexity;  ///< of contacts, while plans are held where they would spread
@@ -76,6 +77,14 @@ struct Task {
   /// Gauss nodes for what the moments can bend, or the start shows; the certificate checks the choice.
   int first_nodes() const;
   void take_target(const TargetSpec& wanted);
+  /// Angles that the target's direction may stand for, those nearest to `reference` first, and none that moments within
+  /// their limits, gravity and contact cannot turn the tip to; the first one whatever it is. Empty: turns are given, or
+  /// no direction.
+  std::vector<double> angles_near(double reference) const;
+  /// Takes the target's direction for the angle nearest to `reference`.
+  void face(double reference);
+  /// Angle of the tip where a search without an earlier plan begins.
+  double start_tip_angle() const;
 };
 
 }  // namespace tendril

@@ -14,6 +14,16 @@ inline constexpr std::size_t largest_input = std::size_t{4} << 20;
 /// Throws InputError if it is missing, a directory, unreadable, or too large.
 std::string read_input(const std::filesystem::path& path, const std::string& what);
 
+/// A scene named so is read from standard input; files that it names are then looked for in the current directory.
+inline constexpr const char* standard_input = "-";
+
+/// The text of a scene: of the file at `path`, or of standard input, which is read once and then remembered. Throws
+/// InputError as read_input() does.
+std::string read_scene_input(const std::filesystem::path& path);
+
+/// Lets processes that this one starts read the same standard input as their scene.
+void share_standard_input();
+
 /// Throws InputError if `text` holds a NUL byte or is not UTF-8, naming the line.
 void require_text(const std::string& text, const std::filesystem::path& path);
 

@@ -1,0 +1,138 @@
+#include "problem/estimate_input.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/make_rod.hpp"
+
+namespace tendril {
+namespace {
+
+/// Errors of points beyond this many standard deviations are none.
+constexpr double most_deviations = 10.0;
+
+std::string text(double value) { return shown(value, 3); }
+
+/// Refuses points that no shape of the rod has, whatever holds it: a point further from the base than the rod is long,
+/// one at the base that is not there, neighbours further apart than the rod between them.
+void require_reachable(const RodSpec& rod, const MeasurementSpec& measurement) {
+  const double length = rod.length();
+  const double errors = most_deviations * measurement.noise;
+  double farthest = 0.0;
+  for (const MeasuredPoint& p : measurement.points) {
+    const double distance = norm(p.position - rod.base_position);
+    farthest = std::max(farthest, distance);
+    if (p.arc_length == 0.0 && distance > std::max(0.02 * length, errors)) {
+      throw SceneError("measurement",
+                       "the measured point at arc length 0 lies " + text(distance) +
+                           " m from the rod's base, expected it there: are the points' origin and the rod's base "
+                           "right, and the arc lengths counted from the base?");
+    }
+  }
+  if (farthest > 1.5 * length + errors) {
+    const bool thousandth = 1e-3 * farthest <= 1.05 * length && 1e-3 * farthest >= 0.05 * length;
+    throw SceneError("measurement", "the points lie up to " + text(farthest) + " m from the base of a rod of " +
+                                        text(length) + " m, expected them within its length: " +
+                                        (thousandth ? "are they in mm? A plain number is in m"
+                                                    : "are their unit and origin right? A plain number is in m"));
+  }
+  if (!measurement.equal_spacing || measurement.points.size() < 3) return;
+  std::vector<MeasuredPoint> points = measurement.points;
+  std::stable_sort(points.begin(), points.end(),
+                   [](const MeasuredPoint& a, const MeasuredPoint& b) { return a.arc_length < b.arc_length; });
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const double chord = norm(points[i].position - points[i - 1].position);
+    const double arc = points[i].arc_length - points[i - 1].arc_length;
+    if (chord > 1.5 * arc + errors) {
+      throw SceneError("measurement", "two neighbouring points lie " + text(chord) +
+                                          " m apart where points without arc lengths are taken to be " + text(arc) +
+                                          " m apart along the rod: expected equal distances with the last one at the "
+                                          "tip, or arc lengths (s, x, y)");
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<double> known_moments(const Scene& scene) {
+  const std::vector<ActuatorSpec>& actuators = scene.rod.actuators;
+  if (!scene.measurement.moments.empty()) {
+    if (scene.measurement.moments.size() != actuators.size()) {
+      throw SceneError("measurement.moments", "found " + std::to_string(scene.measurement.moments.size()) +
+                                                  " moments, expected one for each of the rod's " +
+                                                  std::to_string(actuators.size()) + " actuators");
+    }
+    return scene.measurement.moments;
+  }
+  std::vector<double> moments;
+  for (std::size_t a = 0; a < actuators.size(); ++a) {
+    if (actuators[a].minimum != actuators[a].maximum) {
+      throw SceneError("measurement", "the moment of actuator " + std::to_string(a + 1) +
+                                          " while the points were measured is not known, expected moments = [...] in "
+                                          "[measurement], or an actuator whose min and max are equal");
+    }
+    moments.push_back(actuators[a].minimum);
+  }
+  return moments;
+}
+
+EstimateInput::EstimateInput(const Scene& scene) {
+  validate(scene);
+  scale = scale_of(scene);
+  rod = make_rod(scene, scale);
+  for (const double m : known_moments(scene)) {
+    if (!std::isfinite(m)) throw SceneError("measurement.moments", "a known moment must be finite");
+    moments.push_back(scale.to_dimensionless(m, dimension::moment));
+  }
+  most_contacts = scene.contact.count;
+  if (most_contacts > 2) {
+    throw SceneError("contact.count",
+                     "found " + std::to_string(most_contacts) + " contacts to be estimated, expected 1 or 2");
+  }
+  const MeasurementSpec& measurement = scene.measurement;
+  if (measurement.points.empty()) {
+    throw SceneError("measurement",
+                     "there are no measured points, expected points = [...] or file = \"...\" in "
+                     "[measurement]");
+  }
+  std::vector<MeasuredPoint> points = measurement.points;
+  equal_spacing = measurement.equal_spacing;
+  at_base = static_cast<int>(std::erase_if(points, [](const MeasuredPoint& p) { return p.arc_length == 0.0; }));
+  std::stable_sort(points.begin(), points.end(),
+                   [](const MeasuredPoint& a, const MeasuredPoint& b) { return a.arc_length < b.arc_length; });
+  measured.points.resize(2 * static_cast<Eigen::Index>(points.size()));
+  Eigen::Index i = 0;
+  for (const MeasuredPoint& p : points) {
+    const double s = p.arc_length / scale.length;
+    // A part in 1e9 is the rounding of units.
+    if (!(s > 0.0 && s <= 1.0 + 1e-9)) {
+      throw SceneError("measurement", "a measured point is at arc length " + text(p.arc_length) +
+                                          " m, expected at least 0 and at most the rod's length, " +
+                                          text(scale.length) + " m: " +
+                                          (s > 1.0 && 1e-3 * points.back().arc_length <= 1.05 * scale.length
+                                               ? "are the points in mm? A plain number is in m"
+                                               : "are its unit and the rod's length right?"));
+    }
+    measured.arc_lengths.push_back(std::min(1.0, s));
+    for (const double coordinate : {p.position.x, p.position.y}) {
+      if (!std::isfinite(coordinate)) throw SceneError("measurement", "a measured coordinate is not finite");
+      measured.points[i++] = scale.to_dimensionless(coordinate, dimension::length);
+    }
+  }
+  if (std::isnan(measurement.noise) || measurement.noise < 0.0 || !std::isfinite(measurement.noise)) {
+    throw SceneError("measurement.noise", "the noise must be a positive length");
+  }
+  require_reachable(scene.rod, measurement);
+  measured.noise = measurement.noise / scale.length;
+  // The noise itself needs residuals to be estimated from.
+  const int least = 2 * most_contacts + (measurement.noise > 0.0 ? 0 : 2);
+  if (measured.points.size() < least) {
+    throw SceneError(
+        "measurement",
+        "found " + std::to_string(points.size()) + (points.size() == 1 ? " measured point" : " measured points") +
+            ", expected at least " + std::to_string((least + 1) / 2) + " for " + std::to_string(most_contacts) +
+            (most_contacts == 1 ? " contact" : " contacts") + (measurement.noise > 0.0 ? "" : " and unknown noise"));
+  }
+}
+
+}  // namespace tendril
