@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -38,6 +39,9 @@ struct ActuatorSpec {
   double maximum = infinity;         ///< N m
   double moment_per_pressure = 0.0;  ///< N m / Pa; 0: not given
 };
+
+/// N m by which `moment` exceeds the limits of `actuator`; negative: its distance to the nearer one.
+TENDRIL_API double excess(const ActuatorSpec& actuator, double moment);
 
 /// The rod: its segments from the base on, what bends it, and where it is clamped.
 struct TENDRIL_API RodSpec {
@@ -141,7 +145,7 @@ struct FingerSpec {
   double max_force = infinity;  ///< N, of its contact
 };
 
-/// Two fingers on a palm and the round object between them (model.md section 6, "grasp").
+/// Two fingers on a palm and the round object between them.
 struct GripperSpec {
   double half_palm = 0.0;               ///< m, from the axis of symmetry to the base of either finger
   double finger_angle = 0.0;            ///< rad, of the upper finger's base against the axis; the lower is mirrored
@@ -152,6 +156,12 @@ struct GripperSpec {
   double angle = 0.0;                                            ///< rad, direction of the axis, away from the palm
   bool exact_balance = true;             ///< no net force on the object, as a constraint; else an objective sees to it
   Fingers fingers = Fingers::as_needed;  ///< which of them are planned
+};
+
+/// A unit that a scene is written in.
+struct WrittenUnit {
+  std::string name;   ///< as the scene writes it
+  double size = 1.0;  ///< SI
 };
 
 /// Everything that a scene file says.
@@ -174,6 +184,8 @@ struct Scene {
   std::vector<ObjectiveSpec> objectives;    ///< their sum is minimized
   SolverSpec solver;                        ///< who solves the programs
   QuantityReader read_quantity;             ///< for numbers with units inside raw options; may be empty
+  /// The units that the file uses most, by the SI unit of the dimension ("m", "N m"); for reports. May be empty.
+  std::map<std::string, WrittenUnit, std::less<>> units;
 };
 
 /// Which of a scene's components have to be opened at all (a weight of 0 opens nothing).
