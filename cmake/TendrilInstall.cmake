@@ -39,11 +39,17 @@ install(
   FILES "${PROJECT_BINARY_DIR}/tendril-config.cmake" "${PROJECT_BINARY_DIR}/tendril-config-version.cmake"
   DESTINATION "${package_dir}"
   COMPONENT tendril-dev)
+# The pages beside the scenes and examples that they name, as in the source tree.
 install(
-  FILES "${PROJECT_SOURCE_DIR}/docs/plugins.md" "${PROJECT_SOURCE_DIR}/docs/scene-keys.md" "${PROJECT_SOURCE_DIR}/docs/local-basis.svg"
-  DESTINATION "${CMAKE_INSTALL_DOCDIR}"
-  COMPONENT tendril-dev)
-install(
-  FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/THIRD_PARTY.md"
+  FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/THIRD_PARTY.md" "${PROJECT_SOURCE_DIR}/README.md"
   DESTINATION "${CMAKE_INSTALL_DOCDIR}"
   COMPONENT tendril)
+install(
+  DIRECTORY "${PROJECT_SOURCE_DIR}/scenes" "${PROJECT_SOURCE_DIR}/docs"
+  DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+  COMPONENT tendril
+  PATTERN "*.in" EXCLUDE)
+install(
+  DIRECTORY "${PROJECT_SOURCE_DIR}/examples"
+  DESTINATION "${CMAKE_INSTALL_DOCDIR}"
+  COMPONENT tendril-dev)

@@ -8,7 +8,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for component in tendril tendril-dev "tendril-solver-$solver"; do dpkg-deb -x "$packages/$component"_*.deb "$work/root"; done
 cp "$source/tests/docs/guide.sh" "$work/guide.sh"
-arguments=("$work/root/usr" "$work/trial" "$work/root/usr/share/doc/tendril/plugins.md" "$compiler" "$solver")
+arguments=("$work/root/usr" "$work/trial" "$work/root/usr/share/doc/tendril/docs/plugins.md" "$compiler" "$solver")
 namespace=(unshare --mount)
 ((EUID == 0)) || namespace=(unshare --user --map-root-user --mount)
 if "${namespace[@]}" true 2> /dev/null; then
