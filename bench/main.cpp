@@ -75,16 +75,17 @@ int solvers(const Arguments& arguments) {
   if (arguments.targets_x.empty() != arguments.targets_y.empty())
     throw Error("--targets-x and --targets-y go together");
   for (const std::string& file : arguments.extent.scenes) {
-    bench::BenchScene scene{
-        std::filesystem::path(file).stem().string(), bench::scene_from_file(file, arguments.settings), {}};
-    if (!arguments.targets_x.empty()) {
-      for (const double x : bench::read_lengths(arguments.targets_x, scene.scene.read_quantity)) {
-        for (const double y : bench::read_lengths(arguments.targets_y, scene.scene.read_quantity)) {
-          scene.targets.push_back({x, y});
+    for (bench::BenchScene& scene : bench::scenes_from_file(file, arguments.settings)) {
+      if (!arguments.targets_x.empty()) {
+        scene.targets.clear();
+        for (const double x : bench::read_lengths(arguments.targets_x, scene.scene.read_quantity)) {
+          for (const double y : bench::read_lengths(arguments.targets_y, scene.scene.read_quantity)) {
+            scene.targets.push_back({Vec2{x, y}, std::nullopt});
+          }
         }
       }
+      setup.scenes.push_back(std::move(scene));
     }
-    setup.scenes.push_back(std::move(scene));
   }
   for (const std::string& limit : arguments.limits) {
     setup.limits.push_back(setup.scenes.front().scene.read_quantity(limit, dimension::moment));

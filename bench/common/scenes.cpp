@@ -1,10 +1,13 @@
 #include "common/scenes.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 
 #include "tendril/app/document.hpp"
 #include "tendril/app/scene_reader.hpp"
+#include "tendril/app/study.hpp"
+#include "tendril/numbers.hpp"
 #include "tendril/problem.hpp"
 
 namespace tendril::bench {
@@ -20,7 +23,9 @@ Scene scene_from_text(const std::string& text, const std::string& name, const pl
   return scene;
 }
 
-Scene scene_from_file(const std::string& file, const std::vector<std::string>& settings) {
+namespace {
+
+app::Document document_of(const std::string& file, const std::vector<std::string>& settings) {
   app::Document document = app::Document::read(file);
   std::vector<app::Override> overrides;
   for (const std::string& text : settings) {
@@ -29,8 +34,80 @@ Scene scene_from_file(const std::string& file, const std::vector<std::string>& s
     overrides.push_back({"--set " + text, text.substr(0, equals), text.substr(equals + 1)});
   }
   document.apply(overrides);
-  Scene scene = app::read_scene(document, std::make_shared<app::Units>());
+  return document;
+}
+
+Scene scene_of_document(const app::Document& document, const std::shared_ptr<const app::Units>& units) {
+  Scene scene = app::read_scene(document, units);
   validate(scene);
+  return scene;
+}
+
+/// What distinguishes a case of a study, but its target.
+std::string case_name(const app::StudyCase& one) {
+  std::string name;
+  const auto add = [&](const std::string& part) { name += ", " + part; };
+  if (one.mode)
+    add(std::string(
+        app::to_string(one.mode == app::StudyMode::ignore_then_execute ? app::StudyMode::ignore : *one.mode)));
+  if (one.limit) add(shown(*one.limit) + " N m");
+  if (one.force_limit) add(shown(*one.force_limit) + " N");
+  if (one.diameter) add(shown(*one.diameter) + " m");
+  return name;
+}
+
+}  // namespace
+
+Scene scene_from_file(const std::string& file, const std::vector<std::string>& settings) {
+  return scene_of_document(document_of(file, settings), std::make_shared<app::Units>());
+}
+
+std::vector<BenchScene> scenes_from_file(const std::string& file, const std::vector<std::string>& settings) {
+  const app::Document document = document_of(file, settings);
+  const auto units = std::make_shared<app::Units>();
+  Scene scene = scene_of_document(document, units);
+  if (scene.problem == ProblemKind::estimate || scene.problem == ProblemKind::execute) {
+    throw Error(file + ": problem \"" + std::string(to_string(scene.problem)) +
+                "\" needs no solver plugin, so there is nothing to compare; expected \"pose\", \"trajectory\" or "
+                "\"grasp\"");
+  }
+  std::vector<TargetSpec> steps;
+  if (scene.problem == ProblemKind::trajectory) {
+    // Each step by itself: what a warm start would save is not the solvers' doing.
+    steps = scene.trajectory.targets;
+    scene.problem = ProblemKind::pose;
+    scene.trajectory = {};
+    scene.target = steps.front();
+  }
+  const std::string name = std::filesystem::path(file).stem().string();
+  if (document.root().find("study") == nullptr) return {{name, scene, steps}};
+  const app::StudySpec study = app::read_study(document, *units);
+  if (!study.moments.empty()) {
+    throw Error(file +
+                ": [study] moments are carried out and not planned, so there is nothing to compare in them; "
+                "expected a study of targets, modes, limits, force_limits or diameters");
+  }
+  std::vector<BenchScene> scenes;
+  for (app::StudyCase one : app::study_cases(study)) {
+    const std::string own = name + case_name(one);
+    const std::optional<Vec2> target = one.target;
+    one.target.reset();
+    // Plans that ignore obstacles are the same whatever is then done with them.
+    auto known = std::find_if(scenes.begin(), scenes.end(), [&](const BenchScene& s) { return s.name == own; });
+    if (known == scenes.end()) known = scenes.insert(known, {own, app::scene_of(scene, one), steps});
+    const bool there = std::any_of(known->targets.begin(), known->targets.end(), [&](const TargetSpec& t) {
+      return t.position && target && t.position->x == target->x && t.position->y == target->y;
+    });
+    if (target && !there) known->targets.push_back({target, scene.target.angle});
+  }
+  return scenes;
+}
+
+Scene with_target(const BenchScene& bench, std::size_t target) {
+  Scene scene = bench.scene;
+  if (target >= bench.targets.size()) return scene;
+  if (bench.targets[target].position) scene.target.position = bench.targets[target].position;
+  if (bench.targets[target].angle) scene.target.angle = bench.targets[target].angle;
   return scene;
 }
 
@@ -104,7 +181,8 @@ std::vector<BenchScene> bench_scenes(const plugins::Registry& registry, int side
       "radius = \"5 mm\"\n";
   std::vector<BenchScene> scenes;
   const auto add = [&](const std::string& name, const std::string& text, Vec2 low, Vec2 high) {
-    scenes.push_back({name, scene_from_text(text, name, registry), grid(low, high, side)});
+    BenchScene& scene = scenes.emplace_back(BenchScene{name, scene_from_text(text, name, registry), {}});
+    for (const Vec2 at : grid(low, high, side)) scene.targets.push_back({at, std::nullopt});
   };
   // The targets of the paper's pose problem, both limits of its motor; then scenes with two obstacles.
   add("free", gravity() + arm("10 N mm") + target + objectives(), {0.091, 0.006}, {0.099, 0.026});

@@ -36,8 +36,14 @@ std::vector<KnownScene> known_scenes(const plugins::Registry& registry);
 struct BenchScene {
   std::string name;
   Scene scene;
-  std::vector<Vec2> targets;  ///< m; empty: the scene's own
+  std::vector<TargetSpec> targets;  ///< empty: the scene's own
 };
+/// The programs of a scene file: of a trajectory one per step, of a study one scene per combination of its sweeps but
+/// the targets. Throws as scene_from_file() does, and for a scene that no solver plugin is asked for, or whose programs
+/// differ in something that is not planned.
+std::vector<BenchScene> scenes_from_file(const std::string& file, const std::vector<std::string>& settings);
+/// The scene with one of its targets; the first where there are none of its own.
+Scene with_target(const BenchScene& bench, std::size_t target);
 /// From no obstacle to several contacts; `side` targets in x and in y.
 std::vector<BenchScene> bench_scenes(const plugins::Registry& registry, int side);
 

@@ -93,8 +93,7 @@ SolverComparisonSetup solver_setup(plugins::Registry& registry, const Extent& ex
   std::vector<Scene> scenes;
   for (const BenchScene& one : trial) {
     if (one.name != "free" && one.name != "brace") continue;
-    scenes.push_back(one.scene);
-    scenes.back().target.position = one.targets.front();
+    scenes.push_back(with_target(one, 0));
   }
   setup.contestants = able_contestants(registry, all, scenes, 5.0, left_out);
   return setup;

@@ -31,8 +31,7 @@ bool equally_good(double objective, double best) { return objective <= best + 1e
 
 Scene variant(const SolverComparisonSetup& setup, const SolverProgram& program, const Contestant& contestant) {
   const BenchScene& bench = setup.scenes[program.scene];
-  Scene scene = with_contestant(bench.scene, contestant);
-  if (!bench.targets.empty()) scene.target.position = bench.targets[static_cast<std::size_t>(program.target)];
+  Scene scene = with_contestant(with_target(bench, static_cast<std::size_t>(program.target)), contestant);
   if (!setup.limits.empty()) {
     for (ActuatorSpec& actuator : scene.rod.actuators) {
       actuator.maximum = setup.limits[static_cast<std::size_t>(program.limit)];

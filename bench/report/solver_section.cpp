@@ -203,8 +203,8 @@ Table run_table(const SolverComparisonSetup& setup, const SolverComparison& comp
     const SolverProgram& program = comparison.programs[run.program];
     const BenchScene& bench = setup.scenes[program.scene];
     const double limit = setup.limits.empty() ? std::nan("") : setup.limits[static_cast<std::size_t>(program.limit)];
-    const Vec2 target = bench.targets.empty() ? bench.scene.target.position.value_or(Vec2{std::nan(""), std::nan("")})
-                                              : bench.targets[static_cast<std::size_t>(program.target)];
+    const Scene asked = with_target(bench, static_cast<std::size_t>(program.target));
+    const Vec2 target = asked.target.position.value_or(Vec2{std::nan(""), std::nan("")});
     table.rows.push_back({bench.name,
                           setup.contestants[run.contestant].name,
                           limit,

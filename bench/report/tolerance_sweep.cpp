@@ -27,13 +27,12 @@ Section tolerance_section(plugins::Registry& registry, const SolverComparisonSet
   std::map<std::pair<std::size_t, std::size_t>, Sample> samples;
   const auto stopped = [&] { return setup.stop != nullptr && setup.stop->load(); };
   for (int repetition = 0; repetition < setup.repetitions; ++repetition) {
-    for (const Vec2 target : bench.targets) {
+    for (std::size_t target = 0; target < bench.targets.size(); ++target) {
       for (std::size_t t = 0; t < tolerances.size(); ++t) {
         for (std::size_t c = 0; c < setup.contestants.size() && !stopped(); ++c) {
           const Contestant& contestant = setup.contestants[c];
           if (!contestant.options.empty() || contestant.treatment != Treatment::penalty) continue;
-          Scene scene = with_contestant(bench.scene, contestant);
-          scene.target.position = target;
+          Scene scene = with_contestant(with_target(bench, target), contestant);
           scene.solver.tolerance = tolerances[t];
           if (setup.time_limit > 0.0) scene.solver.time_limit = setup.time_limit;
           const TimedPlan timed = timed_plan(registry, scene);

@@ -1,9 +1,13 @@
+#include <dlfcn.h>
+
 #include <IpIpoptApplication.hpp>
 #include <IpRegOptions.hpp>
 #include <IpTNLP.hpp>
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdarg>
+#include <cstdio>
 #include <mutex>
 #include <set>
 
@@ -21,6 +25,40 @@ std::timed_mutex mumps_lock;
 /// Options that would let a scene read or write files.
 constexpr std::array<std::string_view, 3> file_options{"output_file", "file_print_level", "option_file_name"};
 
+/// What Ipopt says of its errors, which it tells to journals only.
+class ErrorJournal final : public Ipopt::Journal {
+ public:
+  ErrorJournal() : Journal("errors", Ipopt::J_ERROR) {}
+
+  void clear() { text_.clear(); }
+  /// The last exception's own words on one line, without the place in Ipopt's sources; empty: there was none.
+  std::string reason() const {
+    constexpr std::string_view head = "Exception message:";
+    const auto begin = text_.rfind(head);
+    if (begin == std::string::npos) return "";
+    std::string line;
+    for (const char c : text_.substr(begin + head.size())) {
+      const bool blank = c == ' ' || c == '\n' || c == '\t';
+      if (!blank) line += c;
+      if (blank && !line.empty() && line.back() != ' ') line += ' ';
+    }
+    while (line.ends_with(' ') || line.ends_with('.')) line.pop_back();
+    return line;
+  }
+
+ protected:
+  void PrintImpl(Ipopt::EJournalCategory, Ipopt::EJournalLevel, const char* text) override { text_ += text; }
+  void PrintfImpl(Ipopt::EJournalCategory, Ipopt::EJournalLevel, const char* format, va_list arguments) override {
+    std::array<char, 1000> part{};
+    std::vsnprintf(part.data(), part.size(), format, arguments);
+    text_ += part.data();
+  }
+  void FlushBufferImpl() override {}
+
+ private:
+  std::string text_;
+};
+
 /// Ipopt's application with the options of one solver object. Making one registers hundreds of options, so it is kept.
 class Application {
  public:
@@ -36,6 +74,7 @@ class Application {
     if (chosen_.contains("print_level") && print_level > 0) {
       application_->Jnlst()->AddFileJournal("messages", "stderr", static_cast<Ipopt::EJournalLevel>(print_level));
     }
+    application_->Jnlst()->AddJournal(Ipopt::GetRawPtr(errors_));
     set("print_level", 0);
     set("sb", "yes");
     set("bound_relax_factor", 0.0);
@@ -57,8 +96,12 @@ class Application {
   }
 
   Ipopt::ApplicationReturnStatus optimize(const Ipopt::SmartPtr<Ipopt::TNLP>& program) {
+    errors_->clear();
     return application_->OptimizeTNLP(program);
   }
+
+  /// Why the last run ended with an error, in Ipopt's words.
+  std::string reason() const { return errors_->reason(); }
 
   const std::map<std::string, std::string>& effective() const { return effective_; }
 
@@ -100,6 +143,21 @@ class Application {
       void operator()(std::monostate) const {}
     };
     std::visit(Set{*this, name, known->Type()}, value);
+    if (name == "linear_solver") require_library(name);
+  }
+
+  /// Ipopt loads these when they are first used, and ends the process if the library is not there.
+  void require_library(const std::string& name) const {
+    std::string solver;
+    application_->Options()->GetStringValue(name, solver, "");
+    if (solver != "ma77" && solver != "ma86" && solver != "ma97") return;
+    if (void* library = ::dlopen("libhsl.so", RTLD_LAZY | RTLD_LOCAL)) {
+      ::dlclose(library);
+      return;
+    }
+    const char* reason = ::dlerror();
+    throw OptionError(name, {},
+                      "ipopt's linear solver '" + solver + "' is not available: " + (reason != nullptr ? reason : ""));
   }
 
   std::vector<std::string> known_names() const {
@@ -109,6 +167,7 @@ class Application {
   }
 
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application_;
+  Ipopt::SmartPtr<ErrorJournal> errors_ = new ErrorJournal;
   std::set<std::string, std::less<>> chosen_;
   std::map<std::string, std::string> effective_;
 };
@@ -326,6 +385,7 @@ class IpoptSolver final : public Solver {
       outcome.message = "the time limit of " + shown(control.time_limit) + " s is over";
     }
     if (outcome.status == SolveStatus::converged) outcome.message.clear();
+    if (outcome.status == SolveStatus::failed && outcome.message.empty()) outcome.message = application_.reason();
     outcome.effective_options = application_.effective();
     complete_fixed(callbacks, outcome);
     return outcome;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -60,6 +61,173 @@ TEST(Execute, ListsActiveContactsOnly) {
   const json result = execute_brace("6 N mm");  // lifts off; model.md: 4.9 N mm suffice
   EXPECT_EQ(result["status"], "solved");
   EXPECT_TRUE(result["contacts"].empty());
+}
+
+constexpr const char* pressed = R"(
+title = "Pressed"
+[rod]
+length = "10 cm"
+bending_stiffness = "4.9e-4 N m^2"
+[[rod.actuator]]
+min = "-5 N mm"
+max = "1e4 N m"
+[[rod.actuator]]
+moment_per_pressure = "-1e-7 N m/Pa"
+min_pressure = "0 bar"
+max_pressure = "2 bar"
+[target]
+position = ["9.7 cm", "2 cm"]
+[[objective]]
+plugin = "tip_pose"
+)";
+
+TEST(Execute, TellsWhatIsHeldBeyondItsLimits) {
+  const TemporaryDirectory directory;
+  const std::string scene = directory.write("pressed.toml", pressed);
+  struct Held {
+    const char* moments;
+    const char* where[2];
+    double bounds;  ///< EI/L = 4.9e-3 N m
+  };
+  for (const Held& held :
+       {Held{"1 N mm, -20 N mm", {"inside", "at its limit"}, 0.0}, Held{"1 N mm, -1 N mm", {"inside", "inside"}, 0.0},
+        Held{"-5 N mm, 1 N mm", {"at its limit", "beyond its limit"}, 1.0 / 4.9},
+        Held{"-6 N mm, -21 N mm", {"beyond its limit", "beyond its limit"}, 1.0 / 4.9},
+        Held{"-6 N mm, 0 N mm", {"beyond its limit", "at its limit"}, 1.0 / 4.9}}) {
+    SCOPED_TRACE(held.moments);
+    const json result = json_of({"execute", scene, "--moments", held.moments});
+    EXPECT_EQ(result["status"], "solved");
+    EXPECT_NEAR(result["certificate"]["bounds"].get<double>(), held.bounds, 1e-12);
+    const CommandRun run = tendril({"execute", scene, "--moments", held.moments});
+    for (std::size_t a = 0; a < 2; ++a) {
+      EXPECT_EQ(result["inputs"][a]["where"], held.where[a]);
+      const bool beyond = std::string(held.where[a]) == "beyond its limit";
+      EXPECT_EQ(contains_text(result["message"].get<std::string>(), "actuator " + std::to_string(a + 1) + " is held"),
+                beyond);
+      EXPECT_TRUE(contains_text(run.out, held.where[a]));
+    }
+    EXPECT_EQ(contains_text(run.out, "BEYOND"), held.bounds > 0.0);
+  }
+}
+
+TEST(Execute, TakesPressuresAndShowsThemInTheUnitsOfTheScene) {
+  const TemporaryDirectory directory;
+  const std::string scene = directory.write("pressed.toml", pressed);
+  const json moments = json_of({"execute", scene, "--moments", "2 N mm, -5 N mm"});
+  const json each = json_of({"execute", scene, "--inputs", "2 N mm, 50 kPa"});
+  EXPECT_EQ(each["inputs"][1]["kind"], "pressure");
+  EXPECT_NEAR(each["inputs"][1]["pressure"].get<double>(), 5e4, 1e-9);
+  EXPECT_NEAR(each["inputs"][1]["moment"].get<double>(), -5e-3, 1e-15);
+  EXPECT_EQ(each["inputs"][0]["kind"], "moment");
+  for (const char* c : {"x", "y"}) EXPECT_NEAR(each["tip"][c].get<double>(), moments["tip"][c].get<double>(), 1e-12);
+  const CommandRun run = tendril({"execute", scene, "--inputs", "0.002, 0.5 bar"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(contains_text(run.out, "0.5 bar  0 bar  2 bar  inside"));
+  EXPECT_TRUE(contains_text(run.out, " cm, "));
+  EXPECT_FALSE(contains_text(run.out, "kPa"));
+  EXPECT_TRUE(contains_text(tendril({"plan", scene}).out, "pressure  value"));
+  expect_refused(tendril({"execute", scene, "--pressures", "1 bar, 2 bar"}),
+                 "--pressures, number 1: the scene does not say what moment a pressure gives");
+  expect_refused(tendril({"execute", scene, "--inputs", "1 N mm"}), "--inputs: found 1 inputs");
+  expect_refused(tendril({"execute", scene, "--inputs", "1 N mm, 2 N mm"}), "--inputs, number 2: found \"2 N mm\"");
+  expect_refused(tendril({"execute", scene}), "execute needs what moves the scene's 2 actuators");
+}
+
+TEST(Execute, NeedsNoMomentsWhereThereIsNoActuator) {
+  const TemporaryDirectory directory;
+  const std::string scene = directory.write("mast.toml", R"(
+gravity = [0, -9.81]
+[rod]
+length = "0.1 m"
+bending_stiffness = "4.9e-4 N m^2"
+linear_density = "84 g/m"
+)");
+  const json bare = json_of({"execute", scene});
+  const json empty = json_of({"execute", scene, "--moments", ""});
+  EXPECT_EQ(bare["tip"], empty["tip"]);
+  EXPECT_EQ(bare["inputs"], json::array());
+}
+
+TEST(Execute, CarriesOutTheStepsOfATrajectory) {
+  const TemporaryDirectory directory;
+  const std::string scene = scene_path("trajectory.toml");
+  const json planned = json_of({"plan", scene, "--verify", "--output", directory.path().string()});
+  double largest = 0.0;
+  for (const json& step : planned["steps"]) {
+    ASSERT_TRUE(step["model_error"].is_number());
+    // Six functions per piece (README).
+    EXPECT_LT(step["model_error"].get<double>(), 1e-11);
+    largest = std::max(largest, step["model_error"].get<double>());
+  }
+  EXPECT_EQ(planned["model_error"]["largest"].get<double>(), largest);
+  const std::string report = tendril({"plan", scene, "--verify"}).out;
+  EXPECT_TRUE(contains_text(report, "executed, each step from the one before"));
+  EXPECT_TRUE(contains_text(report, "distance to the targets: mean "));
+
+  const json reached = json_of({"execute", scene, "--plan", directory / "result.json"});
+  ASSERT_EQ(reached["steps"].size(), planned["steps"].size());
+  for (std::size_t i = 0; i < planned["steps"].size(); ++i) {
+    EXPECT_EQ(reached["steps"][i]["method"], "executed");
+    EXPECT_EQ(reached["steps"][i]["moments"], planned["steps"][i]["moments"]);
+    EXPECT_EQ(reached["steps"][i]["target"], planned["steps"][i]["target"]);
+    for (const char* c : {"x", "y"}) {
+      EXPECT_NEAR(reached["steps"][i]["tip"][c].get<double>(), planned["steps"][i]["tip"][c].get<double>(), 1e-11);
+    }
+  }
+}
+
+TEST(Execute, OfAStepThatIsWrongIsToldByItsVerification) {
+  const TemporaryDirectory directory;
+  // Where the loads meet an obstacle that the plans do not know.
+  const std::string text = scene_with("trajectory.toml", "mode = \"allow\"", "mode = \"ignore\"");
+  const CommandRun run = tendril({"plan", directory.write("blind.toml", text), "--verify", "--json"});
+  const json result = json::parse(run.out);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(result["status"], "solved");
+  int refuted = 0;
+  for (const json& step : result["steps"]) {
+    refuted += contains_text(step["message"].get<std::string>(), "execution does not confirm the plan") ? 1 : 0;
+  }
+  EXPECT_GT(refuted, 0);
+}
+
+TEST(Execute, WhereTheStartHasNoSideVerifiesThePlanFromItsOwnShape) {
+  const TemporaryDirectory directory;
+  // A straight start runs through the middle of each of these.
+  for (const char* obstacle :
+       {"shape = \"circle\"\ncenter = [\"60 mm\", \"0 mm\"]\nradius = \"8 mm\"",
+        "shape = \"circle\"\ncenter = [\"90 mm\", \"0 mm\"]\nradius = \"3 mm\"",
+        "shape = \"capsule\"\nfrom = [\"60 mm\", \"-10 mm\"]\nto = [\"60 mm\", \"10 mm\"]\nradius = \"2 mm\""}) {
+    SCOPED_TRACE(obstacle);
+    const std::string scene = directory.write("noside.toml", std::string(R"(
+[rod]
+length = "100 mm"
+bending_stiffness = "4.9e-4 N m^2"
+[[rod.actuator]]
+limit = "20 N mm"
+[[obstacle]]
+)") + obstacle + R"(
+[target]
+position = ["80 mm", "45 mm"]
+[[objective]]
+plugin = "tip_pose"
+[study]
+modes = ["allow"]
+)");
+    const json result = json_of({"plan", scene, "--verify"});
+    EXPECT_EQ(result["status"], "solved");
+    EXPECT_LT(result["model_error"].get<double>(), 1e-9);
+    const std::string told = result["verification"].get<std::string>();
+    EXPECT_TRUE(contains_text(told, "it cannot be loaded from the start: the start shape runs through the core"));
+    EXPECT_TRUE(contains_text(told, "settled from the plan's own shape"));
+    const CommandRun study = tendril({"study", scene});
+    EXPECT_EQ(study.exit_code, 0) << study.err;
+    EXPECT_TRUE(contains_text(study.out, "loaded from the start, case 0: the start shape runs through the core"));
+  }
+}
+
+TEST(Execute, OfAnEstimateIsRefusedInWords) {
+  expect_refused(tendril({"plan", scene_path("estimate.toml"), "--verify"}), "--verify: the obstacles of an estimate");
 }
 
 TEST(Execute, CarriesOutAnEarlierPlan) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
+#include "support/contains.hpp"
 
 namespace tendril::app::test {
 namespace {
@@ -109,7 +110,7 @@ std::vector<Ending> endings() {
       {"plan_interrupted", plan_with("patient", "solver.time_limit=60"), read_file(scene_path("free.toml")), 1,
        "interrupted", "interrupted before"},
       {"plan_failed", plan_with("scripted", "solver.options.status=failed"), brace, 1, "failed",
-       "solver 'scripted' ended every solve as failed: as its option says"},
+       "as its option says; solver 'scripted' ended every solve as failed"},
       {"plan_not_certified", plan_with("scripted", "solver.options.status=diverged"), grasp, 1, "not_converged",
        "is above 1e-06"},
       {"plan_refuted_by_its_contacts",
@@ -201,6 +202,26 @@ TEST(Exit, OfWhatPlansNothing) {
     } else {
       EXPECT_EQ(run.err, "") << line;
     }
+  }
+}
+
+/// A search that time ended: still a certified plan, but no success to those who ask for a whole search.
+TEST(CutShort, IsSaidAndIsNoSuccessWithStrict) {
+  for (const char* limit : {"2 ms", "20 ms", "60 ms"}) {
+    SCOPED_TRACE(limit);
+    const Words words{"plan", scene_path("clutter.toml"), "--set", "solver.time_limit=\"" + std::string(limit) + "\""};
+    Words strict = words;
+    strict.insert(strict.end(), {"--strict", "--json"});
+    const CommandRun run = tendril(strict);
+    const json result = json::parse(run.out);
+    EXPECT_TRUE(result.value("search_cut", false));
+    EXPECT_EQ(run.exit_code, 1);
+    const CommandRun told = tendril(words);
+    const bool solved = contains_text(told.out, "status         solved");
+    EXPECT_EQ(told.exit_code, solved ? 0 : 1);
+    EXPECT_TRUE(
+        contains_text(told.out, solved ? "solved, but time ended the search before it was done" : "the time limit of"))
+        << told.out;
   }
 }
 

@@ -57,6 +57,68 @@ TEST(GraspOfTwoFingers, IsWrittenDownFingerByFingerAndCarriedOut) {
   EXPECT_NEAR(again["objective"].get<double>(), result["objective"].get<double>(), 1e-9);
 }
 
+/// A change of the planned pressure may leave its limits: the case is what the rod would do, and says so.
+TEST(GraspStudy, TellsPressuresThatAreHeldBeyondTheirLimits) {
+  const TemporaryDirectory directory;
+  const std::string head = R"(
+title = "Fingers that hang down"
+problem = "grasp"
+gravity = [0, -9.81]
+[gripper]
+half_palm = "25 mm"
+object_diameter = "50 mm"
+angle = "-90 deg"
+finger_angle = "10 deg"
+[rod]
+length = "110 mm"
+bending_stiffness = "0.008 N m^2"
+linear_density = "150 g/m"
+rest_curvature = "3 1/m"
+[[rod.actuator]]
+to = "60 mm"
+min_pressure = "0 kPa"
+max_pressure = "80 kPa"
+moment_per_pressure = "-4 N mm/kPa"
+[[rod.actuator]]
+from = "60 mm"
+min_pressure = "0 kPa"
+max_pressure = "80 kPa"
+moment_per_pressure = "-4 N mm/kPa"
+[start]
+tip_angle = "-0.5 rad"
+[contact]
+max_force = "2 N"
+[[objective]]
+plugin = "contact_force"
+[[objective]]
+plugin = "actuation_effort"
+weight = 1e-3
+[solver]
+plugin = ")" TENDRIL_TEST_SOLVER "\"\n[study]\n";
+  const std::string pressures =
+      directory.write("pressures.toml", head + "pressures = [\"12.5 kPa\", \"0 kPa\", \"-12.5 kPa\", \"-37.5 kPa\"]\n");
+  const std::string moments =
+      directory.write("moments.toml", head + "moments = [\"-50 N mm\", \"0 N mm\", \"50 N mm\", \"150 N mm\"]\n");
+  const json result = json_of({"study", pressures});
+  const json same = json_of({"study", moments});
+  const CommandRun told = tendril({"study", pressures});
+  // The planned pressure of the last actuator is 0, its limit; EI/L = 0.008 / 0.11 N m.
+  const double beyond[] = {0.0, 0.0, 0.05 * 0.11 / 0.008, 0.15 * 0.11 / 0.008};
+  const char* const where[] = {"inside", "at its limit", "beyond its limit", "beyond its limit"};
+  ASSERT_EQ(result["cases"].size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const json& one = result["cases"][i];
+    EXPECT_EQ(one["where"][1], where[i]);
+    EXPECT_NEAR(one["bounds"].get<double>(), beyond[i], 1e-6);
+    EXPECT_NEAR(one["moment_change"].get<double>(), same["cases"][i]["moment_change"].get<double>(), 1e-15);
+    EXPECT_NEAR(one["axial_force"].get<double>(), same["cases"][i]["axial_force"].get<double>(), 1e-9);
+    EXPECT_EQ(contains_text(told.out, "case " + std::to_string(i) + ": solved: actuator 2 is held at"), i >= 2);
+    EXPECT_TRUE(contains_text(told.out, where[i]));
+  }
+  expect_refused(tendril({"study", directory.write("both.toml", head + "pressures = [0]\nmoments = [0]\n")}),
+                 "found 'pressures' beside 'moments'");
+}
+
 TEST(GraspOfTwoFingers, IsDescribedAsOneProgram) {
   const json described = json_of({"describe", scene_path("grasp_unequal.toml")});
   EXPECT_EQ(described["modes"].size(), 9U);

@@ -27,6 +27,22 @@ TEST_P(UnitsRead, GivesTheSiValue) {
               4.0 * std::numeric_limits<double>::epsilon() * std::abs(GetParam().si));
 }
 
+TEST(UnitsUsed, AreThoseOfMostTextsTheEarlierOfTwo) {
+  const Units units;
+  EXPECT_TRUE(units.most_used().empty());
+  for (const char* text : {"1 m", "10 cm", "20 cm"}) units.read(text, dimension::length);
+  for (const char* text : {"1 bar", "100 kPa"}) units.read(text, dimension::pressure);
+  units.read("3 N mm", dimension::moment);
+  EXPECT_THROW(units.read("3 kg", dimension::moment), QuantityError);
+  const auto most = units.most_used();
+  ASSERT_EQ(most.size(), 3U);
+  EXPECT_EQ(most.at("m").name, "cm");
+  EXPECT_NEAR(most.at("m").size, 0.01, 1e-17);
+  EXPECT_EQ(most.at("Pa").name, "bar");
+  EXPECT_NEAR(most.at("Pa").size, 1e5, 1e-10);
+  EXPECT_EQ(most.at("N m").name, "N mm");
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Quantities, UnitsRead,
     testing::Values(Reading{"60 mm", dimension::length, 0.06}, Reading{"60mm", dimension::length, 0.06},

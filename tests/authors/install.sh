@@ -21,6 +21,11 @@ if grep -rlF "$build" lib/cmake; then
   echo "the package files above name the build directory" >&2
   exit 1
 fi
+# What the README links to and its commands name is there.
+for file in $(grep -oE '\]\([^):#]+\)|(scenes|examples)/[a-z0-9_]+(\.toml)?' share/doc/tendril/README.md | tr -d '])('); do
+  [[ -e share/doc/tendril/$file ]] || { echo "the installed README names $file, which is not there" >&2; exit 1; }
+done
+(cd share/doc/tendril && "${command[@]}" plan scenes/brace.toml --solver "$solver" > /dev/null)
 "${command[@]}" plan "$scene" --solver "$solver" --json > plan.json
 grep -q '"status": "solved"' plan.json
 

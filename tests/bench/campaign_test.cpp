@@ -91,6 +91,10 @@ TEST(BenchCommand, EndsWithItsCode) {
         Code{{"campaign", "--share", "2"}, 2, "--share"},
         Code{{"solvers", brace, "--solver", solver, "--repetitions", "1"}, 0, solver.c_str()},
         Code{{"solvers", brace, "--solver", "none"}, 2, "none"},
+        Code{{"solvers", std::string(TENDRIL_SCENES) + "/estimate.toml"}, 2, "problem \"estimate\" needs no solver"},
+        Code{{"solvers", std::string(TENDRIL_SCENES) + "/grasp_distal_sweep.toml"},
+             2,
+             "[study] moments are carried out"},
         Code{{"solvers", brace, "--targets-x", "91 mm:99 mm:5"}, 2, "go together"}}) {
     const app::ProcessResult run = app::run_process(TENDRIL_BENCH_COMMAND, code.words, "/", 100.0);
     std::string line;

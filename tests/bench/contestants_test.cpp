@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
 #include "common/scenes.hpp"
 #include "common/workload.hpp"
@@ -58,6 +59,43 @@ TEST(Contestants, EverySolverTakesPartWithEveryTreatment) {
         << solver;
   }
   EXPECT_TRUE(left_out.empty());
+}
+
+/// One program for each target and step, told apart by what the sweeps change.
+TEST(ScenesFromFile, AreTheirStepsAndCases) {
+  const auto of = [](const char* name, const std::vector<std::string>& settings = {}) {
+    return scenes_from_file(std::string(TENDRIL_SCENES) + "/" + name, settings);
+  };
+  const std::vector<BenchScene> brace = of("brace.toml");
+  ASSERT_EQ(brace.size(), 1U);
+  EXPECT_TRUE(brace[0].targets.empty());
+
+  // Two limits and four modes; carrying plans out is no program.
+  const std::vector<BenchScene> paradigms = of("paradigms.toml");
+  ASSERT_EQ(paradigms.size(), 6U);
+  std::set<std::string> names;
+  for (const BenchScene& one : paradigms) {
+    names.insert(one.name);
+    EXPECT_EQ(one.targets.size(), 25U) << one.name;
+  }
+  EXPECT_EQ(names.size(), 6U);
+  EXPECT_TRUE(names.contains("paradigms, avoid, 0.0025 N m"));
+
+  const std::vector<BenchScene> steps = of("trajectory.toml");
+  ASSERT_EQ(steps.size(), 6U);  // two limits, three modes
+  for (const BenchScene& one : steps) {
+    ASSERT_EQ(one.targets.size(), 45U) << one.name;
+    EXPECT_EQ(one.scene.problem, ProblemKind::pose);
+    const Scene last = with_target(one, 44);
+    EXPECT_NEAR(last.target.position->x, 0.09652, 1e-12);
+    EXPECT_NEAR(last.target.position->y, 0.022, 1e-12);
+    validate(last);
+  }
+
+  const std::vector<BenchScene> sizes = of("grasp_sizes.toml");
+  ASSERT_EQ(sizes.size(), 26U);
+  EXPECT_EQ(sizes[14].scene.gripper->object_diameter, 0.02);
+  EXPECT_EQ(sizes[14].scene.contact.max_force, 10.0);
 }
 
 TEST(KnownScenes, KeepTheirDigitsWithTheFineBasis) {

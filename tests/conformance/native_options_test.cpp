@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 
 #include "known_problems.hpp"
 #include "solvers.hpp"
@@ -104,6 +105,27 @@ class Named : public FormulaProgram<SevenRows> {
     return row < 6 ? "equilibrium row " + std::to_string(row + 1) : "closest_point row 1";
   }
 };
+
+TEST(Ipopt, SaysWhichLibraryAnOptionWouldNeed) {
+  NEEDS("ipopt");
+  // Debian's Ipopt is built with MUMPS; these are found only where somebody installed them.
+  for (const char* absent : {"ma27", "ma57", "ma77", "ma86", "ma97", "pardiso", "wsmp"}) {
+    // Some are missed when the option is set, others when they are first used.
+    std::string message = refusal("ipopt", with("linear_solver", absent));
+    if (message.empty()) {
+      const OptimalityReport report = solve("ipopt", with("linear_solver", absent), known("hs071"));
+      if (report.status == SolveStatus::converged) continue;
+      EXPECT_EQ(report.status, SolveStatus::failed) << absent;
+      message = report.message;
+    }
+    const auto said = message.find("not available");
+    ASSERT_NE(said, std::string::npos) << absent << ": " << message;
+    std::string before = message.substr(0, said);
+    std::transform(before.begin(), before.end(), before.begin(), [](unsigned char c) { return std::tolower(c); });
+    EXPECT_TRUE(contains_text(before, absent)) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
+}
 
 TEST(Nlopt, CountsRowsByTheNameTheProgramGivesThem) {
   NEEDS("nlopt");

@@ -219,7 +219,7 @@ std::string joined_words(const std::string& text) {
 }
 
 /// A row of the report of a study of poses: means and deviations to four digits.
-void expect_row(const std::string& report, const Json& group, double unit, const std::string& name) {
+void expect_row(const std::string& report, const Json& group, const Scene& scene) {
   const auto four = [](double v) {
     char text[32];
     std::snprintf(text, sizeof text, "%.4g", v);
@@ -233,9 +233,10 @@ void expect_row(const std::string& report, const Json& group, double unit, const
     return mean + " +- " + four(s.at("standard_deviation").get<double>() / size) + " " + of;
   };
   const std::string row = group.at("mode").get<std::string>() + " " + group.at("solved").dump() + " of " +
-                          group.at("cases").dump() + " " + spread("moment", unit, "N " + name);
+                          group.at("cases").dump() + " " +
+                          spread("moment", moment_unit_of(scene).size, moment_unit_of(scene).name);
   EXPECT_NE(report.find(row), std::string::npos) << row << '\n' << report;
-  const std::string errors = spread("tip_error", unit, name);
+  const std::string errors = spread("tip_error", unit_of(scene).size, unit_of(scene).name);
   EXPECT_NE(report.find(errors), std::string::npos) << errors << '\n' << report;
 }
 
@@ -277,7 +278,8 @@ TEST(StudyOfPoses, AgreesWithItsCasesAndItsTables) {
   expect_tables(out, study);
   EXPECT_EQ(read_file(out + "/table.txt"), run.out);
   const std::string report = joined_words(run.out);
-  for (const Json& group : study.at("groups")) expect_row(report, group, 1.0, "m");
+  const Scene read = app::read_scene(app::Document::read(scene), std::make_shared<app::Units>());
+  for (const Json& group : study.at("groups")) expect_row(report, group, read);
 }
 
 // One arc is all that a heavy arm is planned with. Where it is asked to reach up with a strong actuator it settles 1.5

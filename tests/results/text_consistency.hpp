@@ -14,7 +14,10 @@ std::vector<std::string> lines_missing(const std::string& text, const nlohmann::
 
 /// Numbers as reports write them.
 std::string six_digits(double value);
-/// In the unit of length that a report chooses for a rod: um below 2 mm, m from 2 m on, else mm.
+/// The units that a report chooses: those that the scene uses most; of a scene that names none um for rods below 2 mm,
+/// m from 2 m on, else mm, and N times that.
+WrittenUnit unit_of(const Scene& scene);
+WrittenUnit moment_unit_of(const Scene& scene);
 std::string length_text(double si, const Scene& scene);
 std::string moment_text(double si, const Scene& scene);
 std::string force_text(double si);

@@ -24,8 +24,8 @@ TEST(SearchStatus, ASolverThatRefusesEverythingIsAFailureWhateverNewtonMakesOfTh
       SCOPED_TRACE(std::string(to_string(made.problem)) + ", " + std::string(to_string(status)));
       const Plan found = plan_with(made, solver_that_ends_as(status, "not today"));
       EXPECT_TRUE(ended_as(found, PlanStatus::failed));
-      EXPECT_EQ(found.message, "solver '" + made.solver.plugin + "' ended every solve as " +
-                                   std::string(to_string(status)) + ": not today");
+      EXPECT_EQ(found.message, "not today; solver '" + made.solver.plugin + "' ended every solve as " +
+                                   std::string(to_string(status)));
     }
   }
 }

@@ -218,27 +218,37 @@ Command execute_command(CLI::App& app) {
   struct Parsed {
     SceneOptions scene;
     ResultOptions result;
-    std::string moments, plan;
+    Inputs inputs;
+    std::string plan;
   };
   CLI::App* execute = app.add_subcommand(
       "execute", "What the rod does under given moments; exit code 0: a stable equilibrium, 1: none, 2: wrong input");
   const auto parsed = std::make_shared<Parsed>();
   parsed->scene.add_to(*execute);
   parsed->result.add_to(*execute, "shape");
-  CLI::Option* given = execute->add_option("--moments", parsed->moments, "One per actuator, in N m or with units");
-  given->type_name("\"M, ...\"");
-  execute->add_option("--plan", parsed->plan, "Result whose moments are executed")
-      ->type_name("RESULT.json")
-      ->excludes(given);
+  CLI::Option* from_plan =
+      execute->add_option("--plan", parsed->plan, "Result whose moments are executed")->type_name("RESULT.json");
+  std::vector<CLI::Option*> given{from_plan};
+  const auto inputs = [&](InputKind kind, const char* type, const char* what) {
+    CLI::Option* option = execute->add_option_function<std::string>(
+        Inputs{kind, ""}.option(),
+        [parsed, kind](const std::string& text) {
+          parsed->inputs = {kind, text};
+        },
+        what);
+    option->type_name(type);
+    for (CLI::Option* other : given) option->excludes(other);
+    given.push_back(option);
+  };
+  inputs(InputKind::moments, "\"M, ...\"", "One per actuator, in N m or with units");
+  inputs(InputKind::pressures, "\"P, ...\"", "One per actuator, in Pa or with units");
+  inputs(InputKind::each, "\"V, ...\"", "One per actuator: a pressure where the scene has moment_per_pressure");
   return {execute, [execute, parsed] {
             const ResultOptions& result = parsed->result;
             result.check(*execute);
-            if (execute->count("--moments") + execute->count("--plan") == 0) {
-              throw InputError("execute needs the moments, expected --moments \"M, ...\" or --plan RESULT.json");
-            }
             require_name(*execute, "--plan", parsed->plan);
             return run_execute({parsed->scene.arguments(),
-                                parsed->moments,
+                                parsed->inputs,
                                 optional_path(parsed->plan),
                                 optional_path(result.start),
                                 {optional_path(result.output), optional_path(result.figure), result.json}});

@@ -44,33 +44,58 @@ ResultForms forms_of(Session& session, const Plan& plan, std::function<std::stri
   return forms;
 }
 
-/// One moment per actuator from the text of --moments.
-std::vector<double> read_moments(const std::string& text, const Session& session) {
-  std::vector<double> moments;
-  const std::size_t actuators = actuator_count(session.scene());
-  if (actuators == 0 && text.find_first_not_of(" \t") == std::string::npos) return moments;
-  for (std::size_t from = 0; from <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', from), text.size());
-    const std::size_t first = text.find_first_not_of(" \t", from);
-    const std::string one = first < comma ? text.substr(first, comma - first) : "";
-    const std::string trimmed = one.substr(0, one.find_last_not_of(" \t") + 1);
-    double value = 0.0;
-    const char* const end = trimmed.data() + trimmed.size();
-    const auto [rest, code] = std::from_chars(trimmed.data(), end, value);
-    from = comma + 1;
-    if (code == std::errc{} && rest == end && std::isfinite(value)) {
-      moments.push_back(value);
-      continue;
-    }
-    try {
-      moments.push_back(session.units().read(trimmed, dimension::moment));
-    } catch (const QuantityError& error) {
-      throw InputError(fmt::format("--moments, number {}: {}", moments.size() + 1, error.what()));
-    }
+/// One number of --moments, --pressures or --inputs: SI, or with a unit.
+double read_input_number(const std::string& text, const Dimension& wanted, const std::string& where,
+                         const Units& units) {
+  double value = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, code] = std::from_chars(text.data(), end, value);
+  if (code == std::errc{} && rest == end && std::isfinite(value)) return value;
+  try {
+    return units.read(text, wanted);
+  } catch (const QuantityError& error) {
+    throw InputError(fmt::format("{}: {}", where, error.what()));
   }
-  if (moments.size() != actuators) {
-    throw InputError(fmt::format("--moments: found {} moments, expected one for each of the scene's {} actuators",
-                                 moments.size(), actuators));
+}
+
+/// One moment (N m) per actuator, from the text of the option that says what moves them.
+std::vector<double> read_moments(const Inputs& inputs, const Session& session) {
+  const std::vector<ActuatorSpec> actuators = actuators_of(session.scene());
+  const std::string option = inputs.option();
+  if (actuators.empty() && inputs.text.find_first_not_of(" \t") == std::string::npos) return {};
+  if (inputs.kind == InputKind::none) {
+    throw InputError(
+        fmt::format("execute needs what moves the scene's {} actuators, expected --moments \"M, ...\" or --plan "
+                    "RESULT.json, or --pressures \"P, ...\"",
+                    actuators.size()));
+  }
+  std::vector<std::string> texts;
+  for (std::size_t from = 0; from <= inputs.text.size();) {
+    const std::size_t comma = std::min(inputs.text.find(',', from), inputs.text.size());
+    const std::size_t first = inputs.text.find_first_not_of(" \t", from);
+    const std::string one = first < comma ? inputs.text.substr(first, comma - first) : "";
+    texts.push_back(one.substr(0, one.find_last_not_of(" \t") + 1));
+    from = comma + 1;
+  }
+  std::vector<double> moments;
+  moments.reserve(texts.size());
+  for (std::size_t a = 0; a < texts.size(); ++a) {
+    const double per_pressure = a < actuators.size() ? actuators[a].moment_per_pressure : 0.0;
+    const std::string where = fmt::format("{}, number {}", option, a + 1);
+    if (inputs.kind == InputKind::pressures && a < actuators.size() && per_pressure == 0.0) {
+      throw InputError(
+          fmt::format("{}: the scene does not say what moment a pressure gives, expected "
+                      "'moment_per_pressure' in [[rod.actuator]], or --moments",
+                      where));
+    }
+    const bool pressure = inputs.kind != InputKind::moments && per_pressure != 0.0;
+    const double value =
+        read_input_number(texts[a], pressure ? dimension::pressure : dimension::moment, where, session.units());
+    moments.push_back(pressure ? value * per_pressure : value);
+  }
+  if (texts.size() != actuators.size()) {
+    throw InputError(fmt::format("{}: found {} {}, expected one for each of the scene's {} actuators", option,
+                                 texts.size(), option.substr(2), actuators.size()));
   }
   return moments;
 }
@@ -96,9 +121,13 @@ int run_execute(const ExecuteArguments& arguments) {
   try_places(arguments.places);
   Session session(arguments.scene);
   note_dropped(session);
+  if (arguments.plan) {
+    const std::vector<TrajectoryStep> steps = read_steps(*arguments.plan, session.scene(), "plan");
+    if (!steps.empty()) return give_trajectory(session, session.execute(steps, arguments.start), arguments.places);
+  }
   std::optional<Plan> plan;
   if (arguments.plan) plan = read_start(*arguments.plan, session.scene(), "plan");
-  const std::vector<double> moments = plan ? all_moments(*plan) : read_moments(arguments.moments, session);
+  const std::vector<double> moments = plan ? all_moments(*plan) : read_moments(arguments.inputs, session);
   std::optional<double> palm_distance;
   if (plan && plan->grasp) palm_distance = plan->grasp->palm_distance;
   const Execution execution = session.execute(moments, arguments.start, palm_distance);

@@ -40,6 +40,12 @@ void draw(const Scene& scene, const Estimate& estimate, StagedFiles& files, cons
 
 int run_estimate(Session& session, const PlanArguments& arguments) {
   if (arguments.start) throw InputError("--start: an estimate starts from the measured points, expected no --start");
+  if (arguments.verify) {
+    throw InputError(
+        "--verify: the obstacles of an estimate are not known, so nothing can be carried out against them; its shape "
+        "is "
+        "the rod's equilibrium under the forces that were found; expected no --verify");
+  }
   const Estimate estimate = session.estimate();
   const Scene& scene = session.scene();
   ResultForms forms{[&] { return estimate_json(scene, estimate, session.run_info()); },

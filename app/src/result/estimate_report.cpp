@@ -124,7 +124,7 @@ std::string estimate_json(const Scene& scene, const Estimate& estimate, const Ru
 }
 
 std::string estimate_report(const Scene& scene, const Estimate& estimate) {
-  const DisplayUnits units(scene.rod.length());
+  const DisplayUnits units(scene);
   std::string text = heading(scene) + '\n';
   text += line("status", std::string(to_string(estimate.status)));
   if (!estimate.message.empty()) text += line("", printable(estimate.message));

@@ -33,22 +33,41 @@ std::vector<double> all_moments(const Plan& plan) {
   return moments;
 }
 
-std::size_t actuator_count(const Scene& scene) {
-  if (!plans_both_fingers(scene)) return scene.rod.actuators.size();
-  return finger_of(scene, FingerName::upper).rod.actuators.size() +
-         finger_of(scene, FingerName::lower).rod.actuators.size();
+std::vector<ActuatorSpec> actuators_of(const Scene& scene) {
+  if (!plans_both_fingers(scene)) return scene.rod.actuators;
+  std::vector<ActuatorSpec> all = finger_of(scene, FingerName::upper).rod.actuators;
+  const std::vector<ActuatorSpec> lower = finger_of(scene, FingerName::lower).rod.actuators;
+  all.insert(all.end(), lower.begin(), lower.end());
+  return all;
+}
+
+std::vector<ShownActuator> shown_actuators(const Scene& scene, const Plan& plan) {
+  std::vector<ShownActuator> all;
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    const std::vector<double>& moments = finger.state.moments;
+    for (std::size_t a = 0; a < std::min(moments.size(), finger.rod.actuators.size()); ++a) {
+      const ActuatorSpec& actuator = finger.rod.actuators[a];
+      // What a moment may miss, and the rounding of its own digits.
+      const double close = tolerance::bounds * (scale_of(scene).moment() + std::abs(moments[a]));
+      const double over = excess(actuator, moments[a]);
+      const char* where = over > close ? "beyond its limit" : over >= -close ? "at its limit" : "inside";
+      all.push_back(
+          {finger.name, a + 1, where, moments[a], actuator.minimum, actuator.maximum, actuator.moment_per_pressure});
+      if (const double per = actuator.moment_per_pressure; per != 0.0) all.back().pressure = moments[a] / per + 0.0;
+    }
+  }
+  return all;
 }
 
 std::vector<std::optional<double>> pressures_of(const Scene& scene, const Plan& plan) {
   std::vector<std::optional<double>> pressures;
-  for (const ShownFinger& finger : fingers_of(scene, plan)) {
-    const std::vector<ActuatorSpec>& actuators = finger.rod.actuators;
-    for (std::size_t a = 0; a < std::min(finger.state.moments.size(), actuators.size()); ++a) {
-      const double per_pressure = actuators[a].moment_per_pressure;
-      pressures.push_back(per_pressure == 0.0 ? std::nullopt : std::optional(finger.state.moments[a] / per_pressure));
-    }
-  }
+  for (const ShownActuator& a : shown_actuators(scene, plan)) pressures.push_back(a.pressure);
   return pressures;
+}
+
+bool touches(const Scene& scene, const PlannedContact& contact) {
+  const Scale scale = scale_of(scene);
+  return contact.force > tolerance::force * scale.force() || contact.gap <= tolerance::complementarity * scale.length;
 }
 
 std::string_view turning(const Scene& scene, double moment) {
@@ -59,11 +78,21 @@ std::string_view turning(const Scene& scene, double moment) {
 
 void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
   Json pressures = Json::array();
+  Json inputs = Json::array();
   bool any = false;
-  for (const std::optional<double>& p : pressures_of(scene, plan)) {
-    any = any || p;
-    pressures.push_back(p ? number(*p) : Json(nullptr));
+  for (const ShownActuator& a : shown_actuators(scene, plan)) {
+    Json input{{"kind", a.pressure ? "pressure" : "moment"},
+               {"value", number(a.pressure.value_or(a.moment))},
+               {"unit", a.pressure ? "Pa" : "N m"},
+               {"moment", number(a.moment)},
+               {"where", a.where}};
+    if (a.pressure) input["pressure"] = number(*a.pressure);
+    if (!a.finger.empty()) input["finger"] = a.finger;
+    inputs.push_back(std::move(input));
+    pressures.push_back(a.pressure ? number(*a.pressure) : Json(nullptr));
+    any = any || a.pressure;
   }
+  json["inputs"] = std::move(inputs);
   if (any || plan.grasp) json["pressures"] = std::move(pressures);
   if (!plan.grasp) return;
   const GraspPlan& grasp = *plan.grasp;
@@ -105,7 +134,7 @@ void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
 
 std::string grasp_text(const Scene& scene, const Plan& plan) {
   if (!plan.grasp) return "";
-  const DisplayUnits units(scene.rod.length());
+  const DisplayUnits units(scene);
   const GraspPlan& grasp = *plan.grasp;
   const auto newtons = [](double f) { return fmt::format("{:.6g} N", f); };
   const auto pair = [&](double along, double across) {

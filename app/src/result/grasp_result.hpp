@@ -24,17 +24,31 @@ std::vector<ShownFinger> fingers_of(const Scene& scene, const Plan& plan);
 /// One per actuator (N m), those of the lower finger behind those of the upper one.
 std::vector<double> all_moments(const Plan& plan);
 
-/// Moments that a plan of the scene has: one per actuator of the rod, or of both fingers.
-std::size_t actuator_count(const Scene& scene);
+/// What the moments of a plan of the scene belong to: the actuators of the rod, or of both fingers.
+std::vector<ActuatorSpec> actuators_of(const Scene& scene);
+
+/// An actuator as results show it.
+struct ShownActuator {
+  std::string finger;      ///< as ShownFinger::name
+  std::size_t number = 0;  ///< of its rod, from 1
+  const char* where = "";  ///< "inside", "at its limit", "beyond its limit", by the tolerance of the certificate
+  double moment = 0.0, lowest = 0.0, highest = 0.0;  ///< N m
+  double per_pressure = 0.0;                         ///< N m / Pa; 0: not known
+  std::optional<double> pressure{};                  ///< Pa, if it is known what moment a pressure gives
+};
+std::vector<ShownActuator> shown_actuators(const Scene& scene, const Plan& plan);
 
 /// Pressure of each actuator (Pa) under the plan's moments; none where the scene does not say what moment a pressure
 /// gives.
 std::vector<std::optional<double>> pressures_of(const Scene& scene, const Plan& plan);
 
+/// Whether a planned contact is one: it pushes, or the rod is at the obstacle. A plan may have left it.
+bool touches(const Scene& scene, const PlannedContact& contact);
+
 /// "closing" or "opening" (the upper finger: negative or positive); empty for a moment that is no more than rounding.
 std::string_view turning(const Scene& scene, double moment);
 
-/// Adds "pressures" if a scene knows them, and what only a grasp has.
+/// Adds "inputs", "pressures" if a scene knows them, and what only a grasp has.
 void add_grasp(Json& json, const Scene& scene, const Plan& plan);
 
 /// The same for people; empty for a plan that is no grasp.

@@ -47,26 +47,26 @@ std::string verification_text(const Plan& plan) {
 }
 
 std::string moments_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
-  if (all_moments(plan).empty()) return "";
-  Grid grid;
-  grid.row({"moment", "value", "from", "to", "where"});
-  for (const ShownFinger& finger : fingers_of(scene, plan)) {
-    const std::vector<double>& moments = finger.state.moments;
-    for (std::size_t i = 0; i < moments.size() && i < finger.rod.actuators.size(); ++i) {
-      const ActuatorSpec& actuator = finger.rod.actuators[i];
-      const double value = moments[i];
-      const double close = 1e-6 * std::max(std::abs(actuator.minimum), std::abs(actuator.maximum));
-      const bool at_limit = value >= actuator.maximum - close || value <= actuator.minimum + close;
-      const auto limit = [&](double v) { return std::isfinite(v) ? units.moment(v) : std::string("no limit"); };
-      const bool beyond = value > actuator.maximum + close || value < actuator.minimum - close;
-      grid.row({fmt::format("{}{}{}", finger.name, finger.name.empty() ? "" : " ", i + 1), units.moment(value),
-                limit(actuator.minimum), limit(actuator.maximum),
-                !std::isfinite(close) || !at_limit ? "inside"
-                : beyond                           ? "beyond its limit"
-                                                   : "at its limit"});
+  const std::vector<ShownActuator> actuators = shown_actuators(scene, plan);
+  if (actuators.empty()) return "";
+  const auto table = [&](const char* head, const auto& shown, const auto& size) {
+    Grid grid;
+    for (const ShownActuator& a : actuators) {
+      const double unit = size(a);
+      if (unit == 0.0) continue;
+      if (grid.empty()) grid.row({head, "value", "from", "to", "where"});
+      const auto limit = [&](double v) { return std::isfinite(v) ? shown(v + 0.0) : std::string("no limit"); };
+      const auto [from, to] = std::minmax({a.lowest / unit, a.highest / unit});
+      grid.row({(a.finger.empty() ? "" : a.finger + " ") + std::to_string(a.number), shown(a.moment / unit + 0.0),
+                limit(from), limit(to), a.where});
     }
-  }
-  return '\n' + grid.text("");
+    return grid.empty() ? std::string() : '\n' + grid.text("");
+  };
+  return table(
+             "moment", [&](double v) { return units.moment(v); }, [](const ShownActuator&) { return 1.0; }) +
+         table(
+             "pressure", [&](double v) { return units.pressure(v); },
+             [](const ShownActuator& a) { return a.per_pressure; });
 }
 
 /// Contacts in a row that stand for the stretch along which the rod lies on one obstacle are one line: from where to
@@ -98,10 +98,18 @@ void add_contacts(Grid& grid, const std::string& whose, const std::vector<Planne
 
 std::string contacts_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
   Grid grid;
+  std::string left;
   for (const ShownFinger& finger : fingers_of(scene, plan)) {
-    add_contacts(grid, finger.name + (finger.name.empty() ? "" : " with "), finger.state.contacts, units);
+    const std::string whose = finger.name + (finger.name.empty() ? "" : " with ");
+    std::vector<PlannedContact> made = finger.state.contacts;
+    std::erase_if(made, [&](const PlannedContact& c) {
+      if (touches(scene, c)) return false;
+      left += (left.empty() ? "" : ", ") + whose + printable(c.obstacle_name) + " (gap " + units.lengths(c.gap) + ')';
+      return true;
+    });
+    add_contacts(grid, whose, made, units);
   }
-  return grid.empty() ? "" : '\n' + grid.text("");
+  return (grid.empty() ? "" : '\n' + grid.text("")) + (left.empty() ? "" : '\n' + line("not touched", left));
 }
 
 /// The model lets a rod pass through itself; what cannot be made has to be said.
@@ -123,11 +131,18 @@ std::string certificate_text(const Certificate& certificate) {
   const auto entry = [&](const char* name, double value, const std::string& required, bool good) {
     grid.row({name, std::isfinite(value) ? fmt::format("{:.3g}", value) : "none", required, good ? "ok" : "FAILS"});
   };
+  // Moments that were given may lie beyond their limits: no equilibrium is worse for it.
+  const bool held = certificate.valid() && certificate.bounds > tolerance::bounds;
   const auto at_most = [&](const char* name, double value, double limit) {
     entry(name, value, fmt::format("<= {:g}", limit), value <= limit);
   };
   at_most("equilibrium", certificate.equilibrium, tolerance::equilibrium);
-  at_most("bounds", certificate.bounds, tolerance::bounds);
+  if (held) {
+    grid.row({"bounds", fmt::format("{:.3g}", certificate.bounds), fmt::format("<= {:g}", tolerance::bounds),
+              "BEYOND: held there"});
+  } else {
+    at_most("bounds", certificate.bounds, tolerance::bounds);
+  }
   at_most("penetration", certificate.penetration, tolerance::penetration);
   at_most("complementarity", certificate.complementarity, tolerance::complementarity);
   at_most("closest point", certificate.closest_point, tolerance::closest_point);
@@ -191,7 +206,7 @@ std::string minima_text(const Scene& scene, const Plan& plan) {
 }  // namespace
 
 std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run) {
-  const DisplayUnits units(scene.rod.length());
+  const DisplayUnits units(scene);
   std::string text = heading(scene) + '\n';
   // A plan that time cut short is certified all the same; that a better one may exist belongs beside its status.
   const bool cut = plan.search_cut && plan.status == PlanStatus::solved;
@@ -229,7 +244,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
 }
 
 std::string execution_report(const Scene& scene, const Execution& execution, const RunInfo& run) {
-  const DisplayUnits units(scene.rod.length());
+  const DisplayUnits units(scene);
   const Plan& plan = execution.result;
   std::string text = heading(scene) + '\n';
   text += line("status", std::string(to_string(plan.status)));
@@ -263,7 +278,7 @@ std::string execution_report(const Scene& scene, const Execution& execution, con
 }
 
 std::string description_report(const Scene& scene, const Description& description, const RunInfo& run) {
-  const DisplayUnits units(scene.rod.length());
+  const DisplayUnits units(scene);
   std::string text = heading(scene) + '\n';
   text += "variables\n" + counts_text(description.variables);
   text += "\nrows\n" + counts_text(description.rows);

@@ -75,7 +75,38 @@ Json counts_json(const std::vector<Description::Count>& counts, bool with_kind) 
   return array;
 }
 
+/// A value of a scene in SI: text with a unit is a length, an angle or a pure number, whichever reads it.
+Json si_json(const RawValue& value, const QuantityReader& read) {
+  if (const auto* list = std::get_if<RawValue::List>(&value.value)) {
+    Json array = Json::array();
+    for (const RawValue& entry : *list) array.push_back(si_json(entry, read));
+    return array;
+  }
+  if (const auto* flag = std::get_if<bool>(&value.value)) return *flag;
+  if (const auto* whole = std::get_if<std::int64_t>(&value.value)) return *whole;
+  if (const auto* real = std::get_if<double>(&value.value)) return number(*real);
+  const std::string& text = std::get<std::string>(value.value);
+  for (const Dimension& dimension : {dimension::length, dimension::angle}) {
+    try {
+      if (read) return number(read(text, dimension));
+    } catch (const Error&) {
+      continue;
+    }
+  }
+  return text;
+}
+
 }  // namespace
+
+Json obstacles_json(const Scene& scene) {
+  Json array = Json::array();
+  for (const ObstacleSpec& obstacle : scene.obstacles) {
+    Json one{{"name", obstacle.name}, {"shape", obstacle.shape}};
+    for (const auto& [name, value] : obstacle.options) one[name] = si_json(value, scene.read_quantity);
+    array.push_back(std::move(one));
+  }
+  return array;
+}
 
 Json number(double value) { return std::isfinite(value) ? Json(value + 0.0) : Json(nullptr); }
 
@@ -217,8 +248,9 @@ Json plan_object(const Scene& scene, const Plan& plan) { return plan_object(scen
 
 namespace {
 
-/// What the command did around the planner.
-void add_run(Json& json, const RunInfo& run) {
+/// What stands once in a result: the obstacles, and what the command did around the planner.
+void add_run(Json& json, const Scene& scene, const RunInfo& run) {
+  json["obstacles"] = obstacles_json(scene);
   json["seconds"]["read"] = number(run.seconds_read);
   json["seconds"]["open"] = number(run.seconds_open);
   json["plugins"] = components_json(run.components);
@@ -237,13 +269,13 @@ Json state_json(const std::vector<BackbonePoint>& shape, const std::vector<Plann
 
 std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) {
   Json json = plan_object(scene, plan);
-  add_run(json, run);
+  add_run(json, scene, run);
   return written(json);
 }
 
 std::string execution_json(const Scene& scene, const Execution& execution, const RunInfo& run) {
   Json json = plan_object(scene, ProblemKind::execute, execution.result);
-  add_run(json, run);
+  add_run(json, scene, run);
   json["load"] = {
       {"reached", number(execution.load)}, {"steps", execution.steps}, {"contact_changes", execution.contact_changes}};
   json["basis"] = {{"name", LegendreBasis::name}, {"order", execution.result.order}, {"pieces", execution.pieces}};

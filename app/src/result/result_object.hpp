@@ -20,6 +20,8 @@ Json backbone_json(const std::vector<BackbonePoint>& points);
 
 /// A plan as it stands in every result, without what the command did around it.
 Json plan_object(const Scene& scene, const Plan& plan);
+/// The scene's obstacles, their sizes in SI.
+Json obstacles_json(const Scene& scene);
 Json left_out_json(const std::vector<LeftOut>& items);
 Json components_json(const std::vector<UsedComponent>& components);
 Json versions_json();

@@ -163,6 +163,24 @@ void read_fingers(const Reader& root, const Scene& scene, const std::string& fil
 
 }  // namespace
 
+std::vector<TrajectoryStep> read_steps(const std::filesystem::path& path, const Scene& scene, const std::string& what) {
+  const Json json = Json::parse(read_input(path, what), nullptr, false);
+  const Reader root(json, path.string(), "");
+  std::vector<TrajectoryStep> steps;
+  if (!root.has("steps")) return steps;
+  if (scene.problem == ProblemKind::grasp) root.member("steps").fail("the result of a grasp");
+  for (const Reader& entry : root.member("steps").list()) {
+    TrajectoryStep& step = steps.emplace_back();
+    step.plan.moments = read_moments(entry, scene.rod, path.string());
+    if (!entry.has("target")) continue;
+    const Reader target = entry.member("target");
+    if (target.has("position")) step.target.position = target.member("position").point();
+    if (target.has("angle")) step.target.angle = target.member("angle").real();
+  }
+  if (steps.empty()) root.member("steps").fail("at least one step");
+  return steps;
+}
+
 Plan read_start(const std::filesystem::path& path, const Scene& scene, const std::string& what) {
   return parse_start(read_input(path, what), path.string(), scene, what);
 }

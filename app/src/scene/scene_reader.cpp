@@ -116,6 +116,7 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
   }
   scene.warnings.insert(scene.warnings.begin(), warnings.begin(), warnings.end());
   scene.file = document.file();
+  scene.units = units->most_used();
   scene.read_quantity = [units = std::move(units)](std::string_view number, const Dimension& wanted) {
     try {
       return units->read(number, wanted);
@@ -132,7 +133,16 @@ StudySpec read_study(const Document& document, const Units& units) {
   std::vector<std::string> told_by_read_scene;
   read_table(Context{document, units, told_by_read_scene}, document.root(), "", scene_table(), draft);
   if (!draft.study) document.fail({1, 1}, "the scene has no [study], expected one with targets, modes or limits");
-  return std::move(*draft.study);
+  StudySpec study = std::move(*draft.study);
+  if (study.pressures.empty()) return study;
+  const auto refuse = [&](const std::string& why) { document.fail(document.find("study.pressures"), why); };
+  if (!study.moments.empty()) refuse("found 'pressures' beside 'moments', expected one of them");
+  const std::vector<ActuatorSpec> actuators = finish_rod(document, "rod", draft.rod).actuators;
+  if (actuators.empty() || actuators.back().moment_per_pressure == 0.0) {
+    refuse("found 'pressures', expected 'moment_per_pressure' in the last [[rod.actuator]], or 'moments'");
+  }
+  for (const double p : study.pressures) study.moments.push_back(p * actuators.back().moment_per_pressure);
+  return study;
 }
 
 }  // namespace tendril::app

@@ -155,6 +155,9 @@ Table<StudySpec> study_table() {
                          "Changes of the planned moment of a grasp's last actuator, each carried out with the object "
                          "where it was planned.",
                          [](T& t, std::vector<double> v) { t.moments = std::move(v); }),
+           quantities<T>("pressures", dimension::pressure, any,
+                         "The same as changes of its pressure, instead of moments; with moment_per_pressure.",
+                         [](T& t, std::vector<double> v) { t.pressures = std::move(v); }),
            texts<T>("starts", "Paradigms whose results \"allow\" and \"require\" start from as well.",
                     {"ignore", "ignore_then_execute", "avoid"},
                     [modes_of](T& t, const std::vector<std::string>& v) { t.starts = modes_of(v); })}};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <udunits2.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -260,7 +261,25 @@ double Units::read(std::string_view text, const Dimension& dimension) const {
   }
   const double si = value * *factor;
   if (!std::isfinite(si)) refuse("a number too large to hold");
+  const auto use = std::find_if(uses_.begin(), uses_.end(),
+                                [&](const Use& u) { return u.dimension == dimension.unit && u.unit.name == unit; });
+  if (use == uses_.end()) {
+    uses_.push_back({std::string(dimension.unit), {std::string(unit), *factor}, 1});
+  } else {
+    ++use->times;
+  }
   return si;
+}
+
+std::map<std::string, WrittenUnit, std::less<>> Units::most_used() const {
+  std::map<std::string, WrittenUnit, std::less<>> most;
+  std::map<std::string, int> times;
+  for (const Use& use : uses_) {
+    if (use.times <= times[use.dimension]) continue;
+    times[use.dimension] = use.times;
+    most[use.dimension] = use.unit;
+  }
+  return most;
 }
 
 }  // namespace tendril::app

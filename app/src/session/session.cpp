@@ -238,6 +238,36 @@ std::optional<Execution> Session::verify(Plan& plan, const std::optional<std::fi
   return located("", [&] { return tendril::verify(scene_, obstacles, plan, control); });
 }
 
+void Session::verify(Trajectory& trajectory) {
+  const InterruptGuard interrupt;
+  const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
+  located("", [&] { tendril::verify(scene_, obstacles, trajectory, execute_control(std::nullopt)); });
+}
+
+Trajectory Session::execute(const std::vector<TrajectoryStep>& steps,
+                            const std::optional<std::filesystem::path>& start) {
+  std::optional<Plan> state;
+  if (start) state = read_start(*start, scene_);
+  const InterruptGuard interrupt;
+  const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
+  Trajectory done;
+  for (const TrajectoryStep& step : steps) {
+    TrajectoryStep& reached = done.steps.emplace_back();
+    reached.target = step.target;
+    reached.method = StepMethod::executed;
+    Scene aimed = scene_;
+    aimed.problem = ProblemKind::pose;
+    aimed.trajectory = {};
+    aimed.target = step.target;
+    reached.plan = located(
+        "", [&] { return tendril::execute(aimed, obstacles, step.plan.moments, execute_control(state)).result; });
+    done.interrupted = InterruptGuard::flag().load();
+    if (done.interrupted || reached.plan.backbone.empty()) break;
+    state = reached.plan;
+  }
+  return done;
+}
+
 Execution Session::verify_grasp(Plan& plan, const std::optional<Plan>& earlier) {
   const auto settle = [&](Plan& judged) {
     ExecuteControl control = execute_control(earlier);

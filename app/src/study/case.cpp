@@ -90,6 +90,11 @@ void add_outcome(Json& json, const Plan& reached, const Scene& scene) {
   json["lines"] = Json::array({line_json(reached.backbone)});
 }
 
+std::string message_of(const Plan& plan) {
+  const bool cut = plan.search_cut && plan.status == PlanStatus::solved;
+  return cut ? "time ended the search before it was done: a better plan may exist" : plan.message;
+}
+
 class CaseRunner {
  public:
   CaseRunner(Session& session, const Scene& scene, const StudySpec& study)
@@ -105,7 +110,7 @@ class CaseRunner {
     }
     const Outcome outcome = carry_through(one, true);
     json["status"] = to_string(outcome.plan.status);
-    json["message"] = outcome.plan.message;
+    json["message"] = message_of(outcome.plan);
     json["moments"] = numbers(outcome.plan.moments);
     add_outcome(json, outcome.reached, session_.scene());
     json["model_error"] = outcome.model_error ? number(*outcome.model_error) : Json(nullptr);

@@ -63,20 +63,23 @@ BarUnit bar_unit(double largest, double goal, const std::string& unit) {
 }
 
 std::vector<BarPanel> bars_of(const Scene& scene, const StudyResult& result, std::size_t columns) {
-  const DisplayUnits units(scene.rod.length());
-  const std::string length = units.length == std::string("um") ? "µm" : units.length;
+  const DisplayUnits units(scene);
+  const auto drawn = [](const std::string& unit) {
+    return unit.ends_with("um") ? unit.substr(0, unit.size() - 2) + "µm" : unit;
+  };
+  const std::string length = drawn(units.length.name);
   double error = 0.0;
   double moment = 0.0;
   double force = 0.0;
   for (const StudyGroup& g : result.groups) {
-    error = std::max(error, g.tip_error.mean / units.length_size);
-    moment = std::max(moment, g.moment.mean / units.length_size);
+    error = std::max(error, g.tip_error.mean / units.length.size);
+    moment = std::max(moment, g.moment.mean / units.moment_unit.size);
     force = std::max(force, g.contact_force.mean * 1e3);
   }
   if (!(error > 0.0)) error = moment;
   const double grazing = grazing_force * scale_of(scene).force();
-  BarUnit bending = bar_unit(moment, error, "N " + length);
-  bending.size *= units.length_size;
+  BarUnit bending = bar_unit(moment, error, drawn(units.moment_unit.name));
+  bending.size *= units.moment_unit.size;
   BarUnit newton = bar_unit(force, error, "mN");
   newton.size *= 1e-3;
   std::vector<BarPanel> panels(columns);
@@ -89,9 +92,9 @@ std::vector<BarPanel> bars_of(const Scene& scene, const StudyResult& result, std
     const bool touches = g.contact_force.mean >= grazing;
     panel.series.push_back({g.limit ? "limit " + units.moment(*g.limit) : "all cases",
                             series_color(row),
-                            {g.moment.mean / bending.size, g.tip_error.mean / units.length_size,
+                            {g.moment.mean / bending.size, g.tip_error.mean / units.length.size,
                              touches ? g.contact_force.mean / newton.size : 0.0},
-                            {g.moment.deviation / bending.size, g.tip_error.deviation / units.length_size,
+                            {g.moment.deviation / bending.size, g.tip_error.deviation / units.length.size,
                              touches ? g.contact_force.deviation / newton.size : 0.0}});
   }
   return panels;
@@ -114,7 +117,7 @@ void draw_study(Session& session, const StudyResult& result, StagedFiles& files)
     throw InputError(fmt::format("no figure: found {} modes and {} limits, expected at most {} and {}", columns, rows,
                                  most_columns, most_rows));
   }
-  const DisplayUnits units(scene.rod.length());
+  const DisplayUnits units(scene);
   FigureScene figure = figure_scene(scene, session.make_obstacles());
   std::vector<std::vector<ShapePanel>> panels(rows);
   for (std::size_t i = 0; i < result.groups.size(); ++i) {

@@ -90,8 +90,13 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
     json["objects"] = std::move(object);
   }
   json["status"] = to_string(plan.status);
-  json["message"] = plan.message;
+  // What is carried out may hold moments beyond their limits.
+  json["message"] = plan.message.empty() ? reached.message : plan.message;
+  json["bounds"] = number(reached.certificate.bounds);
   json["moments"] = numbers(all_moments(applied));
+  Json where = Json::array();
+  for (const ShownActuator& a : shown_actuators(scene, applied)) where.push_back(a.where);
+  json["where"] = std::move(where);
   Json pressures = Json::array();
   for (const std::optional<double>& p : pressures_of(scene, applied))
     pressures.push_back(p ? number(*p) : Json(nullptr));
@@ -144,11 +149,15 @@ std::string grasp_cells(const StudyResult& result, std::size_t index) {
 }
 
 std::string grasp_study_report(const Scene& scene, const StudyResult& result) {
-  const DisplayUnits units(scene.rod.length());
+  const DisplayUnits units(scene);
   const bool sweep = std::any_of(result.cases.begin(), result.cases.end(), [](const StudyCase& c) { return c.moment; });
+  const double per_pressure = scene.rod.actuators.empty() ? 0.0 : scene.rod.actuators.back().moment_per_pressure;
+  const auto changed = [&](double moment) {
+    return units.moment(moment) + (per_pressure == 0.0 ? "" : " (" + units.pressure(moment / per_pressure + 0.0) + ")");
+  };
   Grid grid;
   grid.row({"diameter", "force limit", "status", sweep ? "last moment" : "contact", "palm distance", "moments",
-            "pressures", "lateral force", "axial force", "axial stiffness", "model error"});
+            "pressures", "where", "lateral force", "axial force", "axial stiffness", "model error"});
   std::string trouble;
   bool opening = false;
   for (std::size_t i = 0; i < result.cases.size(); ++i) {
@@ -161,27 +170,28 @@ std::string grasp_study_report(const Scene& scene, const StudyResult& result) {
       const double x = number_in(v, key);
       return std::isfinite(x) ? units.lengths(x) : std::string("-");
     };
-    std::string moments;
-    std::string pressures;
-    if (const auto list = v.find("moments"); list != v.end()) {
-      for (const Json& m : *list) moments += (moments.empty() ? "" : ", ") + (m.is_number() ? units.moment(m) : "-");
-    }
-    if (const auto list = v.find("pressures"); list != v.end()) {
-      for (const Json& p : *list) {
-        pressures += (pressures.empty() ? "" : ", ") +
-                     (p.is_number() ? fmt::format("{:.4g} kPa", p.get<double>() * 1e-3) : std::string("-"));
-      }
-    }
+    const auto listed = [&](const char* key, const auto& shown) {
+      std::string all;
+      const auto list = v.find(key);
+      for (const Json& x : list != v.end() ? *list : Json::array()) all += (all.empty() ? "" : ", ") + shown(x);
+      return all;
+    };
+    const std::string moments =
+        listed("moments", [&](const Json& m) { return m.is_number() ? units.moment(m) : std::string("-"); });
+    const std::string pressures =
+        listed("pressures", [&](const Json& p) { return p.is_number() ? units.pressure(p) : std::string("-"); });
+    const std::string where = listed("where", [](const Json& w) { return w.get<std::string>(); });
     const std::string status = v.value("status", "");
-    const std::string place = sweep ? (result.cases[i].moment ? units.moment(*result.cases[i].moment) : "-")
+    const std::string place = sweep ? (result.cases[i].moment ? changed(*result.cases[i].moment) : "-")
                                     : (v.value("at_tip", false) ? "tip" : "inside");
     const double error = number_in(v, "model_error");
     grid.row({length("diameter"), text("force_limit", "N"), status, place, length("palm_distance"), moments, pressures,
-              text("lateral_force", "N"), text("axial_force", "N"), text("axial_stiffness", "N/m"),
+              where, text("lateral_force", "N"), text("axial_force", "N"), text("axial_stiffness", "N/m"),
               std::isfinite(error) ? fmt::format("{:.1e} m", error) : "-"});
     opening = opening || (sweep && turning(scene, number_in(v, "planned_moment")) == "opening");
-    if (status != to_string(PlanStatus::solved)) {
-      trouble += fmt::format("case {}: {}: {}\n", i, status, printable(v.value("message", "")));
+    const std::string message = v.value("message", "");
+    if (status != to_string(PlanStatus::solved) || !message.empty()) {
+      trouble += fmt::format("case {}: {}: {}\n", i, status, printable(message));
     }
   }
   std::string text = printable(scene.title) + "\n\n" + grid.text("");

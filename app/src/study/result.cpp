@@ -51,6 +51,33 @@ void count_arrival(const Json& value, StudyGroup& group) {
   if (same->get<bool>()) ++group.arrived;
 }
 
+/// Why loading from the start did not lead to solved plans: cases of one reason in a line.
+std::string arrival_text(const StudyResult& result) {
+  std::vector<std::pair<std::string, std::string>> reasons;  // and the cases, in their order
+  for (std::size_t i = 0; i < result.cases.size(); ++i) {
+    const auto execution = result.values[i].find("execution");
+    if (!is_solved(result.values[i]) || execution == result.values[i].end() || !execution->is_object()) continue;
+    const auto same = execution->find("start_leads_to_plan");
+    if (same == execution->end() || (same->is_boolean() && same->get<bool>())) continue;
+    const auto loaded = execution->find("from_start");
+    if (loaded == execution->end() || !loaded->is_object()) continue;
+    const std::string message = loaded->value("message", "");
+    const bool at_rest = loaded->value("status", "") == to_string(PlanStatus::solved);
+    if (at_rest && same->is_null()) continue;
+    const std::string reason = at_rest ? "the rod comes to rest elsewhere" : printable(message);
+    const auto known = std::find_if(reasons.begin(), reasons.end(), [&](const auto& r) { return r.first == reason; });
+    if (known == reasons.end()) {
+      reasons.emplace_back(reason, fmt::format("{}", result.cases[i].index));
+    } else {
+      known->second += fmt::format(", {}", result.cases[i].index);
+    }
+  }
+  std::string text;
+  for (const auto& [reason, cases] : reasons)
+    text += fmt::format("loaded from the start, case {}: {}\n", cases, reason);
+  return text;
+}
+
 Json statistic_json(const Statistic& s) {
   return {{"cases", s.count},
           {"mean", s.count > 0 ? number(s.mean) : Json(nullptr)},
@@ -217,13 +244,15 @@ std::string times_csv(const StudyResult& result) {
 
 std::string study_report(const Scene& scene, const StudyResult& result) {
   if (scene.problem == ProblemKind::grasp) return grasp_study_report(scene, result);
-  const DisplayUnits units(scene.rod.length());
+  const DisplayUnits units(scene);
   const auto spread = [](const Statistic& s, const std::function<std::string(double)>& text) {
     if (s.count == 0) return std::string("-");
     return text(s.mean) + (s.count > 1 ? " +- " + text(s.deviation) : "");
   };
-  const auto length = [&](double v) { return fmt::format("{:.4g} {}", v / units.length_size, units.length); };
-  const auto moment = [&](double v) { return fmt::format("{:.4g} N {}", v / units.length_size, units.length); };
+  const auto length = [&](double v) { return fmt::format("{:.4g} {}", v / units.length.size, units.length.name); };
+  const auto moment = [&](double v) {
+    return fmt::format("{:.4g} {}", v / units.moment_unit.size, units.moment_unit.name);
+  };
   const double grazing = grazing_force * scale_of(scene).force();
   double largest_force = 0.0;
   for (const StudyGroup& g : result.groups) largest_force = std::max(largest_force, g.contact_force.mean);
@@ -240,7 +269,7 @@ std::string study_report(const Scene& scene, const StudyResult& result) {
     grid.row({g.limit ? units.moment(*g.limit) : "-", mode_text(g.mode), fmt::format("{} of {}", g.solved, g.cases),
               spread(g.moment, moment), none ? "none" : spread(g.contact_force, newton), spread(g.tip_error, length),
               g.model_error.count > 0
-                  ? fmt::format("{:.2g} {}", g.largest_model_error / units.length_size, units.length)
+                  ? fmt::format("{:.2g} {}", g.largest_model_error / units.length.size, units.length.name)
                   : "-",
               g.loaded > 0 ? fmt::format("{} of {}", g.arrived, g.loaded) : "-"});
   }
@@ -248,11 +277,11 @@ std::string study_report(const Scene& scene, const StudyResult& result) {
       printable(scene.title) + "\n\n" + grid.text("") + "\nmean +- sample standard deviation over the solved cases\n";
   if (grazes) text += fmt::format("none: rods that graze an obstacle with less than {}\n", force(grazing));
   for (std::size_t i = 0; i < result.cases.size(); ++i) {
-    if (is_solved(result.values[i])) continue;
-    text += fmt::format("case {}: {}: {}\n", result.cases[i].index, result.values[i].value("status", ""),
-                        printable(result.values[i].value("message", "")));
+    const std::string message = printable(result.values[i].value("message", ""));
+    if (is_solved(result.values[i]) && message.empty()) continue;
+    text += fmt::format("case {}: {}: {}\n", result.cases[i].index, result.values[i].value("status", ""), message);
   }
-  return text;
+  return text + arrival_text(result);
 }
 
 }  // namespace tendril::app

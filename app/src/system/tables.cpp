@@ -6,27 +6,42 @@
 #include <cmath>
 #include <numbers>
 
+#include "tendril/scale.hpp"
+
 namespace tendril::app {
 
-DisplayUnits::DisplayUnits(double rod_length) {
-  if (rod_length < 2e-3) {
-    length = "um";
-    length_size = 1e-6;
-  } else if (rod_length < 2.0) {
-    length = "mm";
-    length_size = 1e-3;
-  }
+DisplayUnits::DisplayUnits(const Scene& scene) {
+  const double size = scene.rod.length();
+  const auto written = [&](std::string_view dimension, const WrittenUnit& otherwise) {
+    const auto found = scene.units.find(dimension);
+    return found != scene.units.end() ? found->second : otherwise;
+  };
+  length = written(dimension::length.unit, size < 2e-3  ? WrittenUnit{"um", 1e-6}
+                                           : size < 2.0 ? WrittenUnit{"mm", 1e-3}
+                                                        : WrittenUnit{"m", 1.0});
+  moment_unit = written(dimension::moment.unit, {"N " + length.name, length.size});
+  pressure_unit = written("Pa", {"kPa", 1e3});
 }
 
 // Adding 0 takes the sign from a zero: nobody means -0.
 
-std::string DisplayUnits::lengths(double si) const { return fmt::format("{:.6g} {}", si / length_size + 0.0, length); }
+namespace {
 
-std::string DisplayUnits::point(Vec2 p) const {
-  return fmt::format("({:.6g}, {:.6g}) {}", p.x / length_size + 0.0, p.y / length_size + 0.0, length);
+std::string in_unit(double si, const WrittenUnit& unit) {
+  return fmt::format("{:.6g} {}", si / unit.size + 0.0, unit.name);
 }
 
-std::string DisplayUnits::moment(double si) const { return fmt::format("{:.6g} N {}", si / length_size + 0.0, length); }
+}  // namespace
+
+std::string DisplayUnits::lengths(double si) const { return in_unit(si, length); }
+
+std::string DisplayUnits::point(Vec2 p) const {
+  return fmt::format("({:.6g}, {:.6g}) {}", p.x / length.size + 0.0, p.y / length.size + 0.0, length.name);
+}
+
+std::string DisplayUnits::moment(double si) const { return in_unit(si, moment_unit); }
+
+std::string DisplayUnits::pressure(double si) const { return in_unit(si, pressure_unit); }
 
 std::string force(double si) {
   const double size = std::abs(si);

@@ -4,18 +4,19 @@
 #include <vector>
 
 #include "tendril/geometry.hpp"
+#include "tendril/scene.hpp"
 
 namespace tendril::app {
 
-/// Units that suit the size of the rod.
+/// The units that the scene is written in; where it names none, those that suit the size of the rod.
 struct DisplayUnits {
-  const char* length = "m";
-  double length_size = 1.0;
+  WrittenUnit length, moment_unit, pressure_unit;
 
-  explicit DisplayUnits(double rod_length);
+  explicit DisplayUnits(const Scene& scene);
   std::string lengths(double si) const;
   std::string point(Vec2 p) const;
   std::string moment(double si) const;
+  std::string pressure(double si) const;
 };
 
 /// A force, an angle, a time with a unit of a suitable size.

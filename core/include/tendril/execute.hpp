@@ -25,7 +25,8 @@ struct ExecuteControl {
   bool with_obstacles = true;
 };
 
-/// What the rod does. `result` reads like a plan: `moments` are those given, `contacts` the active ones only,
+/// What the rod does. `result` reads like a plan: `moments` are those given (its certificate's `bounds` and its message
+/// say which of them are beyond their limits, which fails no certificate here), `contacts` the active ones only,
 /// `coordinates` those of the fine Legendre basis. Its status: `solved` (a stable equilibrium that the certificate
 /// accepts), `not_converged` (with the reason: a contact that spreads, a path that could not be followed),
 /// `time_limit`, `interrupted`.
@@ -49,7 +50,8 @@ TENDRIL_API Execution execute(const Scene& scene, const std::vector<std::unique_
 /// Executes a plan's moments and fills its `model_error`, `local_model_error` and `verification`. Where execution ends
 /// elsewhere (other contacts, a tip farther off than tolerance::model_error, no certified state) a solved plan becomes
 /// `not_converged` and its message says why. Returns the execution from the plan's own start. `control.start`: what the
-/// plan was started from, null, or `&plan`: then the rod settles from the plan's own shape and is executed only once.
+/// plan was started from, null, or `&plan`: then the rod settles from the plan's own shape and is executed only once,
+/// as it is from a start that has no side of an obstacle.
 TENDRIL_API Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, Plan& plan,
                              const ExecuteControl& control = {});
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -45,6 +46,9 @@ struct ActuatorSpec {
   double maximum = infinity;         ///< N m
   double moment_per_pressure = 0.0;  ///< N m / Pa; 0: not given
 };
+
+/// N m by which `moment` exceeds the limits of `actuator`; negative: its distance to the nearer one.
+TENDRIL_API double excess(const ActuatorSpec& actuator, double moment);
 
 /// The rod: its segments from the base on, what bends it, and where it is clamped.
 struct TENDRIL_API RodSpec {
@@ -171,6 +175,12 @@ struct GripperSpec {
   Fingers fingers = Fingers::as_needed;  ///< which of them are planned
 };
 
+/// A unit that a scene is written in.
+struct WrittenUnit {
+  std::string name;   ///< as the scene writes it
+  double size = 1.0;  ///< SI
+};
+
 /// Everything that a scene file says.
 struct Scene {
   std::string file;                         ///< as named by the user; empty if made in code
@@ -194,6 +204,8 @@ struct Scene {
   QuantityReader read_quantity;                ///< for numbers with units inside raw options; may be empty
   std::vector<LeftOut> left_out;               ///< what its files hold beyond this, and why it is not read
   std::vector<std::string> warnings;           ///< what its reader would ask about
+  /// The units that the file uses most, by the SI unit of the dimension ("m", "N m"); for reports. May be empty.
+  std::map<std::string, WrittenUnit, std::less<>> units;
 };
 
 /// Which of a scene's components have to be opened at all (a weight of 0 opens nothing).

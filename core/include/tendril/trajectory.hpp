@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tendril/execute.hpp"
 #include "tendril/problem.hpp"
 
 namespace tendril {
@@ -13,7 +14,8 @@ enum class StepMethod {
   followed,    ///< by Newton from the step before; no solver was called
   solved,      ///< by a full plan from the step before
   subdivided,  ///< over intermediate targets
-  failed       ///< not at all; the plan is the nearest one
+  failed,      ///< not at all; the plan is the nearest one
+  executed     ///< not planned: moments that were given were carried out
 };
 TENDRIL_API std::string_view to_string(StepMethod method);  ///< The method as results write it.
 
@@ -64,5 +66,11 @@ inline constexpr int most_intermediate = 32;
 /// be reached the next one starts from the last that was.
 TENDRIL_API Trajectory plan_trajectory(const std::vector<TargetSpec>& targets, const TrajectoryOptions& options,
                                        const PlanStep& plan);
+
+/// Executes every step from where the one before came to rest, the first one from `control.start` or the scene's start,
+/// and fills and judges its plan as verify() of one plan does. After a step that does not come to rest the next one
+/// starts from that step's own shape.
+TENDRIL_API void verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
+                        Trajectory& trajectory, const ExecuteControl& control = {});
 
 }  // namespace tendril

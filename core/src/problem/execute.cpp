@@ -57,6 +57,8 @@ class Executor {
   void report_shape(const PoseProgram& program, const Eigen::VectorXd& coordinates, Execution& out);
   void report(const Loading::Lying& lying, const LoadPath& path, Execution& out);
   Snap to_si(TrackedSnap& snap, const LoadPath& path) const;
+  /// Moments that are held beyond their limits: told, not refused.
+  void tell_limits(Plan& plan) const;
 
   const Scene& scene_;
   const std::vector<double>& moments_;
@@ -116,11 +118,29 @@ Execution Executor::run() {
     std::string& message = out.result.message;
     message = inside + (message.empty() ? ", which takes its place as the loads grow" : ": " + message);
   }
+  tell_limits(out.result);
   out.result.start_backbone = control_.start != nullptr
                                   ? control_.start->backbone
                                   : outline(constant_curvature(scene_.start_tip_angle), rod_, scale_.length);
   out.result.seconds_solve = now() - begin - out.result.seconds_certify;
   return out;
+}
+
+void Executor::tell_limits(Plan& plan) const {
+  double most = 0.0;
+  for (std::size_t a = 0; a < moments_.size(); ++a) {
+    const ActuatorSpec& actuator = scene_.rod.actuators[a];
+    const double over = excess(actuator, moments_[a]) / scale_.moment();
+    most = std::max(most, over);
+    if (!(over > tolerance::bounds)) continue;
+    const double limit = moments_[a] > actuator.maximum ? actuator.maximum : actuator.minimum;
+    const double unit = actuator.moment_per_pressure != 0.0 ? 1e3 * actuator.moment_per_pressure : 1.0;
+    const char* name = actuator.moment_per_pressure != 0.0 ? " kPa" : " N m";
+    plan.message += (plan.message.empty() ? "" : "; ") + std::string("actuator ") + std::to_string(a + 1) +
+                    " is held at " + shown(moments_[a] / unit) + name + ", beyond its limit of " +
+                    shown(limit / unit + 0.0) + name;
+  }
+  if (!plan.backbone.empty()) plan.certificate.bounds = most;
 }
 
 std::string Executor::overlaps(const Loading& loading) const {

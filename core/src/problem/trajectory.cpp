@@ -89,6 +89,8 @@ std::string_view to_string(StepMethod method) {
       return "subdivided";
     case StepMethod::failed:
       return "failed";
+    case StepMethod::executed:
+      return "executed";
   }
   return "?";
 }

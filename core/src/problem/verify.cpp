@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "tendril/execute.hpp"
@@ -7,6 +8,7 @@
 #include "tendril/problem.hpp"
 #include "tendril/scale.hpp"
 #include "tendril/tolerances.hpp"
+#include "tendril/trajectory.hpp"
 
 namespace tendril {
 namespace {
@@ -48,8 +50,19 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
   ExecuteControl local = control;
   local.start = &plan;
   local.with_obstacles = control.with_obstacles && needs_obstacles(scene);
-  const bool own = control.start == &plan && local.with_obstacles == control.with_obstacles;
-  Execution reached = execute(scene, obstacles, plan.moments, control);
+  bool own = control.start == &plan && local.with_obstacles == control.with_obstacles;
+  Execution reached;
+  std::string unmade;
+  try {
+    reached = execute(scene, obstacles, plan.moments, control);
+  } catch (const SceneError& error) {
+    // A start that nothing can be loaded from says nothing of the plan, whose own shape is still a start.
+    if (own) throw;
+    unmade = std::string("it cannot be loaded from the start: ") + error.what() + "; ";
+    own = true;
+    reached = execute(scene, obstacles, plan.moments, local);
+  }
+  const char* loaded = control.start == nullptr ? "loaded from the start" : "led on from the earlier result";
   const Scale scale = scale_of(scene);
   const auto distance = [&](const Plan& other) {
     return std::hypot(plan.tip_x - other.tip_x, plan.tip_y - other.tip_y);
@@ -69,13 +82,15 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
     } else if (!(*plan.model_error <= tolerance::model_error * scale.length)) {
       trouble = "the tip ends elsewhere";
     }
-    plan.verification = std::string(own ? "settled from the plan's own shape" : "loaded from the start") +
-                        " the tip comes to rest " + percent(*plan.model_error) + " from the plan's";
+    plan.verification = unmade + (own ? "settled from the plan's own shape" : loaded) + " the tip comes to rest " +
+                        percent(*plan.model_error) + " from the plan's";
     if (!reached.snaps.empty()) plan.verification += ", after " + std::to_string(reached.snaps.size()) + " snap(s)";
   } else {
-    trouble = (own ? "the plan's own shape did not settle: " : "loading from the start did not arrive: ") +
-              reached.result.message;
-    plan.verification = trouble;
+    trouble = own                        ? "the plan's own shape did not settle: "
+              : control.start == nullptr ? "loading from the start did not arrive: "
+                                         : "leading on from the earlier result did not arrive: ";
+    trouble += reached.result.message;
+    plan.verification = unmade + trouble;
   }
   if (own) {
     plan.local_model_error = plan.model_error;
@@ -94,6 +109,23 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
     if (!plan.verification.empty()) plan.message += " (" + plan.verification + ")";
   }
   return reached;
+}
+
+void verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, Trajectory& trajectory,
+            const ExecuteControl& control) {
+  std::optional<Plan> before;
+  for (TrajectoryStep& step : trajectory.steps) {
+    Plan& plan = step.plan;
+    if (plan.backbone.empty()) {
+      plan.verification = "not executed: the plan came to no shape";
+      continue;
+    }
+    ExecuteControl from_before = control;
+    if (before) from_before.start = &*before;
+    Execution reached = verify(scene, obstacles, plan, from_before);
+    // After a step that did not come to rest the next one starts from where the plan has it.
+    before = reached.result.status == PlanStatus::solved ? std::move(reached.result) : plan;
+  }
 }
 
 }  // namespace tendril

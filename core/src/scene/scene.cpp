@@ -1,5 +1,7 @@
 #include "tendril/scene.hpp"
 
+#include <algorithm>
+
 #include "tendril/plan.hpp"
 
 namespace tendril {
@@ -82,6 +84,10 @@ std::string_view to_string(PlanStatus status) {
       return "failed";
   }
   return "?";
+}
+
+double excess(const ActuatorSpec& actuator, double moment) {
+  return std::max(actuator.minimum - moment, moment - actuator.maximum);
 }
 
 double RodSpec::length() const {

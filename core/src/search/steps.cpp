@@ -50,8 +50,9 @@ void Tally::add_outside(const NonlinearProgram& program, const EvaluationCounts&
 }
 
 std::string told_uselessness(const std::string& solver, const OptimalityReport& last) {
-  return "solver '" + solver + "' ended every solve as " + std::string(to_string(last.status)) +
-         (last.message.empty() ? "" : ": " + last.message);
+  const std::string reason = last.message.empty() ? last.native_status : last.message;
+  return (reason.empty() ? "" : reason + "; ") + "solver '" + solver + "' ended every solve as " +
+         std::string(to_string(last.status));
 }
 
 void report_tally(const Tally& tally, Plan& plan) {

@@ -8,6 +8,7 @@
 #include "tendril/plan.hpp"
 #include "tendril/problem.hpp"
 #include "tendril/scene.hpp"
+#include "tendril/trajectory.hpp"
 
 namespace tendril::app {
 
@@ -39,5 +40,9 @@ Plan read_start(const std::filesystem::path& path, const Scene& scene, const std
 /// The same from the text of a file; `file` is its name, for messages.
 Plan parse_start(const std::string& text, const std::string& file, const Scene& scene,
                  const std::string& what = "start");
+
+/// Targets and moments of the steps in a file that trajectory_json() has written; empty: it holds one plan, or nothing
+/// that can be read. Throws InputError as read_start() does.
+std::vector<TrajectoryStep> read_steps(const std::filesystem::path& path, const Scene& scene, const std::string& what);
 
 }  // namespace tendril::app

@@ -54,7 +54,11 @@ class Session {
   /// since the way to it is not planned, and where that fails the next best way of being in contact takes its place.
   /// What was executed, for the plan as it is left; null: it came to no shape.
   std::optional<Execution> verify(Plan& plan, const std::optional<std::filesystem::path>& start);
+  /// Every step from the one before.
+  void verify(Trajectory& trajectory);
   const Units& units() const { return *units_; }
+  /// The moments of an earlier trajectory's steps, each carried out from where the one before came to rest.
+  Trajectory execute(const std::vector<TrajectoryStep>& steps, const std::optional<std::filesystem::path>& start);
   /// The same for a trajectory, step by step; the limits hold for each plan.
   Trajectory plan_trajectory();
   /// The sweeps that the scene declares.

@@ -30,6 +30,7 @@ struct StudySpec {
   std::vector<double> force_limits;  ///< N
   std::vector<double> diameters;     ///< m, of a grasp's object
   std::vector<double> moments;       ///< N m, added to the planned moment of a grasp's last actuator, and carried out
+  std::vector<double> pressures;     ///< Pa, the same said as pressures; the moments are made of them
   std::vector<StudyMode> starts;     ///< whose results `allow` and `require` start from as well
 };
 

@@ -1,13 +1,16 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "tendril/app/input_error.hpp"
 #include "tendril/options.hpp"
 #include "tendril/scale.hpp"
+#include "tendril/scene.hpp"
 
 namespace tendril::app {
 
@@ -54,10 +57,19 @@ class Units {
   /// SI value of text such as "60 mm". The number is read without regard to the locale and must be finite; the unit
   /// must have exactly the physical dimension asked for. Throws QuantityError.
   double read(std::string_view text, const Dimension& dimension) const;
+  /// The unit that was read most often for each dimension, the earlier one of two, by the dimension's SI unit.
+  std::map<std::string, WrittenUnit, std::less<>> most_used() const;
 
  private:
   class Database;
+  /// How often a unit was read for a dimension.
+  struct Use {
+    std::string dimension;
+    WrittenUnit unit;
+    int times = 0;
+  };
   mutable std::unique_ptr<Database> database_;
+  mutable std::vector<Use> uses_;
 };
 
 }  // namespace tendril::app
