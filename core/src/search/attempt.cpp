@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "nlp/feasibility.hpp"
@@ -8,12 +9,6 @@
 #include "search/task.hpp"
 
 namespace tendril {
-namespace {
-
-/// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
-
-}  // namespace
-
 void Planner::attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions) {
   const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
   PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
@@ -74,6 +69,58 @@ bool Planner::promising(PoseProgramSpec spec, const std::vector<CheckPoint>& che
   return feasible;
 }
 
+namespace {
+
+using Pieces = std::vector<int>;  ///< of an unsplit rod: the one that holds each contact
+
+bool holds(const std::vector<Pieces>& all, const Pieces& one) {
+  return std::find(all.begin(), all.end(), one) != all.end();
+}
+
+bool may_lie_in(const Chain& chain, const ContactSetup& contact, int piece) {
+  return piece >= 0 && piece < chain.piece_count() && chain.piece(piece).stretch == contact.region;
+}
+
+/// Other pieces for one contact at a time, nearest first.
+std::vector<Pieces> pieces_around(const Chain& chain, const Mode& mode, const Pieces& pieces) {
+  std::vector<Pieces> all;
+  for (int distance = 1; distance <= search_parameters().most_pieces_away; ++distance) {
+    for (const int side : {1, -1}) {
+      for (std::size_t k = 0; k < pieces.size(); ++k) {
+        Pieces candidate = pieces;
+        candidate[k] += side * distance;
+        if (!mode.contacts[k].at_tip && may_lie_in(chain, mode.contacts[k], candidate[k])) all.push_back(candidate);
+      }
+    }
+  }
+  return all;
+}
+
+/// The pieces after a contact that leans against the end of its own went over it; nothing if there is none, or they
+/// were tried.
+std::optional<Pieces> pieces_beyond(const PoseProgram& program, const Eigen::VectorXd& x, const Mode& mode,
+                                    const std::vector<Pieces>& tried) {
+  Pieces own(mode.contacts.size(), 0);
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    if (!mode.contacts[k].at_tip) own[k] = program.spec().contacts[k].region;
+  }
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    if (mode.contacts[k].at_tip) continue;
+    const int variable = program.layout().first_arc_length + static_cast<int>(k);
+    for (const int side : {-1, 1}) {
+      const bool leans = side < 0 ? x[variable] <= program.lower()[variable] + at_knot
+                                  : x[variable] >= program.upper()[variable] - at_knot;
+      if (!leans || !may_lie_in(program.chain(), mode.contacts[k], own[k] + side)) continue;
+      Pieces candidate = own;
+      candidate[k] += side;
+      if (!holds(tried, candidate)) return candidate;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 void Planner::try_start(ModeState& state, const StartShape& shape) {
   const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
   ++state.starts_used;
@@ -90,61 +137,29 @@ void Planner::try_start(ModeState& state, const StartShape& shape) {
   const PoseProgram placer(whole);
   const Eigen::VectorXd placed = placer.start_from(shape);
   const Chain chain(d_.rod, *d_.components.coordinates, {}, 1);
-  std::vector<std::vector<int>> tried;
-  std::vector<int> pieces(regions.size(), 0);
+  Pieces pieces(regions.size(), 0);
   for (std::size_t k = 0; k < regions.size(); ++k) {
     if (!mode.contacts[k].at_tip)
       pieces[k] = chain.piece_at(placed[placer.layout().first_arc_length + static_cast<int>(k)], {});
   }
-  const auto same_stretch = [&](std::size_t k, int j) {
-    return j >= 0 && j < chain.piece_count() && chain.piece(j).stretch == mode.contacts[k].region;
-  };
-  std::vector<std::vector<int>> outward;
-  for (int distance = 1; distance <= search_parameters().most_pieces_away; ++distance) {
-    for (const int side : {1, -1}) {
-      for (std::size_t k = 0; k < pieces.size(); ++k) {
-        std::vector<int> candidate = pieces;
-        candidate[k] += side * distance;
-        if (!mode.contacts[k].at_tip && same_stretch(k, candidate[k])) outward.push_back(candidate);
-      }
-    }
-  }
+  const std::vector<Pieces> around = pieces_around(chain, mode, pieces);
+  std::vector<Pieces> tried;
   StartShape next_shape = shape;
   for (int hop = 0; hop < 2 * chain.piece_count() + 2 && !must_stop(); ++hop) {
-    if (std::find(tried.begin(), tried.end(), pieces) != tried.end()) break;
+    if (holds(tried, pieces)) break;
     tried.push_back(pieces);
     attempt(state, next_shape, pieces);
     if (!state.best.has_point) {
       // No point with the contact in this piece: look into the others, nearest first.
-      const auto next = std::find_if(outward.begin(), outward.end(), [&](const std::vector<int>& candidate) {
-        return std::find(tried.begin(), tried.end(), candidate) == tried.end();
-      });
-      if (next == outward.end()) break;
+      const auto next = std::find_if(around.begin(), around.end(), [&](const Pieces& p) { return !holds(tried, p); });
+      if (next == around.end()) break;
       pieces = *next;
       continue;
     }
-    const PoseProgram& program = *state.best.program;
-    bool hopped = false;
-    for (std::size_t k = 0; k < pieces.size() && !hopped; ++k) {
-      if (mode.contacts[k].at_tip) continue;
-      const int variable = program.layout().first_arc_length + static_cast<int>(k);
-      const int piece = program.spec().contacts[k].region;
-      const double s = state.best.x[variable];
-      for (const auto& [active, neighbour] : {std::pair(s <= program.lower()[variable] + at_knot, piece - 1),
-                                              std::pair(s >= program.upper()[variable] - at_knot, piece + 1)}) {
-        if (!active || !same_stretch(k, neighbour)) continue;
-        std::vector<int> candidate(pieces.size(), 0);
-        for (std::size_t i = 0; i < pieces.size(); ++i)
-          candidate[i] = mode.contacts[i].at_tip ? 0 : program.spec().contacts[i].region;
-        candidate[k] = neighbour;
-        if (std::find(tried.begin(), tried.end(), candidate) != tried.end()) continue;
-        pieces = candidate;
-        hopped = true;
-        break;
-      }
-    }
-    if (!hopped) break;
-    next_shape = program.shape_of(state.best.x);
+    const std::optional<Pieces> beyond = pieces_beyond(*state.best.program, state.best.x, mode, tried);
+    if (!beyond) break;
+    pieces = *beyond;
+    next_shape = state.best.program->shape_of(state.best.x);
   }
 }
 
