@@ -32,7 +32,7 @@ grep -q '"status": "solved"' plan.json
 # What its README and its pages link to is there, and its scenes can be planned.
 cd share/doc/tendril
 for page in README.md docs/*.md; do
-  for link in $(grep -oE '\]\([^)#:]+' "$page" | sed 's/^](//'); do
+  for link in $(grep -oE '\]\([^)#: ]+[)#]' "$page" | sed 's/^](//; s/[)#]$//'); do
     [[ -e $(dirname "$page")/$link ]] || { echo "$page: $link is not installed" >&2; exit 1; }
   done
 done

@@ -225,9 +225,10 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   json["modes"] = std::move(modes);
   Json minima = Json::array();
   for (const PlanMinimum& minimum : plan.minima) {
-    Json sides = Json::object();
+    Json sides = Json::array();
     for (std::size_t o = 0; o < minimum.sides.size() && o < scene.obstacles.size(); ++o) {
-      if (!minimum.sides[o].empty()) sides[scene.obstacles[o].name] = minimum.sides[o];
+      if (!minimum.sides[o].empty())
+        sides.push_back({{"obstacle", scene.obstacles[o].name}, {"side", minimum.sides[o]}});
     }
     minima.push_back({{"mode", minimum.mode},
                       {"sides", std::move(sides)},
