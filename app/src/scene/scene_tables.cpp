@@ -163,6 +163,32 @@ Table<StudySpec> study_table() {
                     [modes_of](T& t, const std::vector<std::string>& v) { t.starts = modes_of(v); })}};
 }
 
+Table<Scene> search_table() {
+  return {{text<Scene>(
+      "effort", "normal",
+      "\"fast\": one start for each way of being in contact; \"thorough\": ten times as many as \"normal\".",
+      [](Scene& t, const std::string& v) {
+        for (const SearchEffort effort : {SearchEffort::fast, SearchEffort::thorough}) {
+          if (v == to_string(effort)) t.effort = effort;
+        }
+      },
+      {"fast", "normal", "thorough"})}};
+}
+
+Table<TipLoadSpec> tip_load_table() {
+  return {{quantity<TipLoadSpec>("mass", dimension::mass, not_negative, "0", "Point mass at the tip.",
+                                 [](TipLoadSpec& t, double v) { t.mass = v; }),
+           point<TipLoadSpec>("force", dimension::force, "[0, 0]",
+                              "Dead force at the tip; of a grasp at that of the upper finger, and mirrored at the "
+                              "other one.",
+                              [](TipLoadSpec& t, Vec2 v) { t.force = v; })}};
+}
+
+Table<Scene> start_table() {
+  return {{quantity<Scene>("tip_angle", dimension::angle, any, "0", "Tip angle of a constant-curvature start.",
+                           [](Scene& t, double v) { t.start_tip_angle = v; })}};
+}
+
 }  // namespace
 
 Table<SceneDraft> scene_table() {
@@ -184,24 +210,13 @@ Table<SceneDraft> scene_table() {
       table<T>(
           "rod", "rod", "the rod", rod_table(), [](T & t) -> auto& { return t.rod; }, Need::required),
       table<T>(
-          "tip_load", "tip_load", "A load at the tip.",
-          Table<TipLoadSpec>{
-              {quantity<TipLoadSpec>("mass", dimension::mass, not_negative, "0", "Point mass at the tip.",
-                                     [](TipLoadSpec& t, double v) { t.mass = v; }),
-               point<TipLoadSpec>("force", dimension::force, "[0, 0]",
-                                  "Dead force at the tip; of a grasp at that of the upper finger, and mirrored at the "
-                                  "other one.",
-                                  [](TipLoadSpec& t, Vec2 v) { t.force = v; })}},
+          "tip_load", "tip_load", "A load at the tip.", tip_load_table(),
           [](T & t) -> auto& { return t.scene.tip_load; }),
       table<T>(
           "coordinates", "coordinates", "How the backbone is described. Further keys are options of the plugin.",
           coordinates_table(), [](T & t) -> auto& { return t.scene.coordinates; }),
       table<T>(
-          "start", "start", "Where the search begins.",
-          Table<Scene>{
-              {quantity<Scene>("tip_angle", dimension::angle, any, "0", "Tip angle of a constant-curvature start.",
-                               [](Scene& t, double v) { t.start_tip_angle = v; })}},
-          [](T & t) -> auto& { return t.scene; }),
+          "start", "start", "Where the search begins.", start_table(), [](T & t) -> auto& { return t.scene; }),
       tables<T>(
           "obstacle", "obstacle", "An obstacle. Further keys are options of its shape.", obstacle_table(),
           [](T & t) -> auto& { return t.scene.obstacles; }),
@@ -227,16 +242,7 @@ Table<SceneDraft> scene_table() {
       table<T>(
           "solver", "solver", "The solver.", solver_table(), [](T & t) -> auto& { return t.scene.solver; }),
       table<T>(
-          "search", "search", "How far is looked for a better plan.",
-          Table<Scene>{{text<Scene>(
-              "effort", "normal",
-              "\"fast\": one start for each way of being in contact; \"thorough\": ten times as many as \"normal\".",
-              [](Scene& t, const std::string& v) {
-                for (const SearchEffort effort : {SearchEffort::fast, SearchEffort::thorough}) {
-                  if (v == to_string(effort)) t.effort = effort;
-                }
-              },
-              {"fast", "normal", "thorough"})}},
+          "search", "search", "How far is looked for a better plan.", search_table(),
           [](T & t) -> auto& { return t.scene; }),
       table<T>(
           "gripper", "gripper", "Palm, fingers and object; for the problem kind \"grasp\".", gripper_table(),
