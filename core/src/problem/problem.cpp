@@ -5,17 +5,17 @@
 #include <map>
 
 #include "base/clock.hpp"
+#include "grasp/force_limit.hpp"
 #include "grasp/frames.hpp"
 #include "scene/make_rod.hpp"
 #include "scene/plan_report.hpp"
 #include "search/blame.hpp"
 #include "search/contacts.hpp"
+#include "search/either_way.hpp"
 #include "search/follower.hpp"
 #include "search/parameters.hpp"
-#include "search/planner.hpp"
 #include "search/task.hpp"
 #include "tendril/grasp.hpp"
-#include "tendril/tolerances.hpp"
 
 namespace tendril {
 namespace {
@@ -141,53 +141,6 @@ void make_modes(Task& d) {
         {"two contacts inside the rod with one obstacle",
          "within one segment only one is planned; a second one may be at the tip or on another segment"});
   }
-}
-
-bool reads_direction(const Task& task) {
-  return std::any_of(task.terms.begin(), task.terms.end(), [](const PoseProgramTerm& t) {
-    const Reads reads = t.term->reads();
-    return reads.target && reads.tip_angle;
-  });
-}
-
-/// Whether no other turn of the tip can bring much: it is where the target is.
-bool is_there(const Plan& plan, const Task& task) {
-  constexpr double near = 0.02;  // rad, and units of L
-  return plan.status == PlanStatus::solved && std::abs(plan.tip_angle - task.target.angle) <= near &&
-         plan.target_error.value_or(0.0) <= near * task.scale.length;
-}
-
-/// Plans with the turn of the tip that is nearest, and where that does not get there with the others, within one time
-/// limit.
-Plan plan_either_way(Task& task, const PlanControl& control) {
-  const double limit = task.scene.solver.time_limit;
-  const double begin = now();
-  const double reference = control.start != nullptr ? control.start->tip_angle : task.start_tip_angle();
-  std::vector<double> angles = task.angles_near(reference);
-  if (angles.empty() || !reads_direction(task)) return Planner(task, control).run();
-  Plan best;
-  for (std::size_t i = 0; i < angles.size(); ++i) {
-    task.target.angle = angles[i];
-    task.scene.solver.time_limit = limit - (now() - begin);
-    if (i > 0 && task.scene.solver.time_limit <= 0.0) {
-      best.search_cut = true;
-      break;
-    }
-    Plan next = Planner(task, control).run();
-    const bool there = is_there(next, task);
-    const bool better =
-        next.status == PlanStatus::solved && (best.status != PlanStatus::solved || next.objective < best.objective);
-    const bool stopped = next.status == PlanStatus::interrupted;
-    if (i == 0 || better) std::swap(best, next);
-    if (i > 0) {
-      best.evaluations += next.evaluations;
-      best.seconds_certify += next.seconds_certify;
-    }
-    if (there || stopped) break;
-  }
-  task.scene.solver.time_limit = limit;
-  task.face(best.tip_angle);
-  return best;
 }
 
 }  // namespace
@@ -330,64 +283,6 @@ void Problem::follow(const TargetSpec& target, Plan& plan, const std::atomic<boo
   Plan next = this->plan(control);
   plan = std::move(next);
 }
-
-namespace {
-
-Plan search(Task& task, const PlanControl& control) {
-  return task.lower ? plan_both_fingers(task, control) : Planner(task, control).run();
-}
-
-/// The finger of a grasp whose limit bounds the force of both.
-Task& weaker_finger(Task& task) {
-  if (!task.lower) return task;
-  const double from_lower = task.lower->term_units.force / task.term_units.force;
-  return task.lower->max_force * from_lower < task.max_force ? *task.lower : task;
-}
-
-/// A grasp whose objectives leave the force open presses as hard as it may. Where no such grasp is certified it presses
-/// as the objectives have it, and the plan says so.
-Plan plan_grasp(Task& task, const PlanControl& control) {
-  Task& weaker = weaker_finger(task);
-  if (!std::isfinite(weaker.max_force)) return search(task, control);
-  const std::string limit =
-      "each contact at its limit of " + shown(weaker.scale.to_si(weaker.max_force, dimension::force)) + " N";
-  const bool asked_for = std::any_of(task.terms.begin(), task.terms.end(),
-                                     [](const PoseProgramTerm& t) { return t.term->reads().contact_force; });
-  std::string why = "an objective weighs the force against something else";
-  Plan plan;
-  if (asked_for) {
-    plan = search(task, control);
-  } else {
-    struct Kept {
-      Task& task;
-      Task& weaker;
-      double least = weaker.min_force;
-      double time_limit = task.scene.solver.time_limit;
-      ~Kept() {
-        weaker.min_force = least;
-        task.scene.solver.time_limit = time_limit;
-      }
-    } kept{task, weaker};
-    const double begin = now();
-    weaker.min_force = weaker.max_force;
-    plan = search(task, control);
-    const double left = kept.time_limit - (now() - begin);
-    const bool ended = plan.status == PlanStatus::solved || plan.status == PlanStatus::interrupted ||
-                       plan.status == PlanStatus::failed || !(left > 0.0);
-    if (ended) return plan;
-    why = "no such grasp was certified (" + plan.message + ")";
-    weaker.min_force = kept.least;
-    task.scene.solver.time_limit = left;
-    plan = search(task, control);
-  }
-  const bool below = std::any_of(plan.contacts.begin(), plan.contacts.end(), [&](const PlannedContact& c) {
-    return c.force < (1.0 - tolerance::branch_decided) * weaker.scale.to_si(weaker.max_force, dimension::force);
-  });
-  if (below && plan.status == PlanStatus::solved) plan.left_out.push_back({limit, why});
-  return plan;
-}
-
-}  // namespace
 
 Plan Problem::plan(const PlanControl& control) {
   const double begin = now();

@@ -186,7 +186,7 @@ void Planner::search(const std::vector<std::size_t>& order) {
 }
 
 void Planner::search_sides(const std::vector<std::size_t>& order) {
-  if (d_.palm || fast() || !search_parameters().sides) return;
+  if (d_.palm || !search_parameters().sides) return;
   const std::vector<SideStart> starts = starts_by_sides(d_);
   if (starts.size() < 2) return;
   const SideStart own = start_by_sides(d_, d_.scene_start());
@@ -206,7 +206,8 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
       of_way.push_back({merit, i, &start});
     }
     std::stable_sort(of_way.begin(), of_way.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
-    const std::size_t most_sides = search_parameters().most_sides * static_cast<std::size_t>(generosity());
+    // A fast search is the beginning of a normal one: the scene's own start alone.
+    const std::size_t most_sides = fast() ? 0 : search_parameters().most_sides * static_cast<std::size_t>(generosity());
     if (of_way.size() > most_sides) of_way.resize(most_sides);
     // The scene's own start comes before all others.
     trials.push_back({0.0, i, &own});

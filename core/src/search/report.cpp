@@ -68,8 +68,10 @@ void Planner::add_notes(Plan& plan) const {
       double depth = 0.0;
       for (const OutlinePoint& p : line) depth = std::max(depth, -d_.obstacles[o]->at(p.position).distance);
       if (depth <= 0.0) continue;
-      plan.notes.push_back("the start runs through '" + d_.obstacle_names[o] + "', " + as_share(depth) + " deep: " +
-                           (fast() ? "the search began there all the same" : "starts beside it were tried as well"));
+      const bool beside = !fast() && has_sides(d_, o) &&
+                          std::any_of(states_.begin(), states_.end(), [](const ModeState& m) { return m.sided; });
+      plan.notes.push_back("the start runs through '" + d_.obstacle_names[o] + "', " + as_share(depth) + " deep" +
+                           (beside ? ": starts beside it were tried as well" : ""));
     }
   }
   if (!d_.target.has_position) return;

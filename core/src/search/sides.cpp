@@ -10,11 +10,6 @@
 namespace tendril {
 namespace {
 
-bool has_sides(const Task& task, std::size_t o) {
-  const Obstacle& obstacle = *task.obstacles[o];
-  return std::isfinite(obstacle.smallest_radius()) && obstacle.at(task.rod.base).distance < 1.0;
-}
-
 /// Where moments can bend one half of the rod against the other: the knot nearest to its middle; 1 if there is none.
 double knee(const Rod& rod) {
   double best = 1.0;
@@ -67,6 +62,11 @@ double merit_of(const Task& task, const std::vector<OutlinePoint>& line, const S
 }
 
 }  // namespace
+
+bool has_sides(const Task& task, std::size_t o) {
+  const Obstacle& obstacle = *task.obstacles[o];
+  return std::isfinite(obstacle.smallest_radius()) && obstacle.at(task.rod.base).distance < 1.0;
+}
 
 Sides sides_of(const Task& task, const StartShape& shape) {
   std::vector<OutlinePoint> line;

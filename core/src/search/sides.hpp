@@ -11,6 +11,8 @@ namespace tendril {
 /// an obstacle passes on the side with less of it.
 using Sides = std::vector<int>;
 
+/// Whether a rod can pass an obstacle on more than one side: it ends somewhere, and is within reach.
+bool has_sides(const Task& task, std::size_t obstacle);
 Sides sides_of(const Task& task, const StartShape& shape);
 
 /// A simple shape to start from.

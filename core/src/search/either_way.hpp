@@ -1,0 +1,11 @@
+#pragma once
+
+#include "search/task.hpp"
+
+namespace tendril {
+
+/// Plans a pose. A direction that is asked for counts modulo a full turn: the turn of the tip that is nearest comes
+/// first, and where that does not get there the others that moments can bring, within one time limit.
+Plan plan_either_way(Task& task, const PlanControl& control);
+
+}  // namespace tendril
