@@ -80,7 +80,8 @@ void Equations::find_rates(ConstVectorRef x, const std::vector<int>& variables, 
   for (Eigen::Index c = 0; c < right_.cols(); ++c) {
     for (int r = 0; r < size(); ++r) right_(r, c) = -jacobian(row(r), variables[static_cast<std::size_t>(c)]);
   }
-  if (size() > 0) out = factors_.solve(right_);
+  out.resize(right_.rows(), right_.cols());
+  if (right_.size() > 0) out = factors_.solve(right_);
 }
 
 }  // namespace tendril
