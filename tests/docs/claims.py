@@ -30,10 +30,10 @@ def run(line):
 
 
 @functools.lru_cache(None)
-def study(scene):
-    directory = work / scene
-    subprocess.run([command, "study", f"scenes/{scene}.toml", "--output", str(directory), "--jobs", "2"], cwd=source,
-                   capture_output=True, timeout=300, check=True)
+def study(scene, coordinates="legendre"):
+    directory = work / f"{scene}_{coordinates}"
+    subprocess.run([command, "study", f"scenes/{scene}.toml", "--coordinates", coordinates, "--output", str(directory), "--jobs", "2"],
+                   cwd=source, capture_output=True, timeout=300, check=True)
     return json.loads((directory / "study.json").read_text())
 
 
@@ -54,6 +54,14 @@ def snap():
 def axial(change):
     cases = study("grasp_distal_sweep")["cases"]
     return [c["axial_force"] / 2 for c in cases if abs(c["moment_change"] - change) < 1e-9][0]
+
+
+def grasps(what, coordinates="legendre"):
+    return [abs(what(c)) for c in study("grasp_sizes", coordinates)["cases"]]
+
+
+def along_axis(coordinates):
+    return max(grasps(lambda c: c["axial_force"], coordinates))
 
 
 BRACE = "plan scenes/brace.toml"
@@ -100,6 +108,12 @@ CLAIMS = [
     ("docs/execution.md", "below {} m for `brace.toml`, {} mm with `--coordinates pcc`",
      lambda: [("below", run(VERIFIED)["model_error"]), run(PCC)["model_error"] * mm]),
     ("docs/estimate.md", "1 {} mN {} % {} mm {} mm {} ({}, {}) mm ({}, {})", estimated),
+    ("docs/grasps.md", "All {} diameters", lambda: [sum(grasps(lambda c: c["status"] == "solved")) / 2]),
+    ("docs/grasps.md", "planned at the limit to {} N and with less than {} N along the axis",
+     lambda: [("below", max(grasps(lambda c: c["contact_force"] - c["force_limit"]))),
+              ("below", max(grasps(lambda c: c["planned_axial_force"])))]),
+    ("docs/grasps.md", "order 6 leaves up to {} N along the axis and `psc`, with its three functions per piece, up to {} N",
+     lambda: [along_axis("legendre"), along_axis("psc")]),
     ("docs/grasps.md", "push it away from the palm with {} N per finger, {} N mm more pull it in with {} N",
      lambda: [axial(0.010), 10, -axial(-0.010)]),
 ]
