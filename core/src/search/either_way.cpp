@@ -27,7 +27,12 @@ bool is_there(const Plan& plan, const Task& task) {
 }  // namespace
 
 Plan plan_either_way(Task& task, const PlanControl& control) {
-  const double limit = task.scene.solver.time_limit;
+  /// The scene keeps its limit, whatever a solver throws.
+  struct Limit {
+    double& of;
+    const double scene = of;
+    ~Limit() { of = scene; }
+  } limit{task.scene.solver.time_limit};
   const double begin = now();
   const double reference = control.start != nullptr ? control.start->tip_angle : task.start_tip_angle();
   std::vector<double> angles = task.angles_near(reference);
@@ -35,8 +40,8 @@ Plan plan_either_way(Task& task, const PlanControl& control) {
   Plan best;
   for (std::size_t i = 0; i < angles.size(); ++i) {
     task.target.angle = angles[i];
-    task.scene.solver.time_limit = limit - (now() - begin);
-    if (i > 0 && task.scene.solver.time_limit <= 0.0) {
+    limit.of = limit.scene - (now() - begin);
+    if (i > 0 && limit.of <= 0.0) {
       best.search_cut = true;
       break;
     }
@@ -52,7 +57,6 @@ Plan plan_either_way(Task& task, const PlanControl& control) {
     }
     if (there || stopped) break;
   }
-  task.scene.solver.time_limit = limit;
   task.face(best.tip_angle);
   return best;
 }
