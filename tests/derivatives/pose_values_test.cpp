@@ -319,13 +319,15 @@ TEST(PoseValues, ABranchChangesLimitsOnly) {
 
 TEST(PoseValues, RowsAndVariablesAreNamedByTheirBlocks) {
   SamplePose sample({std::make_shared<LegendreBasis>(4), true, true, 2, "circles", true});
+  sample.spec.tolerance = {0.1, 0.1};
   sample.spec.least_margin = 0.1;
   sample.spec.least_convexity = 0.1;
   const PoseProgram program(sample.spec);
   // Two stretches, the second with two knots: four pieces.
   const std::vector<std::pair<std::string, int>> rows{
-      {"equilibrium row", 16},  {"contact_gap row", 3},   {"closest_point row", 3}, {"non_penetration row", 5},
-      {"contact_order row", 1}, {"force_balance row", 1}, {"stability row", 1},     {"point_contact row", 4}};
+      {"equilibrium row", 16},    {"contact_gap row", 3},   {"closest_point row", 3},
+      {"non_penetration row", 5}, {"contact_order row", 1}, {"force_balance row", 1},
+      {"target row", 2},          {"stability row", 1},     {"point_contact row", 4}};
   int row = 0;
   for (const auto& [name, count] : rows) {
     for (int i = 1; i <= count; ++i) EXPECT_EQ(program.row_name(row++), name + " " + std::to_string(i));

@@ -234,7 +234,13 @@ Table<SceneDraft> scene_table() {
                integer<TargetSpec>("turns", -100, "whatever suits",
                                    "Full turns of the tip against the base, beyond the half turn at most that leads to "
                                    "'angle'.",
-                                   [](TargetSpec& t, int v) { t.turns = v; })}},
+                                   [](TargetSpec& t, int v) { t.turns = v; }),
+               quantity<TargetSpec>("position_tolerance", dimension::length, positive, "none",
+                                    "How far the tip may be from 'position'; a plan that cannot keep it is no plan.",
+                                    [](TargetSpec& t, double v) { t.position_tolerance = v; }),
+               quantity<TargetSpec>("angle_tolerance", dimension::angle, positive, "none",
+                                    "How far the tip's direction may be from 'angle', likewise.",
+                                    [](TargetSpec& t, double v) { t.angle_tolerance = v; })}},
           [](T & t) -> auto& { return t.scene.target; }),
       tables<T>(
           "objective", "objective", "A term of the objective. Further keys are options of the plugin.",

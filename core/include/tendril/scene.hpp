@@ -91,6 +91,8 @@ struct TargetSpec {
   /// Full turns of the tip against the base's direction, beyond the half turn at most that leads to `angle`; absent:
   /// whatever suits.
   std::optional<int> turns{};
+  double position_tolerance = infinity;  ///< m; how far the tip may be from `position`
+  double angle_tolerance = infinity;     ///< rad; and from `angle`
 };
 
 /// Targets in order; for the problem kind "trajectory".

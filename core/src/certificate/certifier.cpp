@@ -189,6 +189,10 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
     c.bounds = std::max({c.bounds, low - x[i], x[i] - high});
   }
 
+  for (int i = at.first_target; i < at.first_target + at.targets; ++i) {
+    c.bounds = std::max({c.bounds, d.program->row_lower()[i] - rows[i], rows[i] - d.program->row_upper()[i]});
+  }
+
   c.penetration = 0.0;
   for (std::size_t o = 0; o < d.bodies(); ++o) {
     c.penetration = std::max(c.penetration, certified_depth(d.curve_beside(o), d.obstacle(o)));

@@ -186,6 +186,8 @@ Problem::Problem(const Scene& scene, Components components) : task_(std::make_un
                     : 0.0;
   if (grasp) set_up_grasp(d);
   d.take_target(scene.problem == ProblemKind::trajectory ? scene.trajectory.targets.front() : scene.target);
+  d.tolerance = {d.scale.to_dimensionless(scene.target.position_tolerance, dimension::length),
+                 scene.target.angle_tolerance};
   take_terms(d, scene);
   tell_left_out(d, scene);
   make_modes(d);
@@ -292,7 +294,7 @@ Plan Problem::plan(const PlanControl& control) {
     if (follow_without_solver(followed)) return followed;
   }
   for (const PoseProgramTerm& term : task_->terms) term.fault->clear();
-  Plan plan = task_->palm ? plan_grasp(*task_, control) : plan_either_way(*task_, control);
+  Plan plan = task_->palm ? plan_grasp(*task_, control) : plan_to_target(*task_, control);
   blame_terms(*task_, plan);
   plan.seconds_assemble = task_->seconds_assemble;
   plan.seconds_solve = now() - begin - plan.seconds_certify;

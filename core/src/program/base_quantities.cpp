@@ -31,7 +31,7 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
     return p;
   };
   for (int k = 0; k < layout.forces; ++k) index.contacts.push_back({point(), -1, -1});
-  if (terms.reads_tip()) {
+  if (terms.reads_tip() || spec.tolerance.any()) {
     index.tip = point();
     tip_place_ = places.add_tip();
   }

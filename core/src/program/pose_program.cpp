@@ -17,6 +17,7 @@ PoseProgram::Data::Data(PoseProgramSpec s) : PoseState(std::move(s)) {
   add(layout.checks, clearance_rows);
   add(layout.orders, order_rows);
   add(layout.balances, balance_rows);
+  add(layout.targets, target_rows);
   add(layout.margins, stability_rows);
   add(layout.convexities, convexity_rows);
   pushes.on.resize(static_cast<std::size_t>(places.count()));
@@ -109,6 +110,7 @@ void PoseProgram::set_branch(int contact, Branch branch) {
 }
 
 void PoseProgram::set_target(const Target& target) {
+  data_->spec.target = target;
   data_->base.terms.set_target(target);
   invalidate();
 }

@@ -45,7 +45,9 @@ PoseProgram::Layout layout_of(const PoseProgramSpec& spec, const Chain& chain) {
   }
   at.first_balance = at.first_order + at.orders;
   at.balances = spec.palm && spec.palm->balance && at.forces > 0 ? 1 : 0;
-  at.first_margin = at.first_balance + at.balances;
+  at.first_target = at.first_balance + at.balances;
+  at.targets = (spec.tolerance.position < infinity ? 1 : 0) + (spec.tolerance.angle < infinity ? 1 : 0);
+  at.first_margin = at.first_target + at.targets;
   at.margins = spec.least_margin ? 1 : 0;
   at.first_convexity = at.first_margin + at.margins;
   at.convexities = spec.least_convexity ? 2 * at.arc_lengths : 0;

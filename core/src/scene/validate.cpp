@@ -47,6 +47,17 @@ void validate_trajectory(const Scene& scene) {
   }
 }
 
+void validate_tolerances(const TargetSpec& target) {
+  const auto check = [](double value, bool wanted, const std::string& of, const char* unit) {
+    if (value == infinity) return;
+    const std::string path = "target." + of + "_tolerance";
+    require_positive(value, path, "the tolerance", unit);
+    if (!wanted) throw SceneError(path, "found a tolerance without a target, expected '" + of + "' beside it");
+  };
+  check(target.position_tolerance, target.position.has_value(), "position", "m");
+  check(target.angle_tolerance, target.angle.has_value(), "angle", "rad");
+}
+
 /// `at`: the table of the rod.
 void validate_rod(const RodSpec& rod, const std::string& at) {
   if (rod.segments.empty()) throw SceneError(at, "the rod has no length");
@@ -193,6 +204,7 @@ void validate(const Scene& scene) {
   if (scene.target.turns && !scene.target.angle) {
     throw SceneError("target.turns", "found turns without a direction, expected 'angle' beside them");
   }
+  validate_tolerances(scene.target);
 
   validate_trajectory(scene);
   validate_gripper(scene);

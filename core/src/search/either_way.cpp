@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/clock.hpp"
 #include "search/parameters.hpp"
@@ -17,6 +18,19 @@ bool reads_direction(const Task& task) {
   });
 }
 
+/// One time limit for several searches. The scene keeps its own, whatever a solver throws.
+struct Limit {
+  double& of;
+  const double scene = of;
+  const double begin = now();
+  ~Limit() { of = scene; }
+  /// What is left of it is the limit from now on.
+  bool leaves_time() {
+    of = scene - (now() - begin);
+    return of > 0.0;
+  }
+};
+
 /// Whether no other turn of the tip can bring much: it is where the target is.
 bool is_there(const Plan& plan, const Task& task) {
   const double near = search_parameters().there;
@@ -24,24 +38,16 @@ bool is_there(const Plan& plan, const Task& task) {
          plan.target_error.value_or(0.0) <= near * task.scale.length;
 }
 
-}  // namespace
-
 Plan plan_either_way(Task& task, const PlanControl& control) {
-  /// The scene keeps its limit, whatever a solver throws.
-  struct Limit {
-    double& of;
-    const double scene = of;
-    ~Limit() { of = scene; }
-  } limit{task.scene.solver.time_limit};
-  const double begin = now();
+  Limit limit{task.scene.solver.time_limit};
   const double reference = control.start != nullptr ? control.start->tip_angle : task.start_tip_angle();
   std::vector<double> angles = task.angles_near(reference);
-  if (angles.empty() || !reads_direction(task)) return Planner(task, control).run();
+  const bool directed = reads_direction(task) || task.tolerance.angle < infinity;
+  if (angles.empty() || !directed) return Planner(task, control).run();
   Plan best;
   for (std::size_t i = 0; i < angles.size(); ++i) {
     task.target.angle = angles[i];
-    limit.of = limit.scene - (now() - begin);
-    if (i > 0 && limit.of <= 0.0) {
+    if (!limit.leaves_time() && i > 0) {
       best.search_cut = true;
       break;
     }
@@ -59,6 +65,30 @@ Plan plan_either_way(Task& task, const PlanControl& control) {
   }
   task.face(best.tip_angle);
   return best;
+}
+
+}  // namespace
+
+Plan plan_to_target(Task& task, const PlanControl& control) {
+  Limit limit{task.scene.solver.time_limit};
+  Plan plan = plan_either_way(task, control);
+  if (plan.status != PlanStatus::infeasible || !task.tolerance.any() || !limit.leaves_time()) return plan;
+  const TargetTolerance asked = std::exchange(task.tolerance, {});
+  Plan nearest = plan_either_way(task, control);
+  task.tolerance = asked;
+  if (nearest.status != PlanStatus::solved) return plan;
+  nearest.status = PlanStatus::infeasible;
+  nearest.message = "infeasible: no plan was found that keeps the target's tolerances; the best one without them comes";
+  if (task.target.has_position) nearest.message += " within " + shown(*nearest.target_error, 3) + " m";
+  if (task.target.has_angle) {
+    nearest.message += std::string(task.target.has_position ? " and" : " within") + " " +
+                       shown(std::abs(nearest.tip_angle - task.target.angle), 3) + " rad";
+  }
+  nearest.message += " of the target; " + plan.message;
+  nearest.evaluations += plan.evaluations;
+  nearest.seconds_certify += plan.seconds_certify;
+  nearest.modes = std::move(plan.modes);
+  return nearest;
 }
 
 }  // namespace tendril

@@ -126,6 +126,7 @@ PoseProgramSpec Task::spec(const Mode& mode, const std::vector<int>& regions, in
   s.obstacles = obstacles;
   s.terms = terms;
   s.target = target;
+  s.tolerance = tolerance;
   s.split = scene.coordinates.split_at_contact;
   s.contacts = mode.contacts;
   for (std::size_t k = 0; k < s.contacts.size(); ++k) s.contacts[k].region = regions[k];

@@ -43,6 +43,7 @@ struct Task {
   double objective_scale = 1.0;
   double objective_bound = 0.0;  ///< no plan can cost less (scaled)
   Target target;
+  TargetTolerance tolerance;
   std::optional<double> direction;  ///< rad, of the target, of which target.angle is one of many angles
   double min_force = 0.0, max_force = infinity;
   std::optional<double> least_margin;     ///< of stability, while plans are held at its limit
