@@ -253,6 +253,7 @@ Description Problem::describe() const {
     }
     add(m.rows, "contact_order", at.orders, "inequality");
     add(m.rows, "force_balance", at.balances, "equality");
+    add(m.rows, "target", at.targets, "inequality");
     if (program.variable_count() > most) {
       most = program.variable_count();
       largest = out.modes.size();
