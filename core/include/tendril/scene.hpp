@@ -192,6 +192,7 @@ struct Scene {
   RodSpec rod;                              ///< the rod, from the base on
   CoordinatesSpec coordinates;              ///< how its shape is described
   double start_tip_angle = 0.0;             ///< rad, of a constant-curvature start
+  std::vector<Vec2> start_points{};         ///< m, instead: along the start from the base on, the last one its tip
   std::vector<ObstacleSpec> obstacles;      ///< in the order of the file
   ContactSpec contact;                      ///< how contact is planned
   TipLoadSpec tip_load;                     ///< at the tip

@@ -95,6 +95,10 @@ Execution Executor::run() {
   const auto stop = [this] { return deadline_.over(); };
   std::optional<Loading> loading;
   if (control_.start == nullptr) {
+    if (!scene_.start_points.empty()) {
+      throw SceneError("start.points",
+                       "a rod is loaded from a constant curvature or from a result ('--start'), expected 'tip_angle'");
+    }
     loading.emplace(rod_, obstacles_, scene_.start_tip_angle, last_, stop);
   } else {
     if (control_.start->backbone.empty()) throw Error("the result to start from has no shape");

@@ -185,6 +185,7 @@ Problem::Problem(const Scene& scene, Components components) : task_(std::make_un
                     ? d.scale.to_dimensionless(scene.contact.min_force, dimension::force)
                     : 0.0;
   if (grasp) set_up_grasp(d);
+  d.take_start();
   d.take_target(scene.problem == ProblemKind::trajectory ? scene.trajectory.targets.front() : scene.target);
   d.tolerance = {d.scale.to_dimensionless(scene.target.position_tolerance, dimension::length),
                  scene.target.angle_tolerance};

@@ -205,6 +205,14 @@ void validate(const Scene& scene) {
     throw SceneError("target.turns", "found turns without a direction, expected 'angle' beside them");
   }
   validate_tolerances(scene.target);
+  if (!scene.start_points.empty() && (scene.problem == ProblemKind::grasp || scene.problem == ProblemKind::estimate)) {
+    throw SceneError("start.points", "found points in a scene of kind \"" + std::string(to_string(scene.problem)) +
+                                         "\", expected them for \"pose\" or \"trajectory\"");
+  }
+  for (const Vec2& point : scene.start_points) {
+    require_finite(point.x, "start.points");
+    require_finite(point.y, "start.points");
+  }
 
   validate_trajectory(scene);
   validate_gripper(scene);
