@@ -38,6 +38,15 @@ bool is_there(const Plan& plan, const Task& task) {
          plan.target_error.value_or(0.0) <= near * task.scale.length;
 }
 
+/// The better plan, with the work of both; `other` is done with.
+void keep_better(Plan& plan, Plan& other) {
+  if (other.status == PlanStatus::solved && (plan.status != PlanStatus::solved || other.objective < plan.objective)) {
+    std::swap(plan, other);
+  }
+  plan.evaluations += other.evaluations;
+  plan.seconds_certify += other.seconds_certify;
+}
+
 Plan plan_either_way(Task& task, const PlanControl& control) {
   Limit limit{task.scene.solver.time_limit};
   const double reference = control.start != nullptr ? control.start->tip_angle : task.start_tip_angle();
@@ -53,13 +62,11 @@ Plan plan_either_way(Task& task, const PlanControl& control) {
     }
     Plan next = Planner(task, control).run();
     const bool there = is_there(next, task);
-    const bool better =
-        next.status == PlanStatus::solved && (best.status != PlanStatus::solved || next.objective < best.objective);
     const bool stopped = next.status == PlanStatus::interrupted;
-    if (i == 0 || better) std::swap(best, next);
-    if (i > 0) {
-      best.evaluations += next.evaluations;
-      best.seconds_certify += next.seconds_certify;
+    if (i == 0) {
+      best = std::move(next);
+    } else {
+      keep_better(best, next);
     }
     if (there || stopped) break;
   }
@@ -67,14 +74,38 @@ Plan plan_either_way(Task& task, const PlanControl& control) {
   return best;
 }
 
+/// A thorough search begins with a normal one: it finds nothing worse in whatever time there is.
+Plan plan_with_effort(Task& task, const PlanControl& control) {
+  if (task.scene.effort != SearchEffort::thorough) return plan_either_way(task, control);
+  Limit limit{task.scene.solver.time_limit};
+  struct Normal {
+    SearchEffort& effort;
+    explicit Normal(SearchEffort& of) : effort(of) { effort = SearchEffort::normal; }
+    ~Normal() { effort = SearchEffort::thorough; }
+  };
+  Plan plan;
+  {
+    const Normal effort(task.scene.effort);
+    plan = plan_either_way(task, control);
+  }
+  if (plan.status == PlanStatus::interrupted || !limit.leaves_time()) return plan;
+  Plan farther = plan_either_way(task, control);
+  const bool cut = farther.search_cut;
+  std::swap(plan, farther);
+  keep_better(plan, farther);
+  plan.search_cut = cut;
+  task.face(plan.tip_angle);
+  return plan;
+}
+
 }  // namespace
 
 Plan plan_to_target(Task& task, const PlanControl& control) {
   Limit limit{task.scene.solver.time_limit};
-  Plan plan = plan_either_way(task, control);
+  Plan plan = plan_with_effort(task, control);
   if (plan.status != PlanStatus::infeasible || !task.tolerance.any() || !limit.leaves_time()) return plan;
   const TargetTolerance asked = std::exchange(task.tolerance, {});
-  Plan nearest = plan_either_way(task, control);
+  Plan nearest = plan_with_effort(task, control);
   task.tolerance = asked;
   if (nearest.status != PlanStatus::solved) return plan;
   nearest.status = PlanStatus::infeasible;
