@@ -70,6 +70,7 @@ struct Case {
   int interior_contacts;
   const char* shapes = "circles";
   bool palm = false;
+  const char* rod = "uniform";
 };
 
 std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name; }
@@ -82,7 +83,7 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
   }
 
   static support::SamplePose::Setup setup_of(const Case& c) {
-    return {c.model, c.split, c.tip_contact, c.interior_contacts, c.shapes, c.palm};
+    return {c.model, c.split, c.tip_contact, c.interior_contacts, c.shapes, c.palm, c.rod};
   }
 
   Eigen::VectorXd random_point(std::mt19937& random) {
@@ -230,13 +231,23 @@ std::vector<Case> cases() {
     all.push_back(
         {split ? "pcc3_split_palm" : "pcc3_palm", std::make_shared<Linear>(3), split, true, 0, "circles", true});
   }
+  for (const char* rod : {"tapered", "loaded", "thick", "varied"}) {
+    for (const bool split : {false, true}) {
+      const char* name = split ? "legendre6_split" : "legendre6";
+      all.push_back({name, legendre(6), split, true, 2, "circles", false, rod});
+      all.push_back({name, legendre(6), split, false, 1, "hulls", true, rod});
+      all.push_back({split ? "sines_split" : "sines", std::make_shared<Sines>(), split, true, 2, "walls", false, rod});
+      all.push_back({split ? "legendre14_split" : "legendre14", legendre(14), split, false, 1, "circles", false, rod});
+    }
+  }
   return all;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PoseDerivatives, testing::ValuesIn(cases()), [](const auto& each) {
   const Case& c = each.param;
   return std::string(c.name) + "_" + std::to_string(c.interior_contacts) + "inside" + (c.tip_contact ? "_tip" : "") +
-         (std::string(c.shapes) == "circles" ? "" : "_" + std::string(c.shapes));
+         (std::string(c.shapes) == "circles" ? "" : "_" + std::string(c.shapes)) +
+         (std::string(c.rod) == "uniform" ? "" : "_" + std::string(c.rod));
 });
 
 }  // namespace

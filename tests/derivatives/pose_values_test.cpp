@@ -37,7 +37,10 @@ Eigen::VectorXd sample_point(const PoseProgram& program) {
 double mass_beyond(const Rod& rod, double s) {
   double mass = rod.payload;
   for (const Rod::Segment& segment : rod.segments) {
-    mass += segment.weight * (segment.to - std::clamp(s, segment.from, segment.to));
+    mass += segment.whole_weight() - segment.weight_up_to(std::clamp(s, segment.from, segment.to));
+  }
+  for (const Rod::Load& load : rod.loads) {
+    if (load.from > s) mass += load.weight;
   }
   return mass;
 }
@@ -77,12 +80,18 @@ double potential(const SamplePose& sample, PoseProgram& program, const Eigen::Ve
         const double s = begin + length * sigma[g];
         const Rod::Segment& segment = rod.segment_at(s);
         Vec2 beyond = rod.tip_force + mass_beyond(rod, s) * rod.gravity;
+        for (const Rod::Load& load : rod.loads) {
+          const double share =
+              load.at_point() ? (load.from > s ? 1.0 : 0.0) : load.to - std::clamp(s, load.from, load.to);
+          beyond += share * load.force;
+        }
         for (const DeadForce& f : forces) {
           if (f.arc_length > s) beyond += f.force;
         }
-        const double bent = curvature[g] - segment.rest_curvature;
-        energy += width * rule.weights()[g] *
-                  (0.5 * segment.stiffness * bent * bent - dot(beyond, {std::cos(angle[g]), std::sin(angle[g])}));
+        const double bent = curvature[g] - segment.rest_curvature_at(s).value;
+        energy +=
+            width * rule.weights()[g] *
+            (0.5 * segment.stiffness_at(s).value * bent * bent - dot(beyond, {std::cos(angle[g]), std::sin(angle[g])}));
       }
     }
     // An actuator turns the pieces between its ends.
@@ -101,6 +110,7 @@ struct Case {
   bool split, tip;
   int inside;
   bool palm;
+  const char* rod = "uniform";
 };
 
 const Case cases[] = {{"free", true, false, 0, false},
@@ -108,13 +118,18 @@ const Case cases[] = {{"free", true, false, 0, false},
                       {"inside in a piece", false, false, 1, false},
                       {"two and tip", true, true, 2, false},
                       {"two and tip in pieces", false, true, 2, false},
-                      {"on a palm", true, true, 1, true}};
+                      {"on a palm", true, true, 1, true},
+                      {"tapered", true, true, 2, false, "tapered"},
+                      {"tapered in pieces", false, true, 2, false, "tapered"},
+                      {"loaded", true, false, 1, true, "loaded"},
+                      {"loaded in pieces", false, true, 2, false, "loaded"},
+                      {"thick, tapered and loaded", true, true, 2, true, "varied"}};
 
 // h_e = -dPi/dq + sum of f J^T n, by differences of the energy itself.
 TEST(PoseValues, EquilibriumRowsAreTheSlopesOfTheEnergy) {
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
-    SamplePose sample({std::make_shared<LegendreBasis>(5, 2), c.split, c.tip, c.inside, "circles", c.palm});
+    SamplePose sample({std::make_shared<LegendreBasis>(5, 2), c.split, c.tip, c.inside, "circles", c.palm, c.rod});
     PoseProgram program(sample.spec);
     const Eigen::VectorXd x = sample_point(program);
     const PoseProgram::Layout& at = program.layout();
@@ -139,7 +154,7 @@ TEST(PoseValues, EquilibriumRowsAreTheSlopesOfTheEnergy) {
 TEST(PoseValues, RowsOfContactsAreGapsAndAngles) {
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
-    SamplePose sample({std::make_shared<LegendreBasis>(5, 2), c.split, c.tip, c.inside, "hulls", c.palm});
+    SamplePose sample({std::make_shared<LegendreBasis>(5, 2), c.split, c.tip, c.inside, "hulls", c.palm, c.rod});
     PoseProgram program(sample.spec);
     const Eigen::VectorXd x = sample_point(program);
     const Eigen::VectorXd rows = program.constraints(x);

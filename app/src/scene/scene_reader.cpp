@@ -128,8 +128,8 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
   draft.scene.solver.position = document.find("solver");
   read_table(context, document.root(), "", scene_table(), draft);
   Scene scene = std::move(draft.scene);
-  scene.rod = finish_rod(document, "rod", draft.rod);
-  scene.fingers = finish_fingers(document, draft.rod, draft.fingers, scene);
+  scene.rod = finish_rod(context, "rod", draft.rod);
+  scene.fingers = finish_fingers(context, draft.rod, draft.fingers, scene);
   if (scene.gripper && scene.gripper->palm_distance_range && std::isnan(scene.gripper->palm_distance_range->second)) {
     document.fail(document.find("gripper.palm_distance_range"), "expected two lengths: the smallest and the largest");
   }
@@ -161,13 +161,14 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
 StudySpec read_study(const Document& document, const Units& units) {
   SceneDraft draft;
   std::vector<std::string> told_by_read_scene;
-  read_table(Context{document, units, told_by_read_scene}, document.root(), "", scene_table(), draft);
+  const Context context{document, units, told_by_read_scene};
+  read_table(context, document.root(), "", scene_table(), draft);
   if (!draft.study) document.fail({1, 1}, "the scene has no [study], expected one with targets, modes or limits");
   StudySpec study = std::move(*draft.study);
   if (study.pressures.empty()) return study;
   const auto refuse = [&](const std::string& why) { document.fail(document.find("study.pressures"), why); };
   if (!study.moments.empty()) refuse("found 'pressures' beside 'moments', expected one of them");
-  const std::vector<ActuatorSpec> actuators = finish_rod(document, "rod", draft.rod).actuators;
+  const std::vector<ActuatorSpec> actuators = finish_rod(context, "rod", draft.rod).actuators;
   if (actuators.empty() || actuators.back().moment_per_pressure == 0.0) {
     refuse("found 'pressures', expected 'moment_per_pressure' in the last [[rod.actuator]], or 'moments'");
   }

@@ -26,7 +26,7 @@ struct Named {
   double largest;
 };
 
-constexpr std::array<Named, 13> names{{{"m", "a length", "60 mm", 1e-6, 1e3},
+constexpr std::array<Named, 15> names{{{"m", "a length", "60 mm", 1e-6, 1e3},
                                        {"rad", "an angle", "30 deg", 1e-9, 10.0},
                                        {"1/m", "a curvature", "5 1/m", 1e-5, 1e6},
                                        {"N", "a force", "0.5 N", 1e-9, 1e4},
@@ -34,6 +34,8 @@ constexpr std::array<Named, 13> names{{{"m", "a length", "60 mm", 1e-6, 1e3},
                                        {"N m^2", "a bending stiffness", "4.9e-4 N m^2", 1e-21, 1e5},
                                        {"m/s^2", "an acceleration", "-9.81 m/s^2", 1e-6, 1e3},
                                        {"kg/m", "a linear density", "84 g/m", 1e-12, 1e2},
+                                       {"kg/m^3", "a density", "1047 kg/m^3", 1e-3, 1e9},
+                                       {"N/m", "a force per length", "0.5 N/m", 1e-9, 1e9},
                                        {"kg", "a mass", "20 g", 1e-15, 1e2},
                                        {"s", "a time", "10 s", 1e-6, 1e5},
                                        {"N m/Pa", "a moment per pressure", "2e-6 N m/Pa", 1e-24, 1e3},

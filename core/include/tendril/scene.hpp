@@ -30,12 +30,27 @@ TENDRIL_API std::string_view to_string(ProblemKind kind);      ///< The word tha
 TENDRIL_API std::string_view to_string(ContactModeName mode);  ///< The word that scenes use.
 TENDRIL_API std::string_view to_string(SearchEffort effort);   ///< The word that scenes use.
 
-/// A stretch of the rod with constant properties.
+/// A stretch of the rod whose properties are polynomials of the arc length, most often constants.
 struct SegmentSpec {
   double length = 0.0;             ///< m, > 0
-  double bending_stiffness = 0.0;  ///< N m^2, > 0
-  double linear_density = 0.0;     ///< kg/m, >= 0
-  double rest_curvature = 0.0;     ///< 1/m
+  double bending_stiffness = 0.0;  ///< N m^2, > 0, where the segment begins
+  double linear_density = 0.0;     ///< kg/m, >= 0, there
+  double rest_curvature = 0.0;     ///< 1/m, there
+  /// N m^2: coefficients of x, x^2, ..., x the share of the segment's length; empty: it does not change. All others
+  /// likewise.
+  std::vector<double> more_bending_stiffness{};
+  std::vector<double> more_linear_density{};  ///< kg/m
+  std::vector<double> more_rest_curvature{};  ///< 1/m
+  double thickness = 0.0;                     ///< m, diameter of the body where the segment begins, >= 0
+  std::vector<double> more_thickness{};       ///< m
+};
+
+/// A dead load between two arc lengths of the rod, or at one of them where these are equal.
+struct RodLoadSpec {
+  double from = 0.0;  ///< m
+  double to = 0.0;    ///< m
+  Vec2 force{};       ///< N; between two arc lengths N/m
+  double mass = 0.0;  ///< kg, >= 0, at one arc length only
 };
 
 /// A moment between two arc lengths of the rod, and its limits.
@@ -54,6 +69,7 @@ TENDRIL_API double excess(const ActuatorSpec& actuator, double moment);
 struct TENDRIL_API RodSpec {
   std::vector<SegmentSpec> segments;    ///< at least one; a uniform rod has one
   std::vector<ActuatorSpec> actuators;  ///< what bends it; may be empty
+  std::vector<RodLoadSpec> loads;       ///< what pulls at it between base and tip; may be empty
   Vec2 base_position{};                 ///< m
   double base_angle = 0.0;              ///< rad
   double length() const;                ///< Sum over the segments, m.
@@ -220,7 +236,7 @@ TENDRIL_API bool needs_obstacles(const Scene& scene);
 /// anything else.
 TENDRIL_API void validate(const Scene& scene);
 
-/// The scale of a valid scene: L and the first segment's EI.
+/// The scale of a valid scene: L and EI at the base.
 TENDRIL_API Scale scale_of(const Scene& scene);
 
 }  // namespace tendril

@@ -20,11 +20,10 @@ Vec2 point_of(const MeasuredShape& measured, std::size_t i) {
 /// Turn of the tip against the base that moments and rest curvature alone would make.
 double turn_of_moments(const Rod& rod, std::span<const double> moments) {
   double turn = 0.0;
-  for (const Rod::Segment& s : rod.segments) turn += s.rest_curvature * (s.to - s.from);
+  for (const Rod::Segment& s : rod.segments) turn += s.rest_turn();
   for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
     for (const Rod::Segment& s : rod.segments) {
-      const double length = std::min(rod.actuators[a].to, s.to) - std::max(rod.actuators[a].from, s.from);
-      turn += moments[a] * std::max(0.0, length) / s.stiffness;
+      turn += moments[a] * s.compliance(rod.actuators[a].from, rod.actuators[a].to);
     }
   }
   return turn;

@@ -33,7 +33,7 @@ struct Finger {
     for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
       if (acts(a, s)) moment += moments[static_cast<Eigen::Index>(a)];
     }
-    return segment.rest_curvature + moment / segment.stiffness;
+    return segment.rest_curvature_at(s).value + moment / segment.stiffness_at(s).value;
   }
 
   bool acts(std::size_t actuator, double s) const {
@@ -52,7 +52,7 @@ struct Finger {
     const double h = contact / steps;
     for (int i = steps - 1; i >= 0; --i) {
       const double s = (i + 0.5) * h;
-      const double stiffness = rod.segment_at(s).stiffness;
+      const double stiffness = rod.segment_at(s).stiffness_at(s).value;
       Eigen::RowVectorXd own = Eigen::RowVectorXd::Zero(count);
       for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
         if (acts(a, s)) own[static_cast<Eigen::Index>(a)] = 1.0 / stiffness;

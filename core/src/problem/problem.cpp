@@ -205,6 +205,7 @@ Description Problem::describe() const {
   out.energies.push_back("bending");
   if (d.rod.has_gravity()) out.energies.push_back("gravity");
   if (d.rod.has_tip_force()) out.energies.push_back("tip force");
+  if (d.rod.has_dead_loads()) out.energies.push_back("loads along the rod");
   for (const PoseProgramTerm& t : d.terms) out.terms.push_back(t.name);
   out.length_unit = d.scale.length;
   out.force_unit = d.scale.force();

@@ -81,6 +81,8 @@ const PoseProgram::Layout& PoseProgram::layout() const { return data_->layout; }
 const PoseProgramSpec& PoseProgram::spec() const { return data_->spec; }
 const Chain& PoseProgram::chain() const { return data_->chain; }
 const Backbone& PoseProgram::backbone() const { return data_->places.backbone(); }
+
+const Sections& PoseProgram::sections() const { return data_->places.sections(); }
 Vec2 PoseProgram::base_shift() const { return data_->shift; }
 const std::vector<PoseProgram::ContactState>& PoseProgram::contacts() const { return data_->contacts; }
 Branch PoseProgram::branch(int contact) const { return data_->branches[static_cast<std::size_t>(contact)]; }
@@ -181,7 +183,7 @@ double PoseProgram::potential(ConstVectorRef x) {
   for (std::size_t a = 0; a < d.moment_variable.size(); ++a) {
     if (const int i = d.moment_variable[a]; i >= 0) d.places.pull_back_moment(static_cast<int>(a), x[i], pulled.data());
   }
-  return d.places.energy() - d.places.work({{}, d.forces.tip, d.forces.gravity, d.forces.payload}) -
+  return d.places.energy() - d.places.work({{}, d.forces.tip, d.forces.gravity, d.forces.payload, d.forces.dead}) -
          pulled.dot(x.head(d.layout.coordinates));
 }
 

@@ -11,6 +11,7 @@
 #include "rod/backbone.hpp"
 #include "rod/chain.hpp"
 #include "rod/rod.hpp"
+#include "rod/sections.hpp"
 #include "tendril/nonlinear_program.hpp"
 #include "tendril/objective_term.hpp"
 #include "tendril/obstacle.hpp"
@@ -44,6 +45,7 @@ struct Loads {
   Vec2 gravity{};                ///< as Rod::gravity
   Vec2 tip_force{};              ///< as Rod::tip_force
   std::vector<double> shrink{};  ///< of each obstacle: its surface lies this much farther inward (units of L)
+  double dead = 1.0;             ///< share of Rod::loads
 };
 
 /// What is known about a contact's complementarity g f = 0.
@@ -198,6 +200,7 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   /// All contacts, in the order of PoseProgramSpec::contacts.
   const std::vector<ContactState>& contacts() const;
   const Backbone& backbone() const;  ///< The rod's shape.
+  const Sections& sections() const;  ///< The rod's sections there.
   /// Pi (model.md section 3) at x: bending energy less the work of loads and moments; contacts do not count.
   double potential(ConstVectorRef x);
   /// Largest defect of the local balance of moments at x (model.md section 7). `curve`: of the rod's shape there.

@@ -92,6 +92,7 @@ void PoseState::move(ConstVectorRef x) {
   forces.tip = loads.tip_force;
   forces.gravity = loads.gravity;
   forces.payload = rod.payload;
+  forces.dead = loads.dead;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     PoseProgram::ContactState& c = contacts[k];
     const auto variable = static_cast<int>(k);

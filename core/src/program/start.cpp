@@ -21,7 +21,7 @@ std::vector<double> holding_moments(const Rod& rod, const std::function<double(d
     const auto i = static_cast<std::size_t>(r);
     const double middle = 0.5 * (knots[i] + knots[i + 1]);
     const Rod::Segment& segment = rod.segment_at(middle);
-    wanted[r] = segment.stiffness * (curvature(middle) - segment.rest_curvature);
+    wanted[r] = segment.stiffness_at(middle).value * (curvature(middle) - segment.rest_curvature_at(middle).value);
     for (Eigen::Index a = 0; a < count; ++a) {
       const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
       if (middle > actuator.from && middle < actuator.to) spans(r, a) = 1.0;

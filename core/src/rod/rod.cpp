@@ -2,12 +2,74 @@
 
 #include <algorithm>
 
+#include "rod/quadrature.hpp"
+
 namespace tendril {
+
+Rod::Jet Rod::Segment::at(double s, double start, const std::vector<double>& more) const {
+  const double length = to - from;
+  const double x = (s - from) / length;
+  Jet jet;
+  for (auto c = more.rbegin();; ++c) {
+    jet = {jet.value * x + (c != more.rend() ? *c : start), jet.slope * x + jet.value, jet.bend * x + 2.0 * jet.slope};
+    if (c == more.rend()) break;
+  }
+  return {jet.value, jet.slope / length, jet.bend / (length * length)};
+}
+
+double Rod::Segment::up_to(double s, double start, const std::vector<double>& more) const {
+  if (more.empty()) return start * (s - from);
+  const double x = (s - from) / (to - from);
+  double mean = 0.0;
+  for (auto i = more.size(); i > 0; --i) mean = (mean + more[i - 1] / static_cast<double>(i + 1)) * x;
+  return (start + mean) * (s - from);
+}
+
+double Rod::Segment::compliance(double low, double high) const {
+  const double start = std::max(low, from);
+  const double length = std::min(high, to) - start;
+  if (!(length > 0.0)) return 0.0;
+  if (more_stiffness.empty()) return length / stiffness;
+  static const Quadrature rule(24);
+  double sum = 0.0;
+  for (int i = 0; i < rule.size(); ++i) {
+    sum += length * rule.weights()[i] / stiffness_at(start + length * rule.nodes()[i]).value;
+  }
+  return sum;
+}
+
+double Rod::Segment::holding_moment(double low, double high, double curvature) const {
+  if (bends_evenly()) return stiffness * (curvature - rest_curvature);
+  const double rest =
+      up_to(high, rest_curvature, more_rest_curvature) - up_to(low, rest_curvature, more_rest_curvature);
+  return (curvature * (high - low) - rest) / compliance(low, high);
+}
 
 bool Rod::has_gravity() const {
   if (gravity == Vec2{}) return false;
-  return payload != 0.0 ||
-         std::any_of(segments.begin(), segments.end(), [](const Segment& s) { return s.weight != 0.0; });
+  return payload != 0.0 || std::any_of(loads.begin(), loads.end(), [](const Load& l) { return l.weight != 0.0; }) ||
+         std::any_of(segments.begin(), segments.end(),
+                     [](const Segment& s) { return s.weight != 0.0 || !s.weighs_evenly(); });
+}
+
+bool Rod::has_dead_loads() const {
+  return std::any_of(loads.begin(), loads.end(), [](const Load& l) { return l.force != Vec2{}; });
+}
+
+Vec2 Rod::whole_load() const {
+  double weight = payload;
+  Vec2 force = tip_force;
+  for (const Segment& s : segments) weight += s.whole_weight();
+  for (const Load& l : loads) {
+    weight += l.weight;
+    force += (l.at_point() ? 1.0 : l.to - l.from) * l.force;
+  }
+  return weight * gravity + force;
+}
+
+bool Rod::is_thick() const {
+  return std::any_of(segments.begin(), segments.end(),
+                     [](const Segment& s) { return s.radius != 0.0 || !s.more_radius.empty(); });
 }
 
 std::vector<double> Rod::fixed_knots() const {
@@ -16,6 +78,10 @@ std::vector<double> Rod::fixed_knots() const {
   for (const Actuator& a : actuators) {
     ends.push_back(a.from);
     ends.push_back(a.to);
+  }
+  for (const Load& l : loads) {
+    ends.push_back(l.from);
+    ends.push_back(l.to);
   }
   std::sort(ends.begin(), ends.end());
   std::vector<double> knots{0.0};

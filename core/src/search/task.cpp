@@ -81,7 +81,7 @@ void Task::take_start() {
 double Task::start_tip_angle() const {
   if (scene.start_tip_angle != 0.0) return rod.base_angle + scene.start_tip_angle;
   double angle = rod.base_angle;
-  for (const Rod::Segment& s : rod.segments) angle += s.rest_curvature * (s.to - s.from);
+  for (const Rod::Segment& s : rod.segments) angle += s.rest_turn();
   return angle;
 }
 
@@ -95,14 +95,14 @@ std::vector<double> Task::angles_near(double reference) const {
   double high = 0.5 * full_turn;
   for (const Rod::Actuator& a : rod.actuators) {
     for (const Rod::Segment& s : rod.segments) {
-      const double length = std::min(a.to, s.to) - std::max(a.from, s.from);
-      if (length <= 0.0) continue;
-      low += a.minimum * length / s.stiffness;
-      high += a.maximum * length / s.stiffness;
+      const double turn = s.compliance(a.from, a.to);
+      if (turn <= 0.0) continue;
+      low += a.minimum * turn;
+      high += a.maximum * turn;
     }
   }
   double rest = rod.base_angle;
-  for (const Rod::Segment& s : rod.segments) rest += s.rest_curvature * (s.to - s.from);
+  for (const Rod::Segment& s : rod.segments) rest += s.rest_turn();
   const double first = nearest_turn(*direction, reference);
   const double side = first > reference ? -full_turn : full_turn;
   std::vector<double> angles{round_to_12_digits(first)};

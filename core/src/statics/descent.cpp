@@ -35,14 +35,12 @@ class Valley {
     for (int a = 0; a < static_cast<int>(path.rod().actuators.size()); ++a) {
       x_[program_->moment_variable(a)] = path.moment(static_cast<std::size_t>(a), load);
     }
-    const Eigen::LLT<Eigen::MatrixXd> llt(chain.table().stiffness);
-    const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(functions, functions);
-    const Eigen::MatrixXd block = llt.matrixU().solve(unit);
+    program_->constraints(x_);
     // q = T y makes the bending energy |y|^2 / 2.
     scale_ = Eigen::MatrixXd::Zero(n_, n_);
     for (int j = 0; j < chain.piece_count(); ++j) {
-      scale_.block(j * functions, j * functions, functions, functions) =
-          std::sqrt(chain.length0()[j] / chain.piece(j).stiffness) * block;
+      const auto [inverse, factor] = program_->sections().unit(j);
+      scale_.block(j * functions, j * functions, functions, functions) = factor * inverse;
     }
   }
 

@@ -20,6 +20,7 @@ enum class KeyType {
   point,
   texts,
   quantities,
+  ends,
   points,
   targets,
   table,

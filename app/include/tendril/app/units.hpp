@@ -19,6 +19,8 @@ namespace dimension {
 using namespace tendril::dimension;
 inline constexpr Dimension acceleration{0, 0, "m/s^2"};
 inline constexpr Dimension linear_density{0, 0, "kg/m"};
+inline constexpr Dimension density{0, 0, "kg/m^3"};
+inline constexpr Dimension force_per_length{0, 0, "N/m"};
 inline constexpr Dimension mass{0, 0, "kg"};
 inline constexpr Dimension time{0, 0, "s"};
 inline constexpr Dimension moment_per_pressure{0, 0, "N m/Pa"};

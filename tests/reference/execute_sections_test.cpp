@@ -1,0 +1,128 @@
+// Rods whose sections vary, and loads along rods, against reference values and against what they must equal.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "execute_support.hpp"
+#include "support/reference_table.hpp"
+
+namespace tendril::support {
+namespace {
+
+/// A rod whose diameter falls along its length to 1 - taper of what it is at the base.
+ForwardScene tapered(double taper, double weight) {
+  ForwardScene s;
+  s.weight(weight);
+  SegmentSpec& rod = s.scene.rod.segments[0];
+  const double a = taper;
+  rod.more_bending_stiffness = {-4.0 * a, 6.0 * a * a, -4.0 * a * a * a, a * a * a * a};
+  rod.more_linear_density = {-2.0 * a * weight, a * a * weight};
+  return s;
+}
+
+TEST(ExecuteSections, TaperTable) {
+  const ReferenceTable table("taper");
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    SCOPED_TRACE("row " + std::to_string(row));
+    const ForwardScene s = tapered(table.value(row, "taper"), table.value(row, "weight"));
+    const Execution e = s.run({table.value(row, "moment")});
+    ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
+    EXPECT_NEAR(e.result.tip_x, table.value(row, "tip_x"), 1e-9);
+    EXPECT_NEAR(e.result.tip_y, table.value(row, "tip_y"), 1e-9);
+    EXPECT_NEAR(e.result.tip_angle, table.value(row, "tip_angle"), 1e-8);
+    EXPECT_LT(e.result.certificate.moment_balance, 1e-8);
+  }
+}
+
+// The same rod in two segments that continue each other.
+TEST(ExecuteSections, ATaperMayBeCutAnywhere) {
+  const double a = 0.5;
+  const ForwardScene whole = tapered(a, 2.0);
+  ForwardScene cut;
+  cut.scene.gravity = Vec2{0.0, -1.0};
+  const double at = 0.37;
+  std::vector<SegmentSpec>& segments = cut.scene.rod.segments;
+  segments.assign(2, {});
+  for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
+    const double start = i == 0 ? 0.0 : at;
+    const double length = i == 0 ? at : 1.0 - at;
+    const double d = 1.0 - a * start;
+    const double t = -a * length;  // the diameter is d + t x
+    segments[i].length = length;
+    segments[i].bending_stiffness = d * d * d * d;
+    segments[i].more_bending_stiffness = {4.0 * d * d * d * t, 6.0 * d * d * t * t, 4.0 * d * t * t * t, t * t * t * t};
+    segments[i].linear_density = 2.0 * d * d;
+    segments[i].more_linear_density = {4.0 * d * t, 2.0 * t * t};
+  }
+  const Execution one = whole.run({0.3});
+  const Execution two = cut.run({0.3});
+  ASSERT_EQ(one.result.status, PlanStatus::solved) << one.result.message;
+  ASSERT_EQ(two.result.status, PlanStatus::solved) << two.result.message;
+  EXPECT_NEAR(one.result.tip_x, two.result.tip_x, 1e-9);
+  EXPECT_NEAR(one.result.tip_y, two.result.tip_y, 1e-9);
+  EXPECT_NEAR(one.result.certificate.stability, two.result.certificate.stability, 1e-6);
+}
+
+// A start that is bent has to be held on the way, and rest curvature is what a rod returns to.
+TEST(ExecuteSections, AVaryingRestCurvatureIsTheShapeOfAnUnloadedRod) {
+  ForwardScene s = tapered(0.4, 0.0);
+  s.scene.rod.segments[0].rest_curvature = 0.8;
+  s.scene.rod.segments[0].more_rest_curvature = {-1.0, 0.6};
+  for (const double start : {0.0, 0.7}) {
+    s.scene.start_tip_angle = start;
+    const Execution e = s.run({0.0});
+    ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
+    EXPECT_NEAR(e.result.tip_angle, 0.8 - 0.5 + 0.2, 1e-9);
+  }
+}
+
+// At the tip it is the tip load.
+TEST(ExecuteSections, ALoadAtTheEndIsATipLoad) {
+  ForwardScene along, at_tip;
+  for (ForwardScene* s : {&along, &at_tip}) s->weight(1.0);
+  along.scene.rod.loads = {{1.0, 1.0, {0.2, -0.7}, 0.3}};
+  at_tip.scene.tip_load = {0.3, {0.2, -0.7}};
+  const Execution a = along.run({0.4});
+  const Execution b = at_tip.run({0.4});
+  ASSERT_EQ(a.result.status, PlanStatus::solved) << a.result.message;
+  EXPECT_NEAR(a.result.tip_x, b.result.tip_x, 1e-11);
+  EXPECT_NEAR(a.result.tip_y, b.result.tip_y, 1e-11);
+}
+
+// Weight is a force per length, and so is any other direction of it.
+TEST(ExecuteSections, ASpreadForceIsWeight) {
+  ForwardScene heavy, spread;
+  heavy.weight(3.0);
+  spread.scene.rod.loads = {{0.0, 0.6, {0.0, -3.0}, 0.0}, {0.6, 1.0, {0.0, -3.0}, 0.0}};
+  for (ForwardScene* s : {&heavy, &spread}) s->circle(0.6, -0.16, 0.1);
+  const Execution a = heavy.run({0.2});
+  const Execution b = spread.run({0.2});
+  ASSERT_EQ(a.result.status, PlanStatus::solved) << a.result.message;
+  ASSERT_EQ(b.result.status, PlanStatus::solved) << b.result.message;
+  ASSERT_EQ(a.result.contacts.size(), 1U);
+  ASSERT_EQ(b.result.contacts.size(), 1U);
+  EXPECT_NEAR(a.result.tip_x, b.result.tip_x, 1e-9);
+  EXPECT_NEAR(a.result.tip_y, b.result.tip_y, 1e-9);
+  EXPECT_NEAR(a.result.contacts[0].force, b.result.contacts[0].force, 1e-8);
+  EXPECT_NEAR(a.result.certificate.stability, b.result.certificate.stability, 1e-6);
+}
+
+// Behind a point load the rod hangs freely: up to it, it is a shorter rod with a tip force.
+TEST(ExecuteSections, APointLoadBendsWhatIsBeforeIt) {
+  ForwardScene loaded, shorter;
+  loaded.scene.rod.loads = {{0.6, 0.6, {0.3, -4.0}, 0.0}};
+  shorter.scene.rod.segments[0].length = 0.6;
+  shorter.scene.rod.actuators[0].to = 0.6;
+  shorter.scene.tip_load.force = {0.3, -4.0};
+  const Execution a = loaded.run({0.0});
+  const Execution b = shorter.run({0.0});
+  ASSERT_EQ(a.result.status, PlanStatus::solved) << a.result.message;
+  ASSERT_EQ(b.result.status, PlanStatus::solved) << b.result.message;
+  EXPECT_NEAR(a.result.tip_angle, b.result.tip_angle, 1e-9);
+  EXPECT_NEAR(a.result.tip_x, b.result.tip_x + 0.4 * std::cos(b.result.tip_angle), 1e-9);
+  EXPECT_NEAR(a.result.tip_y, b.result.tip_y + 0.4 * std::sin(b.result.tip_angle), 1e-9);
+}
+
+}  // namespace
+}  // namespace tendril::support
