@@ -123,6 +123,7 @@ const Case cases[] = {{"free", true, false, 0, false},
                       {"tapered in pieces", false, true, 2, false, "tapered"},
                       {"loaded", true, false, 1, true, "loaded"},
                       {"loaded in pieces", false, true, 2, false, "loaded"},
+                      {"thick", false, true, 2, false, "thick"},
                       {"thick, tapered and loaded", true, true, 2, true, "varied"}};
 
 // h_e = -dPi/dq + sum of f J^T n, by differences of the energy itself.
@@ -170,8 +171,10 @@ TEST(PoseValues, RowsOfContactsAreGapsAndAngles) {
       EXPECT_NEAR(norm(contact.point - p.position), 0.0, 1e-13);
       const int obstacle = program.spec().contacts[static_cast<std::size_t>(k)].obstacle;
       const SurfacePoint surface = program.spec().obstacles[static_cast<std::size_t>(obstacle)]->at(p.position);
-      EXPECT_NEAR(rows[at.first_gap + k], surface.distance, 1e-13);
-      EXPECT_NEAR(rows[at.first_closest + k], dot(surface.normal, {std::cos(p.angle), std::sin(p.angle)}), 1e-13);
+      const Rod::Jet body = sample.rod.radius_at(s);
+      EXPECT_NEAR(rows[at.first_gap + k], surface.distance - body.value, 1e-13);
+      EXPECT_NEAR(rows[at.first_closest + k], dot(surface.normal, {std::cos(p.angle), std::sin(p.angle)}) - body.slope,
+                  1e-13);
     }
     for (int i = 0; i < at.checks; ++i) {
       const CheckPoint& check = sample.spec.checks[static_cast<std::size_t>(i)];
@@ -179,7 +182,10 @@ TEST(PoseValues, RowsOfContactsAreGapsAndAngles) {
       // The last obstacle moves with the base, so it sees the rod as if the base had not moved.
       if (c.palm && check.obstacle == 2) p = p - program.base_shift();
       const Obstacle& obstacle = *sample.spec.obstacles[static_cast<std::size_t>(check.obstacle)];
-      EXPECT_NEAR(rows[at.first_check + i], obstacle.at(p).distance, 1e-13) << "check point " << i;
+      // What stands on the palm is kept off the backbone alone.
+      const double s = program.backbone().start(check.piece) + check.sigma * program.backbone().length(check.piece);
+      const double radius = c.palm && check.obstacle == 2 ? 0.0 : sample.rod.radius_at(s).value;
+      EXPECT_NEAR(rows[at.first_check + i], obstacle.at(p).distance - radius, 1e-13) << "check point " << i;
     }
     const Vec2 shift = c.palm ? -0.1 * Vec2{0.8, -0.6} : Vec2{};
     EXPECT_NEAR(norm(program.base_shift() - shift), 0.0, 1e-15);
@@ -189,10 +195,10 @@ TEST(PoseValues, RowsOfContactsAreGapsAndAngles) {
 
 // d_ss = d^2/ds^2 of the distance along the rod, on either side of the contact; the larger one counts.
 TEST(PoseValues, ConvexityOfAContactIsTheBendingOfItsGap) {
-  for (const char* shapes : {"circles", "walls"}) {
+  for (const auto& [shapes, rod] : {std::pair("circles", "uniform"), {"walls", "uniform"}, {"circles", "thick"}}) {
     for (const bool split : {true, false}) {
-      SCOPED_TRACE(std::string(shapes) + (split ? ", split" : ", whole"));
-      SamplePose sample({std::make_shared<LegendreBasis>(5), split, true, 2, shapes});
+      SCOPED_TRACE(std::string(shapes) + (split ? ", split, " : ", whole, ") + rod);
+      SamplePose sample({std::make_shared<LegendreBasis>(5), split, true, 2, shapes, false, rod});
       PoseProgram program(sample.spec);
       Eigen::VectorXd x = sample_point(program);
       // Bent the other way, the other side of each contact has more.
@@ -201,7 +207,9 @@ TEST(PoseValues, ConvexityOfAContactIsTheBendingOfItsGap) {
           program.constraints(x);
           const PoseProgram::ContactState& contact = program.contacts()[static_cast<std::size_t>(k)];
           const Obstacle& obstacle = *sample.spec.obstacles[static_cast<std::size_t>(k % 2)];
-          const auto gap = [&](double s) { return obstacle.at(program.backbone().at(s).position).distance; };
+          const auto gap = [&](double s) {
+            return obstacle.at(program.backbone().at(s).position).distance - sample.rod.radius_at(s).value;
+          };
           const auto bending = [&](double side) {
             const double h = 1e-3 * side;
             const double s = contact.arc_length;

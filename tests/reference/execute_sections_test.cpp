@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "execute_support.hpp"
@@ -122,6 +123,99 @@ TEST(ExecuteSections, APointLoadBendsWhatIsBeforeIt) {
   EXPECT_NEAR(a.result.tip_angle, b.result.tip_angle, 1e-9);
   EXPECT_NEAR(a.result.tip_x, b.result.tip_x + 0.4 * std::cos(b.result.tip_angle), 1e-9);
   EXPECT_NEAR(a.result.tip_y, b.result.tip_y + 0.4 * std::sin(b.result.tip_angle), 1e-9);
+}
+
+/// The braced arm in units of L and EI, around a rod with a body.
+ForwardScene braced(double obstacle_radius) {
+  ForwardScene s;
+  s.weight(1.68);
+  s.circle(0.6, 0.0, obstacle_radius);
+  s.scene.start_tip_angle = 0.5;
+  return s;
+}
+
+// A body of one thickness is an obstacle that is grown by its radius.
+TEST(ExecuteSections, AnEvenBodyIsAGrownObstacle) {
+  constexpr double radius = 0.05;
+  ForwardScene thick = braced(0.08);
+  thick.scene.rod.segments[0].thickness = 2.0 * radius;
+  const ForwardScene grown = braced(0.08 + radius);
+  for (const double moment : {0.3, 0.51, 0.8}) {
+    const Execution a = thick.run({moment});
+    const Execution b = grown.run({moment});
+    ASSERT_EQ(a.result.status, PlanStatus::solved) << a.result.message;
+    ASSERT_EQ(b.result.status, PlanStatus::solved) << b.result.message;
+    ASSERT_EQ(a.result.contacts.size(), 1U);
+    ASSERT_EQ(b.result.contacts.size(), 1U);
+    EXPECT_NEAR(a.result.tip_x, b.result.tip_x, 1e-12);
+    EXPECT_NEAR(a.result.tip_y, b.result.tip_y, 1e-12);
+    EXPECT_NEAR(a.result.contacts[0].arc_length, b.result.contacts[0].arc_length, 1e-12);
+    EXPECT_NEAR(a.result.contacts[0].force, b.result.contacts[0].force, 1e-12);
+    EXPECT_NEAR(a.result.certificate.stability, b.result.certificate.stability, 1e-9);
+    EXPECT_NEAR(a.result.certificate.contact_convexity, b.result.certificate.contact_convexity, 1e-9);
+  }
+}
+
+/// The side of a body made of discs around every point of the backbone, which faces below.
+std::vector<Vec2> lower_side(const Plan& plan, double radius, double slope, int points) {
+  const std::vector<BackbonePoint>& b = plan.backbone;
+  std::vector<Vec2> side;
+  std::size_t i = 0;
+  for (int k = 0; k <= points; ++k) {
+    const double s = static_cast<double>(k) / points;
+    while (i + 2 < b.size() && b[i + 1].s < s) ++i;
+    // Hermite's interpolation of fifth order between two samples.
+    const double h = b[i + 1].s - b[i].s;
+    const double t = (s - b[i].s) / h;
+    const auto curve = [&](Vec2 p, Vec2 v, Vec2 a, Vec2 q, Vec2 w, Vec2 c) {
+      const double t3 = t * t * t, t4 = t3 * t, t5 = t4 * t;
+      return (1 - 10 * t3 + 15 * t4 - 6 * t5) * p + (h * (t - 6 * t3 + 8 * t4 - 3 * t5)) * v +
+             (h * h * 0.5 * (t * t - 3 * t3 + 3 * t4 - t5)) * a + (10 * t3 - 15 * t4 + 6 * t5) * q +
+             (h * (-4 * t3 + 7 * t4 - 3 * t5)) * w + (h * h * 0.5 * (t3 - 2 * t4 + t5)) * c;
+    };
+    const auto tangent = [](const BackbonePoint& p) { return Vec2{std::cos(p.angle), std::sin(p.angle)}; };
+    const auto bend = [&](const BackbonePoint& p) { return p.curvature * turned(tangent(p)); };
+    const Vec2 at =
+        curve(b[i].position(), tangent(b[i]), bend(b[i]), b[i + 1].position(), tangent(b[i + 1]), bend(b[i + 1]));
+    const double angle = b[i].angle + t * h * (b[i].curvature + 0.5 * t * (b[i + 1].curvature - b[i].curvature));
+    const Vec2 along{std::cos(angle), std::sin(angle)};
+    const double r = radius + slope * s;
+    side.push_back(at - (r * slope) * along - (r * std::sqrt(1.0 - slope * slope)) * turned(along));
+  }
+  return side;
+}
+
+// The sides of a tapered body touch the obstacle and do not enter it.
+TEST(ExecuteSections, ATaperedBodyTouchesWithItsSide) {
+  constexpr double radius = 0.06;
+  constexpr double slope = -0.04;
+  ForwardScene s = braced(0.08);
+  s.scene.rod.segments[0].thickness = 2.0 * radius;
+  s.scene.rod.segments[0].more_thickness = {2.0 * slope};
+  const Execution e = s.run({0.51});
+  ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
+  ASSERT_EQ(e.result.contacts.size(), 1U);
+  EXPECT_LT(e.result.certificate.penetration, 1e-9);
+  EXPECT_LT(e.result.certificate.closest_point, 1e-10);
+  constexpr int points = 20000;
+  const std::vector<Vec2> side = lower_side(e.result, radius, slope, points);
+  double least = 1.0;
+  double place = 0.0;
+  for (std::size_t k = 0; k < side.size(); ++k) {
+    const double gap = norm(side[k] - Vec2{0.6, 0.0}) - 0.08;
+    if (gap >= least) continue;
+    least = gap;
+    place = static_cast<double>(k) / points;
+  }
+  // The angle is interpolated to 1e-7 between samples.
+  EXPECT_NEAR(least, 0.0, 3e-8);
+  EXPECT_NEAR(place, e.result.contacts[0].arc_length, 2e-3);
+  // The force acts along the normal of the obstacle, which the backbone crosses at the slope of its side.
+  const BackbonePoint& near = *std::min_element(
+      e.result.backbone.begin(), e.result.backbone.end(), [&](const BackbonePoint& a, const BackbonePoint& b) {
+        return std::abs(a.s - e.result.contacts[0].arc_length) < std::abs(b.s - e.result.contacts[0].arc_length);
+      });
+  EXPECT_NEAR(dot(e.result.contacts[0].normal, {std::cos(near.angle), std::sin(near.angle)}), slope, 1e-7);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "tendril/backbone_point.hpp"
 #include "tendril/geometry.hpp"
 #include "tendril/nonlinear_program.hpp"
 #include "tendril/options.hpp"
@@ -73,6 +74,7 @@ struct TENDRIL_API RodSpec {
   Vec2 base_position{};                 ///< m
   double base_angle = 0.0;              ///< rad
   double length() const;                ///< Sum over the segments, m.
+  BodyRadius body() const;              ///< Around its backbone; empty: it has none. Refers to this rod.
 };
 
 /// What hangs at the tip.

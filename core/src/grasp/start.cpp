@@ -120,6 +120,7 @@ StartShape grasp_start(const Task& data, const Mode& mode, int index) {
   } else {
     finger.contact = knots[stretch] + places[which] * (knots[stretch + 1] - knots[stretch]);
   }
+  finger.radius += data.rod.radius_at(finger.contact).value;
   const Eigen::VectorXd moments = finger.fit();
   Finger::Base at = finger.base(moments);
   StartShape shape;

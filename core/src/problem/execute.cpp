@@ -38,7 +38,7 @@ class Executor {
     if (obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
       obstacles_.push_back(obstacles[i].get());
-      const double distance = obstacles_.back()->at(rod_.base).distance;
+      const double distance = obstacles_.back()->at(rod_.base).distance - rod_.radius_at(0.0).value;
       if (distance >= 0.0) continue;
       throw SceneError("obstacle[" + std::to_string(i) + "]", names_[i] + " lies around the rod's base (" +
                                                                   shown(-scale_.to_si(distance, dimension::length)) +
@@ -168,7 +168,7 @@ void Executor::report_shape(const PoseProgram& program, const Eigen::VectorXd& c
   plan.tip_angle = program.backbone().tip_angle();
   if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
   plan.backbone = sampled_backbone(program, scale_.length);
-  plan.self_overlap = self_overlap(plan.backbone);
+  plan.self_overlap = self_overlap(plan.backbone, scene_.rod.body());
 }
 
 void Executor::report(const Loading::Lying& lying, const LoadPath& path, Execution& out) {
@@ -194,7 +194,7 @@ void Executor::report(const Loading::Lying& lying, const LoadPath& path, Executi
     c.point = scale_.length * point;
     c.normal = surface.normal;
     c.force = p.force * scale_.force();
-    c.gap = surface.distance * scale_.length;
+    c.gap = (surface.distance - path.rod().radius_at(p.s).value) * scale_.length;
     c.extended = p.extended;
     contacts.push_back(c);
   }

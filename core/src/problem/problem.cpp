@@ -25,7 +25,7 @@ void take_obstacles(Task& d, const Scene& scene) {
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const Obstacle& o = *d.components.obstacles[i];
     d.obstacles.push_back(&o);
-    if (const double distance = o.at(d.rod.base).distance; !(distance >= 0.0)) {
+    if (const double distance = o.at(d.rod.base).distance - d.rod.radius_at(0.0).value; !(distance >= 0.0)) {
       throw SceneError("obstacle[" + std::to_string(i) + "]", d.obstacle_names[i] + " lies around the rod's base (" +
                                                                   shown(-d.scale.to_si(distance, dimension::length)) +
                                                                   " m deep): no shape is free of it");

@@ -195,7 +195,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     Vec2 tangent{};           ///< unit vector along the rod
     double angle = 0.0;       ///< of the rod, rad
     double force = 0.0;       ///< units of EI0/L^2
-    SurfacePoint surface{};   ///< the obstacle there
+    SurfacePoint surface{};   ///< the obstacle there, seen from the rod's body: its distance is the gap
+    Rod::Jet radius{};        ///< of the body
   };
   /// All contacts, in the order of PoseProgramSpec::contacts.
   const std::vector<ContactState>& contacts() const;

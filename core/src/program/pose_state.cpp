@@ -104,6 +104,7 @@ void PoseState::move(ConstVectorRef x) {
     c.arc_length = spec.contacts[k].at_tip ? 1.0 : x[layout.first_arc_length + variable];
     const int obstacle = spec.contacts[k].obstacle;
     c.surface = obstacle < 0 ? SurfacePoint{0.0, turned(c.tangent)} : surface(obstacle, c.point);
+    if (obstacle >= 0 && chain.is_thick()) c.surface.distance -= (c.radius = places.radius(place)).value;
     forces.on[static_cast<std::size_t>(place)].force = c.force * c.surface.normal;
   }
   base.move(x, contacts);

@@ -56,7 +56,7 @@ double start_distance(const PoseProgram& program, const StartShape& shape, const
     double own = infinity;
     double any = infinity;
     for (const OutlinePoint& p : line) {
-      const double gap = obstacle.at(p.position - trial * spec.palm->axis).distance;
+      const double gap = obstacle.at(p.position - trial * spec.palm->axis).distance - p.radius;
       any = std::min(any, gap);
       if (p.s >= from && p.s <= to) own = std::min(own, gap);
     }
@@ -108,7 +108,7 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
     double nearest = infinity;
     for (const OutlinePoint& p : line) {
       if (p.s < low || p.s > high) continue;
-      const double distance = obstacle.at(p.position).distance;
+      const double distance = obstacle.at(p.position).distance - p.radius;
       if (distance >= nearest) continue;
       nearest = distance;
       x[variable] = p.s;

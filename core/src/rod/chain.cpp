@@ -95,7 +95,8 @@ Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> 
     : model_(&model),
       tables_(store != nullptr ? store->of(model, nodes) : std::make_shared<ChainTables>(model, nodes)),
       fixed_knots_(rod.fixed_knots()),
-      segments_(rod.segments) {
+      segments_(rod.segments),
+      thick_(rod.is_thick()) {
   std::vector<double> parts = model.subdivision();
   const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
   if (parts.empty() || !(sum > 0.0)) throw Error("a coordinate model's subdivision must have positive parts");

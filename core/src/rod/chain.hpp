@@ -97,6 +97,8 @@ class TENDRIL_API Chain {
   const Piece& piece(int j) const { return pieces_[static_cast<std::size_t>(j)]; }
   /// The segment of the rod that piece j is cut from.
   const Rod::Segment& segment(int j) const { return segments_[static_cast<std::size_t>(piece(j).segment)]; }
+  /// The rod has a body.
+  bool is_thick() const { return thick_; }
   /// The piece that ends at moving knot k.
   int piece_before_knot(int k) const { return knot_piece_[static_cast<std::size_t>(k)]; }
   /// Knots that do not move, ascending, 0 and 1 included; units of L.
@@ -146,6 +148,7 @@ class TENDRIL_API Chain {
   std::shared_ptr<const ChainTables> tables_;
   std::vector<double> fixed_knots_;
   std::vector<Rod::Segment> segments_;
+  bool thick_ = false;
   std::vector<Piece> pieces_;
   std::vector<int> knot_piece_;
   Eigen::VectorXd start0_, length0_;

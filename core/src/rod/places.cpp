@@ -152,6 +152,21 @@ double Places::angle(int place) const {
   return p.kind == Kind::knot ? backbone_.knot_angle(p.piece + 1) : moving_[own(place)].angle();
 }
 
+Rod::Jet Places::radius(int place) const {
+  if (!chain_->is_thick()) return {};
+  const Place& p = at(place);
+  const double sigma = p.kind == Kind::knot     ? 1.0
+                       : p.kind == Kind::inside ? moving_[own(place)].sigma()
+                                                : stations_[static_cast<std::size_t>(p.piece)].sigma[own(place)];
+  return chain_->segment(p.piece).radius_at(backbone_.start(p.piece) + sigma * backbone_.length(p.piece));
+}
+
+double Places::running(int place, int l) const {
+  const Place& p = at(place);
+  if (p.kind == Kind::inside) return p.arc_length == l ? 1.0 : 0.0;
+  return run(p.piece, p.kind == Kind::knot ? 1.0 : stations_[static_cast<std::size_t>(p.piece)].sigma[own(place)], l);
+}
+
 void Places::differentiate() {
   backbone_.sum_normals();
   find_rates(backbone_.integrals(), rates_);

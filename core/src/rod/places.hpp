@@ -78,6 +78,11 @@ class TENDRIL_API Places {
   Vec2 tangent(int place) const;
   double angle(int place) const;
 
+  /// Radius of the body at a place, with its derivatives by the arc length there.
+  Rod::Jet radius(int place) const;
+  /// How fast the arc length of a place runs with arc length l.
+  double running(int place, int l) const;
+
   /// The rod's curvature right before a place (0) or behind it (1), which may jump at ends of pieces.
   struct Side {
     int piece = 0;

@@ -1,6 +1,7 @@
 #include "rod/rod.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "rod/quadrature.hpp"
 
@@ -11,10 +12,11 @@ Rod::Jet Rod::Segment::at(double s, double start, const std::vector<double>& mor
   const double x = (s - from) / length;
   Jet jet;
   for (auto c = more.rbegin();; ++c) {
-    jet = {jet.value * x + (c != more.rend() ? *c : start), jet.slope * x + jet.value, jet.bend * x + 2.0 * jet.slope};
+    jet = {jet.value * x + (c != more.rend() ? *c : start), jet.slope * x + jet.value, jet.bend * x + 2.0 * jet.slope,
+           jet.jerk * x + 3.0 * jet.bend};
     if (c == more.rend()) break;
   }
-  return {jet.value, jet.slope / length, jet.bend / (length * length)};
+  return {jet.value, jet.slope / length, jet.bend / (length * length), jet.jerk / (length * length * length)};
 }
 
 double Rod::Segment::up_to(double s, double start, const std::vector<double>& more) const {
@@ -23,6 +25,19 @@ double Rod::Segment::up_to(double s, double start, const std::vector<double>& mo
   double mean = 0.0;
   for (auto i = more.size(); i > 0; --i) mean = (mean + more[i - 1] / static_cast<double>(i + 1)) * x;
   return (start + mean) * (s - from);
+}
+
+Rod::Jet Rod::Segment::radius_bounds() const {
+  const double length = to - from;
+  Jet bounds{std::max(radius, radius_at(to).value)};
+  for (std::size_t i = 0; i < more_radius.size(); ++i) {
+    const auto power = static_cast<double>(i + 1);
+    const double size = std::abs(more_radius[i]);
+    bounds.slope += power * size / length;
+    bounds.bend += power * (power - 1.0) * size / (length * length);
+  }
+  bounds.value += length * length / 8.0 * bounds.bend;
+  return bounds;
 }
 
 double Rod::Segment::compliance(double low, double high) const {
@@ -70,6 +85,12 @@ Vec2 Rod::whole_load() const {
 bool Rod::is_thick() const {
   return std::any_of(segments.begin(), segments.end(),
                      [](const Segment& s) { return s.radius != 0.0 || !s.more_radius.empty(); });
+}
+
+double Rod::most_radius() const {
+  double most = 0.0;
+  for (const Segment& s : segments) most = std::max(most, s.radius_bounds().value);
+  return most;
 }
 
 std::vector<double> Rod::fixed_knots() const {

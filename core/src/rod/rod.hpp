@@ -12,7 +12,7 @@ namespace tendril {
 struct TENDRIL_API Rod {
   /// A property at a place, and its derivatives by the arc length.
   struct Jet {
-    double value = 0.0, slope = 0.0, bend = 0.0;
+    double value = 0.0, slope = 0.0, bend = 0.0, jerk = 0.0;
   };
   /// A stretch whose properties are polynomials of the arc length, most often constants.
   struct TENDRIL_API Segment {
@@ -30,9 +30,13 @@ struct TENDRIL_API Rod {
     Jet stiffness_at(double s) const { return at(s, stiffness, more_stiffness); }
     Jet weight_at(double s) const { return at(s, weight, more_weight); }
     Jet rest_curvature_at(double s) const { return at(s, rest_curvature, more_rest_curvature); }
+    /// It is nowhere thicker than that.
+    double most_radius() const;
     Jet radius_at(double s) const { return at(s, radius, more_radius); }
     double weight_up_to(double s) const { return up_to(s, weight, more_weight); }  ///< from where it begins
     double whole_weight() const { return weight_up_to(to); }
+    /// Bounds of the radius and of the size of its derivatives; exact where it is linear.
+    Jet radius_bounds() const;
     /// int kappa0 ds: by how much the unloaded segment turns.
     double rest_turn() const { return up_to(to, rest_curvature, more_rest_curvature); }
     /// int ds / EI over what it has in common with [low, high]: the turn by a unit of moment there.
@@ -80,6 +84,8 @@ struct TENDRIL_API Rod {
   Vec2 whole_load() const;
   /// Whether it has a body around its backbone.
   bool is_thick() const;
+  /// It is nowhere thicker than that.
+  double most_radius() const;
   Jet radius_at(double s) const { return segment_at(s).radius_at(s); }
   /// Ends of segments, actuators and loads, ascending, 0 and 1 included: the knots that do not move.
   std::vector<double> fixed_knots() const;

@@ -137,7 +137,7 @@ Mode Task::mode(std::vector<ContactSetup> contacts) const {
     const double reach = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
     if (palm) {
       if (mode.skip.empty()) mode.skip = grip->obstruction(*this, reach);
-    } else if (obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > reach) {
+    } else if (obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > reach + rod.most_radius()) {
       mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
     }
   }

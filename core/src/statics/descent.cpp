@@ -169,7 +169,7 @@ class Valley {
     const Chain chain(path_.rod(), *basis_, {}, 1);
     for (int o = 0; o < static_cast<int>(s.obstacles.size()); ++o) {
       const auto at = static_cast<std::size_t>(o);
-      if (s.obstacles[at]->at(path_.rod().base).distance > 1.0) continue;
+      if (s.obstacles[at]->at(path_.rod().base).distance > 1.0 + path_.rod().most_radius()) continue;
       for (int j = 0; j < chain.piece_count(); ++j) {
         const double wanted =
             chain.length0()[j] * std::max<double>(checks_per_rod, 2.0 / path_.smallest_radius(at, load));

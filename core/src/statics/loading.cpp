@@ -111,7 +111,8 @@ void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
     double core = infinity;
     for (const ClosestApproach& at : closest_approaches(curve, obstacle, 0.0)) {
       deepest = std::min(deepest, at.distance);
-      core = std::min(core, obstacle.core_distance(curve.position(at.piece, at.sigma)));
+      core =
+          std::min(core, obstacle.core_distance(curve.position(at.piece, at.sigma)) - curve.radius(at.piece, at.sigma));
     }
     // A contact of an earlier result is closed to rounding, or to the accuracy of its basis.
     const bool touched = std::any_of(start_.contacts.begin(), start_.contacts.end(),
