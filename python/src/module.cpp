@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "interrupt.hpp"
 #include "problem.hpp"
@@ -63,7 +64,7 @@ std::string command_path() {
 
 void translate(std::exception_ptr thrown) {
   try {
-    std::rethrow_exception(thrown);
+    std::rethrow_exception(std::move(thrown));
   } catch (const Error& error) {
     const py::object type = py::module_::import("tendril._errors").attr("Error");
     PyErr_SetObject(type.ptr(), type(error.what()).ptr());
