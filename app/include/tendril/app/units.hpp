@@ -1,7 +1,6 @@
 #pragma once
 
 #include <map>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -48,11 +47,10 @@ class QuantityError : public InputError {
   std::string why_;
 };
 
-/// Reads numbers with units. The unit database of UDUNITS is opened by the first text that has a unit.
+/// Reads numbers with units. The unit database of UDUNITS is opened by the first text of the process that has a unit.
 class Units {
  public:
-  Units();
-  ~Units();
+  Units() = default;
   Units(const Units&) = delete;
   Units& operator=(const Units&) = delete;
 
@@ -63,14 +61,12 @@ class Units {
   std::map<std::string, WrittenUnit, std::less<>> most_used() const;
 
  private:
-  class Database;
   /// How often a unit was read for a dimension.
   struct Use {
     std::string dimension;
     WrittenUnit unit;
     int times = 0;
   };
-  mutable std::unique_ptr<Database> database_;
   mutable std::vector<Use> uses_;
 };
 
