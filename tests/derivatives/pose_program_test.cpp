@@ -70,6 +70,7 @@ struct Case {
   int interior_contacts;
   const char* shapes = "circles";
   bool palm = false;
+  bool profiles = false;
 };
 
 std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name; }
@@ -79,7 +80,7 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
   PoseDerivatives() : sample(setup_of(GetParam())), spec(sample.spec) { program = std::make_unique<PoseProgram>(spec); }
 
   static support::SamplePose::Setup setup_of(const Case& c) {
-    return {c.model, c.split, c.tip_contact, c.interior_contacts, c.shapes, c.palm};
+    return {c.model, c.split, c.tip_contact, c.interior_contacts, c.shapes, c.palm, c.profiles};
   }
 
   Eigen::VectorXd random_point(std::mt19937& random) {
@@ -226,6 +227,18 @@ std::vector<Case> cases() {
     all.push_back({split ? "legendre6_split_palm" : "legendre6_palm", legendre(6), split, true, 2, "hulls", true});
     all.push_back(
         {split ? "pcc3_split_palm" : "pcc3_palm", std::make_shared<Linear>(3), split, true, 0, "circles", true});
+  }
+  // Moments that vary along the rod: knots that move carry their pieces along the profiles.
+  for (const bool split : {false, true}) {
+    const auto add = [&](const char* name, const char* split_name, std::shared_ptr<CoordinateModel> model) {
+      for (const int contacts : {0, 1, 2}) {
+        all.push_back({split ? split_name : name, model, split, contacts == 2, contacts, "circles", false, true});
+      }
+    };
+    add("pcc3_profiles", "pcc3_split_profiles", std::make_shared<Linear>(3));
+    add("legendre6_profiles", "legendre6_split_profiles", legendre(6));
+    add("legendre5x2_profiles", "legendre5x2_split_profiles", legendre(5, 2));
+    add("sines_profiles", "sines_split_profiles", std::make_shared<Sines>());
   }
   return all;
 }

@@ -59,6 +59,7 @@ struct SamplePose {
     int interior_contacts = 0;
     std::string shapes = "circles";  ///< of obstacles: "circles", "walls" or "hulls"
     bool palm = false;               ///< the base moves against one more obstacle
+    bool profiles = false;           ///< moments of actuators vary along the rod
   };
   explicit SamplePose(const Setup& setup);
   SamplePose(const SamplePose&) = delete;

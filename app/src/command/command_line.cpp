@@ -242,7 +242,9 @@ Command execute_command(CLI::App& app) {
   };
   inputs(InputKind::moments, "\"M, ...\"", "One per actuator, in N m or with units");
   inputs(InputKind::pressures, "\"P, ...\"", "One per actuator, in Pa or with units");
-  inputs(InputKind::each, "\"V, ...\"", "One per actuator: a pressure where the scene has moment_per_pressure");
+  inputs(InputKind::each, "\"V, ...\"",
+         "One per actuator, in the unit of its kind: a moment, a pressure where the scene has moment_per_pressure, a "
+         "tension");
   return {execute, [execute, parsed] {
             const ResultOptions& result = parsed->result;
             result.check(*execute);

@@ -66,7 +66,7 @@ std::vector<double> read_moments(const Inputs& inputs, const Session& session) {
   if (inputs.kind == InputKind::none) {
     throw InputError(
         fmt::format("execute needs what moves the scene's {} actuators, expected --moments \"M, ...\" or --plan "
-                    "RESULT.json, or --pressures \"P, ...\"",
+                    "RESULT.json, or --pressures \"P, ...\", or --inputs \"V, ...\" in the unit of each",
                     actuators.size()));
   }
   std::vector<std::string> texts;
@@ -77,25 +77,33 @@ std::vector<double> read_moments(const Inputs& inputs, const Session& session) {
     texts.push_back(one.substr(0, one.find_last_not_of(" \t") + 1));
     from = comma + 1;
   }
+  if (texts.size() != actuators.size()) {
+    throw InputError(fmt::format("{}: found {} {}, expected one for each of the scene's {} actuators", option,
+                                 texts.size(), option.substr(2), actuators.size()));
+  }
   std::vector<double> moments;
   moments.reserve(texts.size());
   for (std::size_t a = 0; a < texts.size(); ++a) {
-    const double per_pressure = a < actuators.size() ? actuators[a].moment_per_pressure : 0.0;
+    const ActuatorSpec& actuator = actuators[a];
     const std::string where = fmt::format("{}, number {}", option, a + 1);
-    if (inputs.kind == InputKind::pressures && a < actuators.size() && per_pressure == 0.0) {
+    if (inputs.kind == InputKind::pressures && actuator.input() != ActuatorKind::pressure) {
       throw InputError(
           fmt::format("{}: the scene does not say what moment a pressure gives, expected "
                       "'moment_per_pressure' in [[rod.actuator]], or --moments",
                       where));
     }
-    const bool pressure = inputs.kind != InputKind::moments && per_pressure != 0.0;
+    if (inputs.kind == InputKind::moments && actuator.kind != ActuatorKind::moment) {
+      throw InputError(fmt::format("{}: found a moment for an actuator of kind \"{}\", expected --inputs", where,
+                                   to_string(actuator.kind)));
+    }
+    const bool told = inputs.kind != InputKind::moments;
     const double value =
-        read_input_number(texts[a], pressure ? dimension::pressure : dimension::moment, where, session.units());
-    moments.push_back(pressure ? value * per_pressure : value);
-  }
-  if (texts.size() != actuators.size()) {
-    throw InputError(fmt::format("{}: found {} {}, expected one for each of the scene's {} actuators", option,
-                                 texts.size(), option.substr(2), actuators.size()));
+        read_input_number(texts[a], told ? actuator.input_dimension() : dimension::moment, where, session.units());
+    if (actuator.kind == ActuatorKind::tendon && value < 0.0) {
+      throw InputError(fmt::format(
+          "{}: found a tension of {} N, expected one that is not negative: a tendon only pulls", where, value));
+    }
+    moments.push_back(told ? value * actuator.moment_per_input() : value);
   }
   return moments;
 }

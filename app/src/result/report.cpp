@@ -48,25 +48,32 @@ std::string verification_text(const Plan& plan) {
 
 std::string moments_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
   const std::vector<ShownActuator> actuators = shown_actuators(scene, plan);
-  if (actuators.empty()) return "";
-  const auto table = [&](const char* head, const auto& shown, const auto& size) {
+  const auto table = [&](const char* head, const auto& is_in, const auto& shown, bool told) {
     Grid grid;
     for (const ShownActuator& a : actuators) {
-      const double unit = size(a);
-      if (unit == 0.0) continue;
-      if (grid.empty()) grid.row({head, "value", "from", "to", "where"});
-      const auto limit = [&](double v) { return std::isfinite(v) ? shown(v + 0.0) : std::string("no limit"); };
-      const auto [from, to] = std::minmax({a.lowest / unit, a.highest / unit});
-      grid.row({(a.finger.empty() ? "" : a.finger + " ") + std::to_string(a.number), shown(a.moment / unit + 0.0),
-                limit(from), limit(to), a.where});
+      if (!is_in(a)) continue;
+      const bool tendon = a.is(ActuatorKind::tendon);
+      std::vector<std::string> heads{head, "value", "from", "to", "where"};
+      if (tendon) heads.emplace_back("shortening");
+      if (grid.empty()) grid.row(std::move(heads));
+      const auto value = [&](double moment) { return told ? a.input_of(moment) : moment + 0.0; };
+      const auto limit = [&](double v) { return std::isfinite(v) ? shown(v) : std::string("no limit"); };
+      const auto [from, to] = std::minmax({value(a.lowest), value(a.highest)});
+      std::vector<std::string> cells{(a.finger.empty() ? "" : a.finger + " ") + std::to_string(a.number),
+                                     shown(value(a.moment)), limit(from), limit(to), a.where};
+      if (tendon) cells.push_back(units.lengths(a.shortening));
+      grid.row(std::move(cells));
     }
     return grid.empty() ? std::string() : '\n' + grid.text("");
   };
+  const auto of = [](ActuatorKind kind) { return [kind](const ShownActuator& a) { return a.is(kind); }; };
   return table(
-             "moment", [&](double v) { return units.moment(v); }, [](const ShownActuator&) { return 1.0; }) +
+             "moment", [](const ShownActuator& a) { return !a.is(ActuatorKind::tendon); },
+             [&](double v) { return units.moment(v); }, false) +
          table(
-             "pressure", [&](double v) { return units.pressure(v); },
-             [](const ShownActuator& a) { return a.per_pressure; });
+             "pressure", of(ActuatorKind::pressure), [&](double v) { return units.pressure(v); }, true) +
+         table(
+             "tension", of(ActuatorKind::tendon), [](double v) { return force(v); }, true);
 }
 
 /// Contacts in a row that stand for the stretch along which the rod lies on one obstacle are one line: from where to

@@ -84,6 +84,7 @@ struct FingerPlan {
   double tip_angle = 0.0;                ///< rad
   /// As Plan::self_overlap.
   std::optional<std::pair<double, double>> self_overlap;
+  std::vector<double> turns{};  ///< As Plan::turns.
 };
 
 /// What only a grasp has. The plan's rod and contacts are those of the upper finger.
@@ -108,10 +109,12 @@ struct Plan {
   bool split_at_contact = false;           ///< interior contacts have knots of their own
   std::vector<double> coordinates;         ///< dimensionless
   std::vector<double> moments;             ///< N m, one per actuator of the scene
-  double tip_x = 0.0;                      ///< m
-  double tip_y = 0.0;                      ///< m
-  double tip_angle = 0.0;                  ///< rad
-  std::optional<double> target_error;      ///< m
+  /// int p kappa ds along each actuator (rad): a tendon is shorter by this times its largest offset.
+  std::vector<double> turns;
+  double tip_x = 0.0;                  ///< m
+  double tip_y = 0.0;                  ///< m
+  double tip_angle = 0.0;              ///< rad
+  std::optional<double> target_error;  ///< m
   /// Distance of the tip to where executing the moments takes it (verify() in execute.hpp), m, loaded from the start.
   std::optional<double> model_error;
   /// The same, settled from the plan's own shape, m.

@@ -38,13 +38,35 @@ struct SegmentSpec {
   double rest_curvature = 0.0;     ///< 1/m
 };
 
-/// A moment between two arc lengths of the rod, and its limits.
-struct ActuatorSpec {
-  double from = 0.0;                 ///< m
-  double to = 0.0;                   ///< m; the reader fills in the rod's length
-  double minimum = -infinity;        ///< N m
-  double maximum = infinity;         ///< N m
-  double moment_per_pressure = 0.0;  ///< N m / Pa; 0: not given
+/// What an actuator is told: a moment, the tension of a tendon, or a pressure.
+enum class ActuatorKind { moment, tendon, pressure };
+TENDRIL_API std::string_view to_string(ActuatorKind kind);  ///< The word that scenes use.
+
+/// Where a tendon runs beside the backbone.
+struct OffsetPoint {
+  double arc_length = 0.0;  ///< m
+  double offset = 0.0;      ///< m, positive: to the left
+};
+
+/// What bends the rod between two arc lengths, and its limits. Core knows moments only: that of a tendon is the tension
+/// times its largest offset, and along the rod it goes with the offset.
+struct TENDRIL_API ActuatorSpec {
+  double from = 0.0;                         ///< m
+  double to = 0.0;                           ///< m; the reader fills in the rod's length
+  double minimum = -infinity;                ///< N m
+  double maximum = infinity;                 ///< N m
+  double moment_per_pressure = 0.0;          ///< N m / Pa; 0: not given
+  ActuatorKind kind = ActuatorKind::moment;  ///< as the scene has it
+  std::vector<OffsetPoint> offset{};         ///< of a tendon, linear in between; one: the same all along
+
+  /// What it is told: also a pressure if it is known what moment that gives.
+  ActuatorKind input() const;
+  /// Of what it is told.
+  Dimension input_dimension() const;
+  /// The offset of largest size, m.
+  double largest_offset() const;
+  /// N m per SI unit of what it is told.
+  double moment_per_input() const;
 };
 
 /// N m by which `moment` exceeds the limits of `actuator`; negative: its distance to the nearer one.

@@ -23,8 +23,7 @@ double turn_of_moments(const Rod& rod, std::span<const double> moments) {
   for (const Rod::Segment& s : rod.segments) turn += s.rest_curvature * (s.to - s.from);
   for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
     for (const Rod::Segment& s : rod.segments) {
-      const double length = std::min(rod.actuators[a].to, s.to) - std::max(rod.actuators[a].from, s.from);
-      turn += moments[a] * std::max(0.0, length) / s.stiffness;
+      turn += moments[a] * rod.actuators[a].integral(s.from, s.to) / s.stiffness;
     }
   }
   return turn;

@@ -134,8 +134,9 @@ void Executor::tell_limits(Plan& plan) const {
     most = std::max(most, over);
     if (!(over > tolerance::bounds)) continue;
     const double limit = moments_[a] > actuator.maximum ? actuator.maximum : actuator.minimum;
-    const double unit = actuator.moment_per_pressure != 0.0 ? 1e3 * actuator.moment_per_pressure : 1.0;
-    const char* name = actuator.moment_per_pressure != 0.0 ? " kPa" : " N m";
+    const bool pressure = actuator.input() == ActuatorKind::pressure;
+    const double unit = (pressure ? 1e3 : 1.0) * actuator.moment_per_input();
+    const std::string name = pressure ? " kPa" : ' ' + std::string(actuator.input_dimension().unit);
     plan.message += (plan.message.empty() ? "" : "; ") + std::string("actuator ") + std::to_string(a + 1) +
                     " is held at " + shown(moments_[a] / unit) + name + ", beyond its limit of " +
                     shown(limit / unit + 0.0) + name;
@@ -165,6 +166,8 @@ void Executor::report_shape(const PoseProgram& program, const Eigen::VectorXd& c
   if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
   plan.backbone = sampled_backbone(program, scale_.length);
   plan.self_overlap = self_overlap(plan.backbone);
+  plan.turns.clear();
+  for (std::size_t a = 0; a < moments_.size(); ++a) plan.turns.push_back(program.turn_along(static_cast<int>(a)));
 }
 
 void Executor::report(const Loading::Lying& lying, const LoadPath& path, Execution& out) {

@@ -18,12 +18,15 @@ class EquilibriumRows : public RowBlock {
     d_.places.add_energy_row(-1.0, {values.data(), nullptr});
     for (std::size_t a = 0; a < d_.moment_variable.size(); ++a) {
       const int variable = d_.moment_variable[a];
-      if (variable >= 0) d_.places.pull_back_moment(static_cast<int>(a), x[variable], values.data());
+      if (variable < 0) continue;
+      moments_[a] = x[variable];
+      d_.places.pull_back_moment(static_cast<int>(a), x[variable], values.data());
     }
     if (derivatives) differentiate(rows);
   }
 
-  void add_second(ConstVectorRef lambda, Eigen::MatrixXd& /*hessian*/) override {
+  void add_second(ConstVectorRef lambda, Eigen::MatrixXd& hessian) override {
+    if (profiles_move_) add_moments_second(lambda, hessian);
     d_.places.displace(lambda.data());
     d_.base.displace();
     for (int k = 0; k < d_.layout.forces; ++k) {
@@ -43,6 +46,20 @@ class EquilibriumRows : public RowBlock {
   }
 
  private:
+  void add_moments_second(ConstVectorRef lambda, Eigen::MatrixXd& hessian) {
+    const int first = d_.layout.first_arc_length;
+    const int count = d_.layout.arc_lengths;
+    for (std::size_t a = 0; a < d_.moment_variable.size(); ++a) {
+      const int variable = d_.moment_variable[a];
+      if (variable < 0) continue;
+      mixed_.setZero();
+      d_.places.add_moment_second(static_cast<int>(a), moments_[a], lambda.data(), mixed_,
+                                  hessian.block(first, first, count, count));
+      hessian.col(variable).segment(first, count) += mixed_;
+      hessian.row(variable).segment(first, count) += mixed_.transpose();
+    }
+  }
+
   void differentiate(MatrixRef rows) {
     const PoseProgram::Layout& at = d_.layout;
     rows.setZero();
@@ -52,7 +69,9 @@ class EquilibriumRows : public RowBlock {
     d_.places.add_energy_second(-1.0, nullptr, by);
     for (std::size_t a = 0; a < d_.moment_variable.size(); ++a) {
       const int variable = d_.moment_variable[a];
-      if (variable >= 0) d_.places.pull_back_moment(static_cast<int>(a), 1.0, rows.col(variable).data());
+      if (variable < 0) continue;
+      d_.places.pull_back_moment(static_cast<int>(a), 1.0, rows.col(variable).data());
+      if (profiles_move_) d_.places.add_moment_rates(static_cast<int>(a), moments_[a], by.qs);
     }
     // Contact forces act along normals that turn with the contact point.
     for (int k = 0; k < at.forces; ++k) {
@@ -76,6 +95,10 @@ class EquilibriumRows : public RowBlock {
   }
 
   PoseState& d_;
+  /// Knots that move carry pieces along profiles that vary.
+  const bool profiles_move_ = d_.chain.has_varying_profiles() && d_.chain.knot_count() > 0;
+  std::vector<double> moments_ = std::vector<double>(d_.moment_variable.size(), 0.0);
+  Eigen::VectorXd mixed_ = Eigen::VectorXd::Zero(d_.layout.arc_lengths);
   Eigen::VectorXd along_ = Eigen::VectorXd::Zero(d_.variables), turning_ = along_;
 };
 

@@ -183,6 +183,8 @@ double PoseProgram::potential(ConstVectorRef x) {
          pulled.dot(x.head(d.layout.coordinates));
 }
 
+double PoseProgram::turn_along(int actuator) const { return data_->places.turn_along(actuator); }
+
 double PoseProgram::moment_defect(ConstVectorRef x, const Curve& curve) {
   constraints(x);
   Data& d = *data_;

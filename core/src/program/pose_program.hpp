@@ -190,6 +190,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   const Backbone& backbone() const;  ///< The rod's shape.
   /// Pi (model.md section 3) at x: bending energy less the work of loads and moments; contacts do not count.
   double potential(ConstVectorRef x);
+  /// int p kappa ds along actuator a at the point evaluated last, p its profile.
+  double turn_along(int actuator) const;
   /// Largest defect of the local balance of moments at x (model.md section 7). `curve`: of the rod's shape there.
   double moment_defect(ConstVectorRef x, const Curve& curve);
   /// How far the base stands from Rod::base.

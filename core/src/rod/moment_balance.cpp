@@ -30,10 +30,15 @@ double Places::moment_defect(int j, const Ramp& load, const Forces& forces, std:
   const int n = tables.per_interval();
   const double h = backbone_.length(j);
   const Eigen::Map<const Eigen::VectorXd> q(backbone_.coordinates(j), table.functions);
-  double applied = p.stiffness * p.rest_curvature;
-  for (int a = 0; a < chain_->actuator_count(); ++a) {
-    if (chain_->actuated(a, j)) applied += moments[static_cast<std::size_t>(a)];
-  }
+  const auto applied = [&](double sigma) {
+    double sum = p.stiffness * p.rest_curvature;
+    for (int a = 0; a < chain_->actuator_count(); ++a) {
+      const ProfilePart* part = chain_->varying(a, j);
+      const double profile = part != nullptr ? part->at(backbone_.start(j) + h * sigma) : chain_->level(a, j);
+      if (profile != 0.0) sum += profile * moments[static_cast<std::size_t>(a)];
+    }
+    return sum;
+  };
   const auto acts = [&](int k) { return at(k).piece == j && static_cast<std::size_t>(k) < forces.on.size(); };
   double worst = 0.0;
   const auto check = [&](double sigma, double curvature, double moment) {
@@ -42,7 +47,7 @@ double Places::moment_defect(int j, const Ramp& load, const Forces& forces, std:
       if (!acts(k) || !(moving_[own(k)].sigma() > sigma)) continue;
       moment += cross(at(k).point - curve.position(j, sigma), on(k, forces).force);
     }
-    worst = std::max(worst, std::abs(p.stiffness * curvature - applied - moment));
+    worst = std::max(worst, std::abs(p.stiffness * curvature - applied(sigma) - moment));
   };
   check(1.0, table.slope_end.dot(q) / h, beyond);
   auto shear = node_buffer_.head(n);

@@ -104,8 +104,17 @@ class TENDRIL_API Places {
   double moment_defect(const Forces& forces, std::span<const double> moments, const Curve& curve);
   /// out += derivative by the coordinates of the forces' work at fixed forces.
   void pull_back(const Forces& forces, double* out);
-  /// out += moment * derivative by the coordinates of the angle over an actuator's span.
+  /// int p kappa ds along an actuator, p its profile. For reports: allocates.
+  double turn_along(int actuator) const;
+  /// out += moment * derivative by the coordinates of int p kappa ds: for p = 1 the angle
+  /// over its span.
   void pull_back_moment(int actuator, double moment, double* out) const;
+  /// Derivatives of the former by the arc lengths, which move the pieces along the profile: adds to `by_q_and_s`.
+  void add_moment_rates(int actuator, double moment, MatrixRef by_q_and_s);
+  /// Adds second derivatives of  lambda . (what pull_back_moment() adds):  by the moment and the arc lengths, by the
+  /// arc lengths twice.
+  void add_moment_second(int actuator, double moment, const double* lambda, VectorRef by_moment_and_s,
+                         MatrixRef by_s_twice);
   /// Adds second derivatives of the forces' work at fixed forces and, if there are `virtual_forces`, of these forces'
   /// work on the virtual displacements.
   void second_pull_back(const Forces& forces, const Forces* virtual_forces, SecondPart out);
@@ -166,6 +175,8 @@ class TENDRIL_API Places {
   bool gather_pushes(int j, const Forces& forces);
   double moment_defect(int j, const Ramp& load, const Forces& forces, std::span<const double> moments,
                        const Curve& curve, double& beyond);
+  /// How fast the rod's point at sigma of piece j runs along it with arc length l.
+  double run(int j, double sigma, int l) const { return start_rate_(j, l) + sigma * length_rate_(j, l); }
   void add_inside(const Forces& forces, const Forces* virtual_forces, int j, SecondPart& out);
 
   const Chain* chain_;

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "rod/profile.hpp"
 #include "tendril/export.hpp"
 #include "tendril/geometry.hpp"
 #include "tendril/numbers.hpp"
@@ -18,12 +19,21 @@ struct TENDRIL_API Rod {
     double weight = 0.0;          ///< rho |g| L^3 / EI0
     double rest_curvature = 0.0;  ///< kappa0 L
   };
-  /// A moment between two arc lengths, with its limits.
+  /// A moment between two arc lengths, with its limits: u p(s).
   struct Actuator {
-    double from = 0.0;           ///< arc length, units of L
-    double to = 1.0;             ///< arc length, units of L
-    double minimum = -infinity;  ///< of the moment, units of EI0/L
-    double maximum = infinity;   ///< of the moment, units of EI0/L
+    double from = 0.0;                   ///< arc length, units of L
+    double to = 1.0;                     ///< arc length, units of L
+    double minimum = -infinity;          ///< of u, units of EI0/L
+    double maximum = infinity;           ///< of u, units of EI0/L
+    std::vector<ProfilePart> profile{};  ///< p from `from` to `to`, in order, without gaps; empty: 1
+    /// The part of the profile that holds arc length s between `from` and `to`; null: there is none, p is 1.
+    const ProfilePart* part_at(double s) const;
+    /// p(s); 0 outside.
+    double at(double s) const;
+    /// int p ds between two arc lengths.
+    double integral(double begin, double end) const;
+    /// Whether p is not the same all over one of its parts.
+    bool varies() const;
     /// Whether it can do nothing.
     bool fixed_at_zero() const { return minimum == 0.0 && maximum == 0.0; }
   };
@@ -39,7 +49,7 @@ struct TENDRIL_API Rod {
   bool has_gravity() const;
   /// Whether a dead force acts on the tip.
   bool has_tip_force() const { return tip_force.x != 0.0 || tip_force.y != 0.0; }
-  /// Ends of segments and actuators, ascending, 0 and 1 included: the knots that do not move.
+  /// Ends of segments, actuators and parts of their profiles, ascending, 0 and 1 included: the knots that do not move.
   std::vector<double> fixed_knots() const;
   /// The segment that holds arc length s: the later one at a joint, the last one beyond the end.
   const Segment& segment_at(double s) const;

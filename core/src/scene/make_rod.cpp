@@ -1,8 +1,31 @@
 #include "scene/make_rod.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace tendril {
+
+namespace {
+
+/// The offset of a tendon between its ends, over its largest one; none where it is the same all along.
+std::vector<ProfilePart> profile_of(const ActuatorSpec& spec, const Rod::Actuator& actuator, const Scale& scale) {
+  std::vector<ProfilePart> profile;
+  const double largest = spec.largest_offset();
+  for (std::size_t i = 0; i + 1 < spec.offset.size(); ++i) {
+    const auto arc_length = [&](std::size_t p) {
+      return std::clamp(scale.to_dimensionless(spec.offset[p].arc_length, dimension::length), actuator.from,
+                        actuator.to);
+    };
+    const double from = arc_length(i);
+    const double to = i + 2 == spec.offset.size() ? actuator.to : arc_length(i + 1);
+    const double first = round_to_12_digits(spec.offset[i].offset / largest);
+    const double last = round_to_12_digits(spec.offset[i + 1].offset / largest);
+    profile.push_back({from, to, {first, (last - first) / (to - from)}});
+  }
+  return profile;
+}
+
+}  // namespace
 
 Rod make_rod(const Scene& scene, const Scale& scale) {
   Rod rod;
@@ -29,7 +52,8 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
     a.to = std::min(1.0, scale.to_dimensionless(spec.to, dimension::length));
     a.minimum = scale.to_dimensionless(spec.minimum, dimension::moment);
     a.maximum = scale.to_dimensionless(spec.maximum, dimension::moment);
-    rod.actuators.push_back(a);
+    a.profile = profile_of(spec, a, scale);
+    rod.actuators.push_back(std::move(a));
   }
   rod.base = {scale.to_dimensionless(scene.rod.base_position.x, dimension::length),
               scale.to_dimensionless(scene.rod.base_position.y, dimension::length)};

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "rod/rod.hpp"
 #include "tendril/scene.hpp"
 
 namespace tendril {
@@ -47,6 +49,39 @@ void validate_trajectory(const Scene& scene) {
   }
 }
 
+/// `path`: of the key. `length`: of the rod.
+void validate_offset(const ActuatorSpec& a, const std::string& path, double length) {
+  if (a.kind != ActuatorKind::tendon) {
+    if (!a.offset.empty()) throw SceneError(path, "an offset belongs to an actuator of kind \"tendon\"");
+    return;
+  }
+  for (std::size_t i = 0; i < a.offset.size(); ++i) {
+    require_finite(a.offset[i].arc_length, path);
+    require_finite(a.offset[i].offset, path);
+    // The same rounding as at the ends of actuators, and knots that are one are no part.
+    if (i > 0 && !(a.offset[i].arc_length > a.offset[i - 1].arc_length + length * knot_merge_distance)) {
+      throw SceneError(path, "the table of offsets must ascend, but " + shown(a.offset[i].arc_length) +
+                                 " m stands behind " + shown(a.offset[i - 1].arc_length) + " m");
+    }
+  }
+  if (a.largest_offset() == 0.0) {
+    throw SceneError(path,
+                     "a tendon bends the rod by its distance from the backbone, expected an offset that is not 0");
+  }
+  const double rounding = length * knot_merge_distance;
+  if (a.offset.size() > 1 && (std::abs(a.offset.front().arc_length - a.from) > rounding ||
+                              std::abs(a.offset.back().arc_length - a.to) > rounding)) {
+    throw SceneError(path, "the table of offsets reaches from " + shown(a.offset.front().arc_length) + " m to " +
+                               shown(a.offset.back().arc_length) + " m, expected from " + shown(a.from) + " m to " +
+                               shown(a.to) + " m as the tendon does");
+  }
+  const double low = std::min(a.minimum / a.largest_offset(), a.maximum / a.largest_offset());
+  if (low < 0.0) {
+    throw SceneError(path.substr(0, path.rfind('.')) + ".min",
+                     "a tendon only pulls, expected a tension that is not negative, found " + shown(low) + " N");
+  }
+}
+
 /// `at`: the table of the rod.
 void validate_rod(const RodSpec& rod, const std::string& at) {
   if (rod.segments.empty()) throw SceneError(at, "the rod has no length");
@@ -83,6 +118,10 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
       throw SceneError(path + ".limit", "no moment is within the limits");
     }
     require_finite(a.moment_per_pressure, path + ".moment_per_pressure");
+    if (a.kind == ActuatorKind::pressure && a.moment_per_pressure == 0.0) {
+      throw SceneError(path, "an actuator of kind \"pressure\" has no 'moment_per_pressure'");
+    }
+    validate_offset(a, path + ".offset", length);
   }
 }
 

@@ -70,10 +70,11 @@ std::vector<double> Task::angles_near(double reference) const {
   double high = 0.5 * full_turn;
   for (const Rod::Actuator& a : rod.actuators) {
     for (const Rod::Segment& s : rod.segments) {
-      const double length = std::min(a.to, s.to) - std::max(a.from, s.from);
-      if (length <= 0.0) continue;
-      low += a.minimum * length / s.stiffness;
-      high += a.maximum * length / s.stiffness;
+      const double span = a.integral(s.from, s.to);
+      if (span == 0.0) continue;
+      const auto [least, most] = std::minmax({a.minimum * span / s.stiffness, a.maximum * span / s.stiffness});
+      low += least;
+      high += most;
     }
   }
   double rest = rod.base_angle;

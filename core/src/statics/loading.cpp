@@ -28,8 +28,9 @@ LoadPath::Ends ends_from_rest(Rod& rod, double curvature, const std::vector<doub
     const Rod::Segment& segment = rod.segment_at(middle);
     wanted[r] = segment.stiffness * (curvature - segment.rest_curvature);
     for (Eigen::Index a = 0; a < count; ++a) {
+      // A profile that varies leaves no constant moment to be held by others: such an actuator starts without one.
       const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
-      if (middle > actuator.from && middle < actuator.to) spans(r, a) = 1.0;
+      if (!actuator.varies()) spans(r, a) = actuator.at(middle);
     }
   }
   LoadPath::Ends ends;

@@ -22,6 +22,7 @@ enum class KeyType {
   quantities,
   points,
   targets,
+  offsets,  ///< a length, one at either end, or a table along the rod
   table,
   tables,
   options

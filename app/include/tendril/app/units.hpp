@@ -22,7 +22,6 @@ inline constexpr Dimension linear_density{0, 0, "kg/m"};
 inline constexpr Dimension mass{0, 0, "kg"};
 inline constexpr Dimension time{0, 0, "s"};
 inline constexpr Dimension moment_per_pressure{0, 0, "N m/Pa"};
-inline constexpr Dimension pressure{0, 0, "Pa"};
 }  // namespace dimension
 
 /// "a length", "a force", ...; "a pure number" where the dimension has no unit.
