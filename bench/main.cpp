@@ -12,6 +12,7 @@
 #include "campaign/ablation.hpp"
 #include "campaign/campaign.hpp"
 #include "campaign/random_scene.hpp"
+#include "campaign/relaxations.hpp"
 #include "common/workload.hpp"
 #include "report/parts.hpp"
 #include "report/report.hpp"
@@ -33,7 +34,8 @@ struct Arguments {
   std::string seeds = "1:1000";
   int jobs = 1;
   double time_limit = bench::CampaignSetup{}.time_limit, share = 0.995;
-  bool one = false, print_scene = false, ablation = false, list_search = false;
+  std::string relaxation;
+  bool one = false, print_scene = false, ablation = false, relaxed = false, list_search = false;
   bench::Extent extent;
 };
 
@@ -160,7 +162,8 @@ int campaign(const Arguments& arguments) {
   }
   if (arguments.one) {
     plugins::Registry registry = registry_of(arguments);
-    fmt::print("{}\n", bench::campaign_line(registry, setup.first, setup.solvers.front(), arguments.time_limit));
+    fmt::print("{}\n", bench::campaign_line(registry, setup.first, setup.solvers.front(), arguments.time_limit,
+                                            arguments.relaxation));
     return 0;
   }
   setup.jobs = arguments.jobs;
@@ -170,6 +173,12 @@ int campaign(const Arguments& arguments) {
   setup.stop = arguments.extent.stop;
   if (arguments.ablation) return show(arguments, {bench::ablation_section(setup, arguments.search)});
   setup.search = arguments.search;
+  if (arguments.relaxed) {
+    int violations = 0;
+    const bench::Section section = bench::relaxation_section(setup, violations);
+    return show(arguments, {section}) != 0 || violations > 0 ? 1 : 0;
+  }
+  setup.relaxation = arguments.relaxation;
   const std::vector<bench::CampaignCase> cases = bench::run_campaign(setup);
   const int shown = show(arguments, {bench::campaign_section(setup, cases)});
   return shown != 0 || !bench::acceptable(setup, cases) ? 1 : 0;
@@ -233,6 +242,12 @@ CLI::App* add_campaign(CLI::App& program, Arguments& arguments) {
   command->add_flag("--list-search", arguments.list_search, "Lists these numbers instead of planning");
   command->add_flag("--ablation", arguments.ablation,
                     "What each strategy of the search, or each --search, is worth, one at a time");
+  command->add_flag("--relaxed", arguments.relaxed,
+                    "Whether changes that allow more give no worse plan, and how often the best known plan is found");
+  std::vector<std::string> names;
+  for (const bench::Relaxation& relaxation : bench::relaxations()) names.push_back(relaxation.name);
+  command->add_option("--relaxation", arguments.relaxation, "Changes every scene by one of these first")
+      ->check(CLI::IsMember(names));
   command->add_flag("--one", arguments.one, "Plans the first seed in this process: one line of JSON");
   command->add_flag("--print-scene", arguments.print_scene, "Prints the scenes instead of planning them");
   return command;

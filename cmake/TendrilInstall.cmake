@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/tendril")
 install(
-  TARGETS tendril
+  TARGETS tendril tendril-files
   EXPORT tendril-targets
   LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
           COMPONENT tendril
@@ -15,8 +15,10 @@ install(
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}" COMPONENT tendril-dev)
 install(
   DIRECTORY "${PROJECT_SOURCE_DIR}/core/include/tendril" "${PROJECT_SOURCE_DIR}/plugins/include/tendril"
+            "${PROJECT_SOURCE_DIR}/app/include/tendril"
   DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
-  COMPONENT tendril-dev)
+  COMPONENT tendril-dev
+  PATTERN "tendril/app" EXCLUDE)
 install(
   EXPORT tendril-targets
   NAMESPACE tendril::

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "campaign/random_scene.hpp"
+#include "campaign/relaxations.hpp"
 #include "check/plan_check.hpp"
 #include "common/scenes.hpp"
 #include "common/workload.hpp"
@@ -43,6 +44,7 @@ CampaignCase run_case(const CampaignSetup& setup, const std::set<std::string>& p
   for (const std::string& directory : setup.plugin_directories) {
     arguments.insert(arguments.end(), {"--plugin-dir", directory});
   }
+  if (!setup.relaxation.empty()) arguments.insert(arguments.end(), {"--relaxation", setup.relaxation});
   for (const std::string& setting : setup.search) arguments.insert(arguments.end(), {"--search", setting});
   const double most = patience * setup.time_limit + 10.0;
   const app::ProcessResult run = app::run_process(plugins::executable_path().string(), arguments, "/", most);
@@ -62,6 +64,7 @@ CampaignCase run_case(const CampaignSetup& setup, const std::set<std::string>& p
   }
   result.verdict = json.value("status", "");
   result.reason = json.value("message", "");
+  result.cut = json.value("cut", "");
   result.seconds = real(json, "seconds");
   result.cpu_seconds = real(json, "cpu_seconds");
   result.objective = real(json, "objective");
@@ -72,7 +75,7 @@ CampaignCase run_case(const CampaignSetup& setup, const std::set<std::string>& p
   if (result.seconds > over_limit * setup.time_limit + scheduling) {
     return failed("time limit missed", fmt::format("{:.2f} s, {}", result.seconds, result.reason));
   }
-  result.met = result.verdict == "solved" || result.verdict == "infeasible";
+  result.met = result.verdict == "solved" || result.verdict == "infeasible" || result.verdict == nothing_to_relax;
   return result;
 }
 
@@ -86,21 +89,27 @@ std::set<std::string> names_at_hand(const plugins::Registry& registry) {
   return names;
 }
 
-std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const std::string& solver,
-                          double time_limit) {
+std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const std::string& solver, double time_limit,
+                          const std::string& relaxation) {
   const RandomScene random = random_scene(seed, solver, time_limit, names_at_hand(registry));
-  const Scene scene = scene_from_text(random.text, fmt::format("seed {}", seed), registry);
+  Scene scene = scene_from_text(random.text, fmt::format("seed {}", seed), registry);
   if (scene.solver.plugin != solver) throw Error("the solver '" + solver + "' was not found");
+  Json json;
+  json["campaign"] = seed;
+  for (const Relaxation& r : relaxations()) {
+    if (r.name != relaxation || r.apply(scene)) continue;
+    json["status"] = nothing_to_relax;
+    return json.dump();
+  }
   Problem problem(scene, plugins::make_components(registry, scene));
   const double begin = now();
   const double cpu_begin = processor_now();
   const Plan plan = problem.plan();
-  Json json;
-  json["campaign"] = seed;
   json["seconds"] = now() - begin;
   json["cpu_seconds"] = processor_now() - cpu_begin;
   json["status"] = to_string(plan.status);
   json["message"] = plan.message;
+  json["cut"] = plan.search_cut ? "cut" : "";
   json["objective"] = plan.objective;
   if (plan.status == PlanStatus::solved) {
     const PlanCheck check = check_plan(scene, plan);

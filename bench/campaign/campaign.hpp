@@ -23,6 +23,7 @@ struct CampaignSetup {
   double share = 0.995;  ///< of the cases that have to be met
   std::vector<std::string> plugin_directories;
   std::vector<std::string> search;  ///< parameters of the search, NAME=VALUE
+  std::string relaxation;           ///< by which every scene is changed first (relaxations.hpp); empty: none
   const std::atomic<bool>* stop = nullptr;
 };
 
@@ -35,6 +36,7 @@ struct CampaignCase {
   bool met = false;     ///< solved and confirmed, or infeasible, within the time limit
   bool grave = false;   ///< a crash, a hang, a false plan or a missed time limit
   std::string reason;
+  std::string cut;  ///< "cut" where time ended the search
   double seconds = 0.0, cpu_seconds = 0.0;
   double objective = 0.0;
   double equilibrium = 0.0, penetration = 0.0, margin = 0.0;  ///< of the check
@@ -43,9 +45,13 @@ struct CampaignCase {
 /// Coordinate models and objectives that random_scene() may draw.
 std::set<std::string> names_at_hand(const plugins::Registry& registry);
 
-/// Plans the scene of one seed, checks the plan, and returns one line of JSON. Throws where the scene cannot be used.
-std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const std::string& solver,
-                          double time_limit);
+/// Verdict on a scene to which a relaxation does not apply.
+inline constexpr const char* nothing_to_relax = "nothing to relax";
+
+/// Plans the scene of one seed, relaxed if that is asked for, checks the plan, and returns one line of JSON. Throws
+/// where the scene cannot be used.
+std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const std::string& solver, double time_limit,
+                          const std::string& relaxation);
 
 /// Every case, in order of solver and seed; those not reached before `stop` are missing.
 std::vector<CampaignCase> run_campaign(const CampaignSetup& setup);

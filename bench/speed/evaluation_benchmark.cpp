@@ -1,6 +1,6 @@
 // What one evaluation of a pose program costs, beside what the sines and cosines in it cost anyway: order 6, split, one
-// contact, 20 check points. Reports heap allocations per iteration too. The ratio of the rows is the result; times
-// depend on the machine.
+// contact, 20 check points; the last number of a name: whether the rod is tapered. Reports heap allocations per
+// iteration too. The ratio of the rows is the result; times depend on the machine.
 
 #include <benchmark/benchmark.h>
 
@@ -35,8 +35,13 @@ class Pose : public ObjectiveBase<Pose> {
 };
 
 struct Fixture {
-  explicit Fixture(int order = 6, int check_points = 20) : basis(order) {
+  explicit Fixture(int order = 6, int check_points = 20, bool tapered = false) : basis(order) {
     rod.segments[0].weight = 1.68;
+    if (tapered) {
+      // A round section whose diameter falls by a fifth.
+      rod.segments[0].more_stiffness = {-0.8, 0.24, -0.032, 0.0016};
+      rod.segments[0].more_weight = {-0.4 * 1.68, 0.04 * 1.68};
+    }
     rod.actuators = {{0.0, 1.0, -0.51, 0.51}};
     rod.gravity = {0.0, -1.0};
     PoseProgramSpec spec;
@@ -89,7 +94,7 @@ void sixty_sine_cosine_pairs(benchmark::State& state) {
 BENCHMARK(sixty_sine_cosine_pairs);
 
 void values(benchmark::State& state) {
-  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), state.range(2) != 0);
   const long before = allocations();
   for (auto _ : state) {
     f.nudge();
@@ -97,10 +102,10 @@ void values(benchmark::State& state) {
   }
   count_allocations(state, before);
 }
-BENCHMARK(values)->Args({6, 20});
+BENCHMARK(values)->Args({6, 20, 0})->Args({6, 20, 1});
 
 void first_derivatives(benchmark::State& state) {
-  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), state.range(2) != 0);
   const long before = allocations();
   for (auto _ : state) {
     f.nudge();
@@ -109,10 +114,17 @@ void first_derivatives(benchmark::State& state) {
   }
   count_allocations(state, before);
 }
-BENCHMARK(first_derivatives)->Args({6, 20})->Args({6, 4})->Args({12, 20})->Args({24, 20})->Args({48, 20});
+BENCHMARK(first_derivatives)
+    ->Args({6, 20, 0})
+    ->Args({6, 4, 0})
+    ->Args({12, 20, 0})
+    ->Args({24, 20, 0})
+    ->Args({48, 20, 0})
+    ->Args({6, 20, 1})
+    ->Args({12, 20, 1});
 
 void with_hessian(benchmark::State& state) {
-  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
+  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), state.range(2) != 0);
   const long before = allocations();
   for (auto _ : state) {
     f.nudge();
@@ -121,7 +133,14 @@ void with_hessian(benchmark::State& state) {
   }
   count_allocations(state, before);
 }
-BENCHMARK(with_hessian)->Args({6, 20})->Args({6, 4})->Args({12, 20})->Args({24, 20})->Args({48, 20});
+BENCHMARK(with_hessian)
+    ->Args({6, 20, 0})
+    ->Args({6, 4, 0})
+    ->Args({12, 20, 0})
+    ->Args({24, 20, 0})
+    ->Args({48, 20, 0})
+    ->Args({6, 20, 1})
+    ->Args({12, 20, 1});
 
 /// One mode's program with its tables, and the doubled one that judges it.
 void assembly(benchmark::State& state) {

@@ -48,6 +48,8 @@ void on_exit_while_opening() {
 
 }  // namespace
 
+std::mutex OpeningGuard::only_one;
+
 OpeningGuard::OpeningGuard(const std::filesystem::path& library)
     : message_("tendril: the plugin " + library.string() + " ended the program while it was being opened\n"),
       terminate_before_(std::set_terminate(on_terminate)) {

@@ -3,12 +3,13 @@
 #include <csignal>
 #include <exception>
 #include <filesystem>
+#include <mutex>
 #include <string>
 
 namespace tendril::plugins {
 
 /// While it lives, a crash of the process (std::terminate, abort, an invalid access) names the library being opened on
-/// standard error before it takes its course. One at a time.
+/// standard error before it takes its course. One at a time: another thread waits.
 class OpeningGuard {
  public:
   explicit OpeningGuard(const std::filesystem::path& library);
@@ -19,6 +20,9 @@ class OpeningGuard {
   static constexpr int signals[] = {SIGABRT, SIGSEGV, SIGBUS, SIGILL, SIGFPE};
 
  private:
+  static std::mutex only_one;
+
+  const std::lock_guard<std::mutex> alone_{only_one};  // first, since the others change what belongs to the process
   std::string message_;
   std::terminate_handler terminate_before_;
 };

@@ -44,10 +44,10 @@ class PoseProgramAllocation : public testing::TestWithParam<Case> {};
 
 TEST_P(PoseProgramAllocation, IsNothingAfterConstruction) {
   const Case& c = GetParam();
-  for (const char* shapes : {"circles", "walls", "hulls"}) {
+  for (const auto& [shapes, rod] : {std::pair("circles", "uniform"), {"walls", "uniform"}, {"hulls", "varied"}}) {
     SCOPED_TRACE(shapes);
     const support::SamplePose sample(
-        {std::make_shared<LegendreBasis>(c.order), c.split, c.at_tip, c.at_tip ? 0 : 1, shapes, false});
+        {std::make_shared<LegendreBasis>(c.order), c.split, c.at_tip, c.at_tip ? 0 : 1, shapes, false, rod});
     PoseProgram program(sample.spec);
     expect_no_allocation(program, program.start_from(constant_curvature(0.5)));
   }

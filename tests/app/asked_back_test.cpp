@@ -123,5 +123,37 @@ TEST(TrajectoryFile, HoldsTargets) {
   expect_refused(plan_targets("x,y\n"), "t.csv: found no points");
 }
 
+/// A plan whose [start] is `start`, with p.csv beside it.
+CommandRun plan_from(const std::string& start, const std::string& csv = {}) {
+  const TemporaryDirectory directory;
+  directory.write("p.csv", csv);
+  const std::string scene = R"(
+[rod]
+length = "100 mm"
+bending_stiffness = "4.9e-4 N m^2"
+[[rod.actuator]]
+limit = "25 N mm"
+[target]
+position = ["80 mm", "50 mm"]
+[[objective]]
+plugin = "tip_pose"
+[start]
+)" + start;
+  return tendril({"plan", directory.write("s.toml", scene), "--json"});
+}
+
+TEST(StartFile, HoldsPointsOfTheStart) {
+  const CommandRun run = plan_from("file = \"p.csv\"", "x [mm];y [mm]\n50;10\n80;45\n;\n");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(contains_text(run.err, "1 of the 3 rows of p.csv"));
+  const CommandRun listed = plan_from("points = [[\"50 mm\", \"10 mm\"], [\"80 mm\", \"45 mm\"]]");
+  ASSERT_EQ(listed.exit_code, 0) << listed.err;
+  EXPECT_EQ(json::parse(run.out)["coordinates"], json::parse(listed.out)["coordinates"]);
+  expect_refused(plan_from("file = \"q.csv\""), "q.csv");
+  expect_refused(plan_from("file = \"p.csv\"", "x,y\n1,up\n"), "p.csv:2:3: found \"up\", expected a length");
+  expect_refused(plan_from("file = \"p.csv\"\ntip_angle = 1", "x,y\n0.1,0\n"), "found 'tip_angle' beside points");
+  expect_refused(plan_from("file = \"p.csv\"\npoints = [[1, 2]]", "x,y\n0.1,0\n"), "found 'file' beside 'points'");
+}
+
 }  // namespace
 }  // namespace tendril::app::test

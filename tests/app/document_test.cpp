@@ -36,6 +36,19 @@ TEST(Document, KnowsWhereEveryKeyStands) {
   EXPECT_EQ(document.describe(document.find("nothing[3].at.all")), "s.toml:1:1");
 }
 
+TEST(Document, ComesBackFromItsText) {
+  const std::string text =
+      "title = \"a \\\"b\\\" \\u0001\"\nlist = [1, 2.0, [true, \"x\"], {k = 1e-4}]\n\"odd key\" = 1e300\n\n[t]\nlast = "
+      "0.1\n\n[t.inner]\n\n[[u]]\nc = 3\n\n[[u.v]]\nd = -4.0\n\n[[u]]\n";
+  const std::string written = text_of(Document::parse(text, "s.toml"));
+  EXPECT_EQ(text_of(Document::parse(written, "s.toml")), written);
+  const Document document = Document::parse(written, "s.toml");
+  EXPECT_EQ(std::get<std::string>(document.root().find("title")->value), std::string("a \"b\" \x01"));
+  EXPECT_EQ(std::get<double>(document.root().find("odd key")->value), 1e300);
+  EXPECT_EQ(document.find("u[0].v[0].d").line, 14);
+  EXPECT_THROW(text_of(Document::parse("day = 2020-01-01\n", "s.toml")), InputError);
+}
+
 TEST(Document, TakesSixtyFourLevelsAndNotOneMore) {
   EXPECT_EQ(message_of("a" + repeated(".a", 63) + " = 1"), "");
   EXPECT_TRUE(contains_text(message_of("a" + repeated(".a", 64) + " = 1"), "nested deeper than 64"));

@@ -85,6 +85,21 @@ TEST(Figure, AShapeThatIsNoPlanLooksLikeNone) {
   EXPECT_FALSE(contains_text(bad, "rgb( 31,  78, 140)"));
 }
 
+// A rod with a body is drawn as wide as it is, one without as a line.
+TEST(Figure, ABodyIsDrawn) {
+  const TemporaryDirectory directory;
+  FigureScene scene = scene_with_peg(0.1);
+  draw(scene, bent_plan(0.1), directory);
+  EXPECT_FALSE(contains_text(read_file(directory / "f.dat"), "body"));
+  EXPECT_FALSE(contains_text(read_file(directory / "f.gnuplot"), "body"));
+  scene.rod.segments = {{0.1, 1e-3, 0.0, 0.0}};
+  scene.rod.segments[0].thickness = 0.02;
+  draw(scene, bent_plan(0.1), directory);
+  EXPECT_TRUE(contains_text(read_file(directory / "f.dat"), "body"));
+  EXPECT_TRUE(contains_text(read_file(directory / "f.gnuplot"), "'body' using 1:2 with filledcurves"));
+  EXPECT_FALSE(contains_text(read_file(directory / "f.gnuplot"), "'other body'"));
+}
+
 TEST(Figure, BothFingersAreClamped) {
   const TemporaryDirectory directory;
   FigureScene scene;

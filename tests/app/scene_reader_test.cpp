@@ -224,6 +224,8 @@ std::vector<WrongValue> wrong_values(const KeySpec& key) {
       return {{"[\"no such word\"]", 1}, {"[3]", 1}, {"[]"}};
     case KeyType::quantities:
       return {{"[\"1 K\"]", 1}, {'[' + low + ']', 1}, {"3"}};
+    case KeyType::ends:
+      return {{"\"1 K\""}, {"[\"1 K\", 1]", 1}, {"[1]"}, {low}};
     case KeyType::points:
       return {{"[[\"1 K\", 0]]", 2}, {"[[0]]", 1}, {"[]"}};
     case KeyType::targets:

@@ -49,6 +49,18 @@ grep -qE '^solved, moment .* N mm, tip misses by 0\.42[0-9]* mm$' once
 grep -qE '^peg: 78\.[78][0-9]* mN$' once
 clean build/library/follow "$solver" | tee follow
 grep -qE '^50 of 50 steps solved' follow
+# A scene file, read and planned by a program as by the command.
+scene=$prefix/share/doc/tendril/scenes/brace.toml
+clean build/library/plan_file "$scene" "$solver" | tee file
+grep -qE '^solved, tip at 20\.136 mm; under 2\.5 N mm at 22\.002 mm$' file
+clean tendril plan "$scene" --set 'contact.max_force=2 N' --solver "$solver" --verify --json > command.json
+# Times differ, and each names the plugins' directory as it found it.
+without_times() { sed -E '/"(seconds[a-z_]*|assemble|certify|open|read|solve|file|maxtime)":/d' "$1"; }
+diff <(without_times plan.json) <(without_times command.json)
+printf 'rod = 1\n' > wrong.toml
+code=0
+clean build/library/plan_file wrong.toml 2> err || code=$?
+[[ $code == 2 ]] && grep -q '^wrong.toml:1:7: ' err
 code=0
 clean build/library/plan_once nosuch 2> err || code=$?
 [[ $code == 2 ]] && grep -q "'nosuch'" err

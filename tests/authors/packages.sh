@@ -40,3 +40,15 @@ command=(env -i "$work/root/usr/bin/tendril")
 [[ $(cut -d: -f1 "$work/solvers") == "solver $solver" ]] || { cat "$work/solvers"; exit 1; }
 "${command[@]}" plan "$scene" --solver "$solver" --json > "$work/plan.json"
 grep -q '"status": "solved"' "$work/plan.json"
+
+# The Python package beside them finds library, plugins and command where the packages put them.
+if [[ " ${components[*]} " == *' python3-tendril '* ]]; then
+  dpkg-deb -x "$work/packages/python3-tendril"_*.deb "$work/root"
+  grep -q 'python3-numpy' <<< "$(field python3-tendril Depends)"
+  python=(env -i PATH=/usr/bin:/bin PYTHONPATH="$work/root/usr/lib/python3/dist-packages" /usr/bin/python3 -B)
+  "${python[@]}" -c '
+import sys, tendril
+plan = tendril.load(sys.argv[1]).copy({"solver.plugin": sys.argv[2]}).plan()
+assert plan.solved and all("/root/usr/lib/" in p["file"] for p in plan["plugins"]), plan' "$scene" "$solver"
+  [[ $("${python[@]}" -m tendril --version) == $("${command[@]}" --version) ]]
+fi

@@ -81,6 +81,8 @@ TEST(BenchCommand, EndsWithItsCode) {
         Code{{"campaign", "--seeds", "1:2", "--solver", solver, "--ablation", "--search", "most_sides=0"},
              0,
              "most_sides=0"},
+        Code{{"campaign", "--seeds", "1:3", "--solver", solver, "--relaxed"}, 0, "limits of moments 1.5 times as wide"},
+        Code{{"campaign", "--seeds", "1:1", "--solver", solver, "--relaxation", "wider"}, 2, "wider"},
         Code{{"campaign", "--search", "most_side=0"}, 2, "no search parameter 'most_side'"},
         Code{{"campaign", "--search", "most_sides=few"}, 2, "is no number"},
         Code{{"campaign", "--seeds", "2:1"}, 2, "--seeds 2:1: expected FIRST:LAST"},

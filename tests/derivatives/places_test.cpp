@@ -18,8 +18,16 @@ namespace {
 /// Two segments and a load of every kind, with places of every kind. Split: arc lengths are knots; else one place
 /// slides.
 struct Posed {
-  explicit Posed(bool is_split) : split(is_split) {
+  explicit Posed(bool is_split, bool varies = false) : split(is_split) {
     rod.segments = {{0.0, 0.4, 1.0, 1.7, 0.3}, {0.4, 1.0, 0.6, 0.9, -0.2}};
+    if (varies) {
+      rod.segments[0].more_stiffness = {-0.3};
+      rod.segments[0].more_weight = {0.4};
+      rod.segments[1].more_stiffness = {-0.4, 0.2, 0.1, -0.05};
+      rod.segments[1].more_weight = {-0.7, 0.3};
+      rod.segments[1].more_rest_curvature = {0.5, -0.2};
+      rod.loads = {{0.4, 0.4, {0.2, -0.3}, 0.25}, {0.4, 1.0, {-0.4, 0.3}, 0.0}, {0.0, 1.0, {0.1, 0.2}, 0.0}};
+    }
     rod.base = {0.1, -0.2};
     rod.base_angle = 0.3;
     const std::vector<int> stretches = split ? std::vector<int>{0, 1} : std::vector<int>{};
@@ -43,6 +51,7 @@ struct Posed {
       f->tip = {d(random), d(random)};
       f->gravity = {d(random), d(random)};
       f->payload = 0.4;
+      f->dead = f == &forces ? 0.7 : 1.3;
       for (Push& push : f->on) push.force = {d(random), d(random)};
     }
     for (int k = 0; k < places->count(); ++k) {
@@ -86,11 +95,17 @@ struct Posed {
       if (push.bending != 0.0) sum += push.bending * places->side(k, 0).curvature;
     }
     for (int j = 0; j < chain->piece_count(); ++j) {
-      Vec2 centre{};
       for (int g = 0; g < chain->nodes(); ++g) {
-        centre += chain->table().weight[g] * curve.position(j, chain->table().sigma[g]);
+        const double s = shape.start(j) + chain->table().sigma[g] * shape.length(j);
+        Vec2 load = rod.segment_at(s).weight_at(s).value * f.gravity;
+        for (const Rod::Load& l : rod.loads) {
+          if (s > l.from && s < l.to) load += f.dead * l.force;
+        }
+        sum += shape.length(j) * chain->table().weight[g] * dot(load, curve.position(j, chain->table().sigma[g]));
       }
-      sum += chain->piece(j).weight * shape.length(j) * dot(f.gravity, centre);
+    }
+    for (const Rod::Load& l : rod.loads) {
+      if (l.at_point()) sum += dot(f.dead * l.force + l.weight * f.gravity, shape.at(l.from).position);
     }
     return sum;
   }
@@ -125,9 +140,9 @@ struct Posed {
   Eigen::VectorXd at, lambda;
 };
 
-class PlacesOn : public testing::TestWithParam<bool> {
+class PlacesOn : public testing::TestWithParam<std::pair<bool, bool>> {
  protected:
-  Posed p{GetParam()};
+  Posed p{GetParam().first, GetParam().second};
   const std::function<std::string(int)> number = [](int i) { return std::to_string(i); };
 };
 
@@ -246,8 +261,13 @@ TEST_P(PlacesOn, EnergyHasItsDerivatives) {
   expect_near("its derivative along lambda", second(0.0, p.lambda.data()), third, number, number, 1e-8);
 }
 
-INSTANTIATE_TEST_SUITE_P(Rods, PlacesOn, testing::Bool(),
-                         [](const auto& split) { return split.param ? "split" : "unsplit"; });
+INSTANTIATE_TEST_SUITE_P(Rods, PlacesOn,
+                         testing::Values(std::pair(false, false), std::pair(true, false), std::pair(false, true),
+                                         std::pair(true, true)),
+                         [](const auto& kind) {
+                           return std::string(kind.param.first ? "split" : "unsplit") +
+                                  (kind.param.second ? "_varied" : "");
+                         });
 
 }  // namespace
 }  // namespace tendril

@@ -37,7 +37,10 @@ Eigen::VectorXd sample_point(const PoseProgram& program) {
 double mass_beyond(const Rod& rod, double s) {
   double mass = rod.payload;
   for (const Rod::Segment& segment : rod.segments) {
-    mass += segment.weight * (segment.to - std::clamp(s, segment.from, segment.to));
+    mass += segment.whole_weight() - segment.weight_up_to(std::clamp(s, segment.from, segment.to));
+  }
+  for (const Rod::Load& load : rod.loads) {
+    if (load.from > s) mass += load.weight;
   }
   return mass;
 }
@@ -77,20 +80,24 @@ double potential(const SamplePose& sample, PoseProgram& program, const Eigen::Ve
         const double s = begin + length * sigma[g];
         const Rod::Segment& segment = rod.segment_at(s);
         Vec2 beyond = rod.tip_force + mass_beyond(rod, s) * rod.gravity;
+        for (const Rod::Load& load : rod.loads) {
+          const double share =
+              load.at_point() ? (load.from > s ? 1.0 : 0.0) : load.to - std::clamp(s, load.from, load.to);
+          beyond += share * load.force;
+        }
         for (const DeadForce& f : forces) {
           if (f.arc_length > s) beyond += f.force;
         }
-        const double bent = curvature[g] - segment.rest_curvature;
+        const double bent = curvature[g] - segment.rest_curvature_at(s).value;
+        double moment = 0.0;
+        for (int a = 0; a < static_cast<int>(rod.actuators.size()); ++a) {
+          const int variable = program.moment_variable(a);
+          if (variable >= 0) moment += x[variable] * rod.actuators[static_cast<std::size_t>(a)].at(s);
+        }
         energy += width * rule.weights()[g] *
-                  (0.5 * segment.stiffness * bent * bent - dot(beyond, {std::cos(angle[g]), std::sin(angle[g])}));
+                  (0.5 * segment.stiffness_at(s).value * bent * bent - moment * curvature[g] -
+                   dot(beyond, {std::cos(angle[g]), std::sin(angle[g])}));
       }
-    }
-    // An actuator turns the pieces between its ends.
-    for (int a = 0; a < static_cast<int>(rod.actuators.size()); ++a) {
-      const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
-      const double middle = begin + 0.5 * length;
-      if (program.moment_variable(a) < 0 || middle < actuator.from || middle > actuator.to) continue;
-      energy -= x[program.moment_variable(a)] * (backbone.knot_angle(j + 1) - backbone.knot_angle(j));
     }
   }
   return energy;
@@ -101,6 +108,8 @@ struct Case {
   bool split, tip;
   int inside;
   bool palm;
+  const char* rod = "uniform";
+  bool profiles = false;
 };
 
 const Case cases[] = {{"free", true, false, 0, false},
@@ -108,13 +117,22 @@ const Case cases[] = {{"free", true, false, 0, false},
                       {"inside in a piece", false, false, 1, false},
                       {"two and tip", true, true, 2, false},
                       {"two and tip in pieces", false, true, 2, false},
-                      {"on a palm", true, true, 1, true}};
+                      {"on a palm", true, true, 1, true},
+                      {"tapered", true, true, 2, false, "tapered"},
+                      {"tapered in pieces", false, true, 2, false, "tapered"},
+                      {"loaded", true, false, 1, true, "loaded"},
+                      {"loaded in pieces", false, true, 2, false, "loaded"},
+                      {"thick", false, true, 2, false, "thick"},
+                      {"thick, tapered and loaded", true, true, 2, true, "varied"},
+                      {"profiles", true, true, 2, false, "uniform", true},
+                      {"profiles in pieces, tapered and loaded", false, true, 2, true, "varied", true}};
 
 // h_e = -dPi/dq + sum of f J^T n, by differences of the energy itself.
 TEST(PoseValues, EquilibriumRowsAreTheSlopesOfTheEnergy) {
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
-    SamplePose sample({std::make_shared<LegendreBasis>(5, 2), c.split, c.tip, c.inside, "circles", c.palm});
+    SamplePose sample(
+        {std::make_shared<LegendreBasis>(5, 2), c.split, c.tip, c.inside, "circles", c.palm, c.rod, c.profiles});
     PoseProgram program(sample.spec);
     const Eigen::VectorXd x = sample_point(program);
     const PoseProgram::Layout& at = program.layout();
@@ -139,7 +157,7 @@ TEST(PoseValues, EquilibriumRowsAreTheSlopesOfTheEnergy) {
 TEST(PoseValues, RowsOfContactsAreGapsAndAngles) {
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
-    SamplePose sample({std::make_shared<LegendreBasis>(5, 2), c.split, c.tip, c.inside, "hulls", c.palm});
+    SamplePose sample({std::make_shared<LegendreBasis>(5, 2), c.split, c.tip, c.inside, "hulls", c.palm, c.rod});
     PoseProgram program(sample.spec);
     const Eigen::VectorXd x = sample_point(program);
     const Eigen::VectorXd rows = program.constraints(x);
@@ -155,8 +173,10 @@ TEST(PoseValues, RowsOfContactsAreGapsAndAngles) {
       EXPECT_NEAR(norm(contact.point - p.position), 0.0, 1e-13);
       const int obstacle = program.spec().contacts[static_cast<std::size_t>(k)].obstacle;
       const SurfacePoint surface = program.spec().obstacles[static_cast<std::size_t>(obstacle)]->at(p.position);
-      EXPECT_NEAR(rows[at.first_gap + k], surface.distance, 1e-13);
-      EXPECT_NEAR(rows[at.first_closest + k], dot(surface.normal, {std::cos(p.angle), std::sin(p.angle)}), 1e-13);
+      const Rod::Jet body = sample.rod.radius_at(s);
+      EXPECT_NEAR(rows[at.first_gap + k], surface.distance - body.value, 1e-13);
+      EXPECT_NEAR(rows[at.first_closest + k], dot(surface.normal, {std::cos(p.angle), std::sin(p.angle)}) - body.slope,
+                  1e-13);
     }
     for (int i = 0; i < at.checks; ++i) {
       const CheckPoint& check = sample.spec.checks[static_cast<std::size_t>(i)];
@@ -164,7 +184,10 @@ TEST(PoseValues, RowsOfContactsAreGapsAndAngles) {
       // The last obstacle moves with the base, so it sees the rod as if the base had not moved.
       if (c.palm && check.obstacle == 2) p = p - program.base_shift();
       const Obstacle& obstacle = *sample.spec.obstacles[static_cast<std::size_t>(check.obstacle)];
-      EXPECT_NEAR(rows[at.first_check + i], obstacle.at(p).distance, 1e-13) << "check point " << i;
+      // What stands on the palm is kept off the backbone alone.
+      const double s = program.backbone().start(check.piece) + check.sigma * program.backbone().length(check.piece);
+      const double radius = c.palm && check.obstacle == 2 ? 0.0 : sample.rod.radius_at(s).value;
+      EXPECT_NEAR(rows[at.first_check + i], obstacle.at(p).distance - radius, 1e-13) << "check point " << i;
     }
     const Vec2 shift = c.palm ? -0.1 * Vec2{0.8, -0.6} : Vec2{};
     EXPECT_NEAR(norm(program.base_shift() - shift), 0.0, 1e-15);
@@ -174,10 +197,10 @@ TEST(PoseValues, RowsOfContactsAreGapsAndAngles) {
 
 // d_ss = d^2/ds^2 of the distance along the rod, on either side of the contact; the larger one counts.
 TEST(PoseValues, ConvexityOfAContactIsTheBendingOfItsGap) {
-  for (const char* shapes : {"circles", "walls"}) {
+  for (const auto& [shapes, rod] : {std::pair("circles", "uniform"), {"walls", "uniform"}, {"circles", "thick"}}) {
     for (const bool split : {true, false}) {
-      SCOPED_TRACE(std::string(shapes) + (split ? ", split" : ", whole"));
-      SamplePose sample({std::make_shared<LegendreBasis>(5), split, true, 2, shapes});
+      SCOPED_TRACE(std::string(shapes) + (split ? ", split, " : ", whole, ") + rod);
+      SamplePose sample({std::make_shared<LegendreBasis>(5), split, true, 2, shapes, false, rod});
       PoseProgram program(sample.spec);
       Eigen::VectorXd x = sample_point(program);
       // Bent the other way, the other side of each contact has more.
@@ -186,7 +209,9 @@ TEST(PoseValues, ConvexityOfAContactIsTheBendingOfItsGap) {
           program.constraints(x);
           const PoseProgram::ContactState& contact = program.contacts()[static_cast<std::size_t>(k)];
           const Obstacle& obstacle = *sample.spec.obstacles[static_cast<std::size_t>(k % 2)];
-          const auto gap = [&](double s) { return obstacle.at(program.backbone().at(s).position).distance; };
+          const auto gap = [&](double s) {
+            return obstacle.at(program.backbone().at(s).position).distance - sample.rod.radius_at(s).value;
+          };
           const auto bending = [&](double side) {
             const double h = 1e-3 * side;
             const double s = contact.arc_length;
@@ -319,13 +344,15 @@ TEST(PoseValues, ABranchChangesLimitsOnly) {
 
 TEST(PoseValues, RowsAndVariablesAreNamedByTheirBlocks) {
   SamplePose sample({std::make_shared<LegendreBasis>(4), true, true, 2, "circles", true});
+  sample.spec.tolerance = {0.1, 0.1};
   sample.spec.least_margin = 0.1;
   sample.spec.least_convexity = 0.1;
   const PoseProgram program(sample.spec);
   // Two stretches, the second with two knots: four pieces.
   const std::vector<std::pair<std::string, int>> rows{
-      {"equilibrium row", 16},  {"contact_gap row", 3},   {"closest_point row", 3}, {"non_penetration row", 5},
-      {"contact_order row", 1}, {"force_balance row", 1}, {"stability row", 1},     {"point_contact row", 4}};
+      {"equilibrium row", 16},    {"contact_gap row", 3},   {"closest_point row", 3},
+      {"non_penetration row", 5}, {"contact_order row", 1}, {"force_balance row", 1},
+      {"target row", 2},          {"stability row", 1},     {"point_contact row", 4}};
   int row = 0;
   for (const auto& [name, count] : rows) {
     for (int i = 1; i <= count; ++i) EXPECT_EQ(program.row_name(row++), name + " " + std::to_string(i));

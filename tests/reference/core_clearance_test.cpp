@@ -20,10 +20,10 @@ constexpr double pi = std::numbers::pi;
 
 /// A rod bent to an arc of angle `turn`, cut into pieces that a random shape of the same program would have.
 struct Arc {
-  explicit Arc(double angle, int order = 6, int pieces = 1)
+  explicit Arc(double angle, int order = 6, int pieces = 1, const Rod& rod = {})
       : turn(angle),
         basis(order, pieces),
-        chain(Rod{}, basis, {}, suggested_nodes(order, angle)),
+        chain(rod, basis, {}, suggested_nodes(order, angle)),
         backbone(chain, {}, 0.0),
         curve(std::make_shared<CurveTables>(chain.rule())) {
     Eigen::VectorXd q = Eigen::VectorXd::Zero(chain.coordinate_count());
@@ -312,6 +312,42 @@ TEST(CoreClearanceReference, ExchangeSeesWhatTheCertificateSees) {
     for (const ClosestApproach& a : closest_approaches(arc.curve, circle, 0.0))
       deepest = std::max(deepest, -a.distance);
     EXPECT_NEAR(certified_depth(arc.curve, circle), deepest, 1e-9) << trial;
+  }
+}
+
+// A body is as deep in an obstacle as the deepest of the discs that it is made of.
+TEST(Clearance, ABodyIsAsDeepAsItsDiscs) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> d(-1.0, 1.0);
+  Rod rod;
+  rod.segments[0].radius = 0.05;
+  for (const std::vector<double>& more : {std::vector<double>{}, {-0.04}, {0.06, -0.1}}) {
+    rod.segments[0].more_radius = more;
+    for (int trial = 0; trial < 30; ++trial) {
+      const Arc arc(2.5 * d(random), 6, 2, rod);
+      const Vec2 place = arc.at(0.5 + 0.5 * d(random)) + 0.12 * Vec2{d(random), d(random)};
+      const Circle circle(place, 0.05 + 0.04 * d(random));
+      const Wall wall(place, {d(random), d(random)});
+      const RoundedHull hull({place, place + Vec2{0.1, 0.02}, place + Vec2{0.05, 0.1}}, 0.01);
+      for (const Obstacle* obstacle : {static_cast<const Obstacle*>(&circle), static_cast<const Obstacle*>(&wall),
+                                       static_cast<const Obstacle*>(&hull)}) {
+        double deepest = 0.0;
+        constexpr int samples = 20000;
+        for (int i = 0; i <= samples; ++i) {
+          const double s = static_cast<double>(i) / samples;
+          deepest = std::max(deepest, rod.radius_at(s).value - obstacle->at(arc.at(s)).distance);
+        }
+        const double depth = certified_depth(arc.curve, *obstacle);
+        EXPECT_GE(depth, deepest - 1e-13);
+        // Near a centre the distance changes as fast as the place, and the radius by a tenth of that.
+        EXPECT_LE(depth, deepest + 0.6 / samples);
+        double lowest = infinity;
+        for (const ClosestApproach& at : closest_approaches(arc.curve, *obstacle, 0.0))
+          lowest = std::min(lowest, at.distance);
+        if (!(deepest > 1e-6)) continue;
+        EXPECT_NEAR(-lowest, depth, 1e-8);
+      }
+    }
   }
 }
 

@@ -13,6 +13,7 @@
 #include "obstacle/circle.hpp"
 #include "obstacle/rounded_hull.hpp"
 #include "obstacle/wall.hpp"
+#include "tendril/tolerances.hpp"
 
 namespace tendril::support {
 namespace {
@@ -146,6 +147,26 @@ TEST(CounterexampleCertificate, ForceAboveItsLimit) {
 TEST(CounterexampleCertificate, ForceBelowWhatIsRequired) {
   const auto pose = braced_pose();
   expect_bound(*pose, pose->force(), -1.0, [&](double at) { pose->spec.min_force = at; });
+}
+
+TEST(CounterexampleCertificate, TipBeyondTheTargetsTolerance) {
+  const auto pose = braced_pose();
+  (void)pose->program->constraints(pose->x);
+  const Vec2 tip = pose->program->backbone().tip();
+  const double angle = pose->program->backbone().tip_angle();
+  const double off = 0.01;
+  pose->spec.target.position = tip + Vec2{0.6 * off, -0.8 * off};
+  pose->spec.target.angle = angle - off;
+  const auto with = [&](TargetTolerance tolerance) {
+    pose->spec.tolerance = tolerance;
+    pose->assemble();
+    return pose->judge(pose->x);
+  };
+  // The row of the position is not the distance, but falls by 1 / sqrt(2) of the tolerance's growth.
+  expect_limit("violation of a limit", tolerance::bounds, [&](double e) {
+    return with({off - std::sqrt(2.0) * e, infinity});
+  });
+  expect_limit("violation of a limit", tolerance::bounds, [&](double e) { return with({infinity, off - e}); });
 }
 
 // The limits are those of the scene whatever branch the program is on.

@@ -35,6 +35,22 @@ std::pair<std::unique_ptr<Obstacle>, std::unique_ptr<Obstacle>> obstacles_of(con
 
 SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
   rod.segments = {{0.0, 0.45, 1.0, 2.0, 0.3}, {0.45, 1.0, 0.6, 1.1, -0.2}};
+  if (setup.rod == "tapered" || setup.rod == "varied") {
+    rod.segments[0].more_stiffness = {-0.3};
+    rod.segments[0].more_weight = {0.4};
+    rod.segments[1].more_stiffness = {-0.4, 0.2, 0.1, -0.05};
+    rod.segments[1].more_weight = {-0.7, 0.3};
+    rod.segments[1].more_rest_curvature = {0.5, -0.2};
+  }
+  if (setup.rod == "loaded" || setup.rod == "varied") {
+    rod.loads = {{0.45, 0.45, {0.2, -0.3}, 0.25}, {0.45, 1.0, {-0.4, 0.3}, 0.0}, {0.0, 1.0, {0.1, 0.2}, 0.0}};
+  }
+  if (setup.rod == "thick" || setup.rod == "varied") {
+    rod.segments[0].radius = 0.04;
+    rod.segments[0].more_radius = {-0.01};
+    rod.segments[1].radius = 0.03;
+    rod.segments[1].more_radius = {0.02, -0.035};
+  }
   rod.actuators = {{0.0, 1.0, -3.0, 3.0}, {0.45, 1.0, -2.0, 2.0}, {0.0, 0.45, 0.0, 0.0}};
   if (setup.profiles) {
     rod.actuators[0].profile = {{0.0, 0.45, {1.0, -0.7, 0.4}}, {0.45, 1.0, {0.8, 0.9, -1.7, 1.1}}};

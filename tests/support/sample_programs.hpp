@@ -59,6 +59,7 @@ struct SamplePose {
     int interior_contacts = 0;
     std::string shapes = "circles";  ///< of obstacles: "circles", "walls" or "hulls"
     bool palm = false;               ///< the base moves against one more obstacle
+    std::string rod = "uniform";     ///< "uniform" by segments, "tapered", "loaded", "thick", or "varied": all of these
     bool profiles = false;           ///< moments of actuators vary along the rod
   };
   explicit SamplePose(const Setup& setup);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -43,6 +44,46 @@ TEST(SelfOverlap, CrossingChordsMeetWhereTheyCross) {
   ASSERT_TRUE(met);
   EXPECT_NEAR(met->first, 0.75, 1e-12);
   EXPECT_NEAR(met->second, 3.0, 1e-12);
+}
+
+/// Along x, half a turn of radius 0.1 to the left, and back at a distance of 0.2.
+std::vector<BackbonePoint> hook() {
+  std::vector<BackbonePoint> points;
+  const double half_turn = 0.1 * std::numbers::pi;
+  for (int i = 0; i <= 200; ++i) {
+    const double s = (0.7 + half_turn) * i / 200.0;
+    const double turned = std::clamp((s - 0.4) / 0.1, 0.0, std::numbers::pi);
+    const double straight = std::min(s, 0.4) - std::max(0.0, s - 0.4 - half_turn);
+    points.push_back({s, straight + 0.1 * std::sin(turned), 0.1 * (1.0 - std::cos(turned)), turned,
+                      turned > 0.0 && turned < std::numbers::pi ? 10.0 : 0.0});
+  }
+  return points;
+}
+
+// Sides of a body meet where backbones do not.
+TEST(SelfOverlap, OfABodyIsThatOfItsSides) {
+  EXPECT_FALSE(self_overlap(hook()));
+  EXPECT_FALSE(self_overlap(hook(), [](double) { return 0.08; }));
+  const auto met = self_overlap(hook(), [](double s) { return s < 0.35 ? 0.12 : s > 0.75 ? 0.09 : 0.05; });
+  ASSERT_TRUE(met);
+  EXPECT_LT(met->first, 0.4);
+  EXPECT_GT(met->second, 0.7);
+}
+
+// A body that is thicker than its backbone bends lies in itself on the inner side.
+TEST(SelfOverlap, ABodyFoldsWhereItBendsTooMuch) {
+  const std::vector<BackbonePoint> bent = arc(2.0, 100);
+  EXPECT_FALSE(self_overlap(bent, [](double) { return 0.49; }));
+  EXPECT_TRUE(self_overlap(bent, [](double s) { return 0.3 + 0.5 * s; }));
+}
+
+TEST(SelfOverlap, SidesOfABodyStandAcrossTheBackbone) {
+  const std::vector<BackbonePoint> sides = body_outline(arc(1.0, 10), [](double s) { return 0.1 - 0.05 * s; });
+  ASSERT_EQ(sides.size(), 22U);
+  EXPECT_NEAR(sides.front().y, 0.1, 1e-15);
+  EXPECT_NEAR(sides.back().y, -0.1, 1e-15);
+  EXPECT_EQ(sides[10].s, 1.0);
+  EXPECT_NEAR(norm(sides[10].position() - sides[11].position()), 0.1, 1e-15);
 }
 
 }  // namespace

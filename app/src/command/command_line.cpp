@@ -7,6 +7,7 @@
 
 #include "command/new_command.hpp"
 #include "command/reference.hpp"
+#include "session/inputs.hpp"
 #include "tendril/app/commands.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/study_command.hpp"
@@ -218,7 +219,7 @@ Command execute_command(CLI::App& app) {
   struct Parsed {
     SceneOptions scene;
     ResultOptions result;
-    Inputs inputs;
+    files::Inputs inputs;
     std::string plan;
   };
   CLI::App* execute = app.add_subcommand(
@@ -229,9 +230,9 @@ Command execute_command(CLI::App& app) {
   CLI::Option* from_plan =
       execute->add_option("--plan", parsed->plan, "Result whose moments are executed")->type_name("RESULT.json");
   std::vector<CLI::Option*> given{from_plan};
-  const auto inputs = [&](InputKind kind, const char* type, const char* what) {
+  const auto inputs = [&](files::InputKind kind, const char* type, const char* what) {
     CLI::Option* option = execute->add_option_function<std::string>(
-        Inputs{kind, ""}.option(),
+        option_of(kind),
         [parsed, kind](const std::string& text) {
           parsed->inputs = {kind, text};
         },
@@ -240,9 +241,9 @@ Command execute_command(CLI::App& app) {
     for (CLI::Option* other : given) option->excludes(other);
     given.push_back(option);
   };
-  inputs(InputKind::moments, "\"M, ...\"", "One per actuator, in N m or with units");
-  inputs(InputKind::pressures, "\"P, ...\"", "One per actuator, in Pa or with units");
-  inputs(InputKind::each, "\"V, ...\"",
+  inputs(files::InputKind::moments, "\"M, ...\"", "One per actuator, in N m or with units");
+  inputs(files::InputKind::pressures, "\"P, ...\"", "One per actuator, in Pa or with units");
+  inputs(files::InputKind::each, "\"V, ...\"",
          "One per actuator, in the unit of its kind: a moment, a pressure where the scene has moment_per_pressure, a "
          "tension");
   return {execute, [execute, parsed] {

@@ -55,6 +55,8 @@ std::string value_of(const KeySpec& key) {
       return "list of " + choices_of(key);
     case KeyType::quantities:
       return "list of numbers" + unit_of(key) + range_of(key);
+    case KeyType::ends:
+      return "number, or [at the base, at the end]" + unit_of(key) + range_of(key);
     case KeyType::points:
       return "list of points" + unit_of(key);
     case KeyType::targets:

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "figure/gnuplot.hpp"
+#include "figure/panels.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/grasp.hpp"
 
@@ -87,6 +88,22 @@ std::vector<Arrow> arrows_of(const FigureScene& scene, const Plan& plan) {
   return arrows;
 }
 
+/// Sides of a body; empty: it has none.
+std::vector<Vec2> body_of(const RodSpec& rod, const std::vector<BackbonePoint>& backbone) {
+  const BodyRadius body = rod.body();
+  return body ? line_of(body_outline(backbone, body)) : std::vector<Vec2>{};
+}
+
+std::vector<Vec2> body_of(const FigureScene& scene, const Plan& plan) { return body_of(scene.rod, plan.backbone); }
+
+std::vector<Vec2> other_body_of(const FigureScene& scene, const Plan& plan) {
+  if (!scene.gripper) return {};
+  if (const FingerPlan* lower = lower_finger(plan)) return body_of(scene.other_rod, lower->backbone);
+  std::vector<Vec2> body = body_of(scene, plan);
+  for (Vec2& p : body) p = mirrored(*scene.gripper, p);
+  return body;
+}
+
 /// The window of the figure: the rod with some room around it; obstacles only as far as they are near.
 Box window_of(const FigureScene& scene, const Plan& plan) {
   Box box;
@@ -94,6 +111,8 @@ Box window_of(const FigureScene& scene, const Plan& plan) {
   for (const BackbonePoint& p : plan.backbone) box.add(p.position());
   for (const BackbonePoint& p : plan.start_backbone) box.add(p.position());
   for (const Vec2 p : other_finger(scene, plan)) box.add(p);
+  for (const Vec2 p : body_of(scene, plan)) box.add(p);
+  for (const Vec2 p : other_body_of(scene, plan)) box.add(p);
   if (scene.target) box.add(*scene.target);
   for (const Vec2 p : scene.measured) box.add(p);
   for (const Arrow& a : arrows_of(scene, plan)) box.add(a.point + 1.25 * a.arrow);
@@ -153,6 +172,12 @@ DataFile data_of(const FigureScene& scene, const Plan& plan, LengthUnit unit) {
     const Vec2 along =
         mirrored(*scene.gripper, scene.base + Vec2{std::cos(scene.base_angle), std::sin(scene.base_angle)}) - base;
     add_clamp(data, base, std::atan2(along.y, along.x), length, "other clamp");
+  }
+  if (!body_of(scene, plan).empty() || !other_body_of(scene, plan).empty()) {
+    data.block("body", "x y");
+    for (const Vec2 p : body_of(scene, plan)) data.row(p);
+    data.block("other body", "x y");
+    for (const Vec2 p : other_body_of(scene, plan)) data.row(p);
   }
   data.block("start", "x y");
   data.points(plan.start_backbone);
@@ -265,6 +290,10 @@ std::string plot_command(const FigureScene& scene, const Plan& plan, const std::
       parts.push_back(block + " with lines linewidth 1.2 linecolor rgb '#707070' notitle");
     }
   }
+  for (const char* body : {"body", "other body"}) {
+    if ((body[0] == 'b' ? body_of(scene, plan) : other_body_of(scene, plan)).empty()) continue;
+    parts.push_back(data + " index '" + body + "' using 1:2 with filledcurves closed fillcolor rgb '#c3d4ea' notitle");
+  }
   for (const char* clamp : {"clamp", "other clamp"}) {
     if (std::string(clamp) != "clamp" && !scene.gripper) continue;
     parts.push_back(data + " index '" + clamp + "' using 1:2 with lines linewidth 1.5 linecolor rgb '#404040' notitle");
@@ -348,6 +377,8 @@ FigureScene figure_scene(const Scene& scene, const std::vector<std::unique_ptr<O
   figure.base = scene.rod.base_position;
   figure.base_angle = scene.rod.base_angle;
   figure.gravity = scene.gravity;
+  figure.rod = scene.gripper ? finger_of(scene, FingerName::upper).rod : scene.rod;
+  figure.other_rod = scene.gripper ? finger_of(scene, FingerName::lower).rod : RodSpec{};
   figure.obstacles_ignored = scene.contact.mode == ContactModeName::ignore;
   // Unbounded shapes are cut off well outside of what the rod can reach, so that the cut is never seen.
   const Scale scale = scale_of(scene);

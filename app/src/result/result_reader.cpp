@@ -163,15 +163,15 @@ void read_fingers(const Reader& root, const Scene& scene, const std::string& fil
 
 }  // namespace
 
-std::vector<TrajectoryStep> read_steps(const std::filesystem::path& path, const Scene& scene, const std::string& what) {
-  const Json json = Json::parse(read_input(path, what), nullptr, false);
-  const Reader root(json, path.string(), "");
+std::vector<TrajectoryStep> parse_steps(const std::string& text, const std::string& file, const Scene& scene) {
+  const Json json = Json::parse(text, nullptr, false);
+  const Reader root(json, file, "");
   std::vector<TrajectoryStep> steps;
   if (!root.has("steps")) return steps;
   if (scene.problem == ProblemKind::grasp) root.member("steps").fail("the result of a grasp");
   for (const Reader& entry : root.member("steps").list()) {
     TrajectoryStep& step = steps.emplace_back();
-    step.plan.moments = read_moments(entry, scene.rod, path.string());
+    step.plan.moments = read_moments(entry, scene.rod, file);
     if (!entry.has("target")) continue;
     const Reader target = entry.member("target");
     if (target.has("position")) step.target.position = target.member("position").point();

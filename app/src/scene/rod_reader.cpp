@@ -8,21 +8,6 @@ namespace tendril::app {
 
 namespace {
 
-Table<SegmentSpec> segment_table() {
-  using T = SegmentSpec;
-  return {{quantity<T>(
-               "length", dimension::length, positive, "", "Length of the segment.",
-               [](T& t, double v) { t.length = v; }, Need::required),
-           quantity<T>(
-               "bending_stiffness", dimension::stiffness, positive, "", "Bending stiffness EI of the segment.",
-               [](T& t, double v) { t.bending_stiffness = v; }, Need::required),
-           quantity<T>("linear_density", dimension::linear_density, not_negative, "0",
-                       "Mass per length; without it gravity does not act on the segment.",
-                       [](T& t, double v) { t.linear_density = v; }),
-           quantity<T>("rest_curvature", dimension::curvature, any, "0", "Curvature of the unloaded segment.",
-                       [](T& t, double v) { t.rest_curvature = v; })}};
-}
-
 /// A quantity in the unit of what an actuator is told.
 template <class Set>
 Key<ActuatorDraft> input_quantity(std::string name, Range range, std::string description, Set set) {
@@ -111,22 +96,20 @@ Table<ActuatorDraft> actuator_table() {
 /// defaults.
 template <class T>
 std::vector<Key<T>> rod_keys(const std::string& path, const std::string& unstated = "") {
-  const std::string zero = unstated.empty() ? "0" : unstated;
-  return {
-      quantity<T>("length", dimension::length, positive, unstated, "Length of a uniform rod.",
-                  [](T& t, double v) { t.length = v; }),
-      quantity<T>("bending_stiffness", dimension::stiffness, positive, unstated,
-                  "Bending stiffness EI of a uniform rod.", [](T& t, double v) { t.bending_stiffness = v; }),
-      quantity<T>("linear_density", dimension::linear_density, not_negative, zero, "Mass per length of a uniform rod.",
-                  [](T& t, double v) { t.linear_density = v; }),
-      quantity<T>("rest_curvature", dimension::curvature, any, zero, "Curvature of an unloaded uniform rod.",
-                  [](T& t, double v) { t.rest_curvature = v; }),
-      tables<T>(
-          "segment", path + ".segment", "A rod of several segments, from the base on; instead of the uniform values.",
-          segment_table(), [](T & t) -> auto& { return t.segments; }),
-      tables<T>(
-          "actuator", path + ".actuator", "What bends the rod between two arc lengths.", actuator_table(),
-          [](T & t) -> auto& { return t.actuators; })};
+  std::vector<Key<T>> keys = section_keys<T>(unstated);
+  for (Key<T> list :
+       {tables<T>(
+            "segment", path + ".segment", "A rod of several segments, from the base on; instead of the uniform values.",
+            Table<SectionDraft>{section_keys<SectionDraft>("")}, [](T & t) -> auto& { return t.segments; }),
+        tables<T>(
+            "actuator", path + ".actuator", "What bends the rod between two arc lengths.", actuator_table(),
+            [](T & t) -> auto& { return t.actuators; }),
+        tables<T>(
+            "load", path + ".load", "A dead load at one place along the rod, or spread along it.", load_table(),
+            [](T & t) -> auto& { return t.loads; })}) {
+    keys.push_back(std::move(list));
+  }
+  return keys;
 }
 
 /// The limits in what the actuator is told, as they stand in the scene.
@@ -222,18 +205,32 @@ ActuatorSpec finish_actuator(const Document& document, const std::string& path, 
 /// What a finger does not state is taken from `rod`.
 RodDraft with_inherited(const RodDraft& rod, const RodDraft& finger) {
   RodDraft whole = finger;
-  const bool uniform = finger.length || finger.bending_stiffness || finger.linear_density || finger.rest_curvature;
-  if (finger.segments.empty() && !uniform) whole.segments = rod.segments;
+  const auto inherit = [](auto& own, const auto& from) {
+    if (!own) own = from;
+  };
+  const bool numbers = finger.bending_stiffness || finger.linear_density || finger.thickness;
+  const bool round = finger.youngs_modulus || finger.density || finger.diameter || finger.inner_diameter;
+  const bool any = numbers || round || finger.file || finger.length || finger.rest_curvature;
+  if (finger.segments.empty() && !any) whole.segments = rod.segments;
   if (whole.segments.empty()) {
-    const auto inherit = [](std::optional<double>& own, const std::optional<double>& from) {
-      if (!own) own = from;
-    };
-    inherit(whole.length, rod.length);
-    inherit(whole.bending_stiffness, rod.bending_stiffness);
-    inherit(whole.linear_density, rod.linear_density);
-    inherit(whole.rest_curvature, rod.rest_curvature);
+    // Values that say the same thing in another way are no part of what this finger is made of.
+    if (!finger.file) inherit(whole.length, rod.length);
+    if (!finger.file) inherit(whole.rest_curvature, rod.rest_curvature);
+    if (!round && !finger.file) {
+      inherit(whole.bending_stiffness, rod.bending_stiffness);
+      inherit(whole.linear_density, rod.linear_density);
+      inherit(whole.thickness, rod.thickness);
+    }
+    if (!numbers && !finger.file) {
+      inherit(whole.youngs_modulus, rod.youngs_modulus);
+      inherit(whole.density, rod.density);
+      inherit(whole.diameter, rod.diameter);
+      inherit(whole.inner_diameter, rod.inner_diameter);
+    }
+    if (!any) inherit(whole.file, rod.file);
   }
   if (finger.actuators.empty()) whole.actuators = rod.actuators;
+  if (finger.loads.empty()) whole.loads = rod.loads;
   return whole;
 }
 
@@ -247,7 +244,7 @@ Table<RodDraft> rod_table() {
        quantity<T>("angle", dimension::angle, any, "0", "Direction of the rod at the clamp, from the x axis.",
                    [](T& t, double v) { t.base_angle = v; })}};
   Table<RodDraft> rod{rod_keys<T>("rod")};
-  rod.keys.insert(rod.keys.begin() + 4,
+  rod.keys.insert(rod.keys.end() - 3,
                   table<T>("base", "rod.base", "The clamp.", std::move(base), [](T& t) -> T& { return t; }));
   return rod;
 }
@@ -265,32 +262,41 @@ Table<FingerDraft> finger_table() {
   return finger;
 }
 
-RodSpec finish_rod(const Document& document, const std::string& table, const RodDraft& draft) {
-  const std::string name = table == "rod" ? "[rod]" : "[[finger]]";
+RodSpec finish_rod(const Context& context, const std::string& table, const RodDraft& draft) {
+  const Document& document = context.document;
+  const std::string kind = table.substr(0, table.find('['));
   RodSpec rod;
   rod.base_position = draft.base_position;
   rod.base_angle = draft.base_angle;
   if (!draft.segments.empty()) {
-    const auto refuse = [&](const char* key, const std::optional<double>& value) {
-      if (!value) return;
-      document.fail(document.find(table + '.' + key),
-                    fmt::format("found '{}' beside [[{}.segment]], expected either uniform values or segments", key,
-                                table.substr(0, table.find('['))));
+    const auto refuse = [&](const char* key, bool given) {
+      if (!given) return;
+      document.fail(
+          document.find(table + '.' + key),
+          fmt::format("found '{}' beside [[{}.segment]], expected either uniform values or segments", key, kind));
     };
-    refuse("length", draft.length);
-    refuse("bending_stiffness", draft.bending_stiffness);
-    refuse("linear_density", draft.linear_density);
-    refuse("rest_curvature", draft.rest_curvature);
-    rod.segments = draft.segments;
+    refuse("length", draft.length.has_value());
+    refuse("bending_stiffness", draft.bending_stiffness.has_value());
+    refuse("linear_density", draft.linear_density.has_value());
+    refuse("rest_curvature", draft.rest_curvature.has_value());
+    refuse("youngs_modulus", draft.youngs_modulus.has_value());
+    refuse("density", draft.density.has_value());
+    refuse("diameter", draft.diameter.has_value());
+    refuse("inner_diameter", draft.inner_diameter.has_value());
+    refuse("thickness", draft.thickness.has_value());
+    refuse("file", draft.file.has_value());
+    for (std::size_t i = 0; i < draft.segments.size(); ++i) {
+      const std::vector<SegmentSpec> made =
+          finish_section(context, fmt::format("{}.segment[{}]", table, i), '[' + kind + ".segment]", draft.segments[i]);
+      rod.segments.insert(rod.segments.end(), made.begin(), made.end());
+    }
   } else {
-    if (!draft.length)
-      document.fail(document.find(table), name + " has no 'length' and no [[" + table.substr(0, table.find('[')) +
+    if (!draft.length && !draft.file) {
+      document.fail(document.find(table), (kind == "rod" ? "[rod]" : "[[finger]]") +
+                                              std::string(" has no 'length' and no [[") + kind +
                                               ".segment]], expected " + expected_quantity(dimension::length));
-    if (!draft.bending_stiffness)
-      document.fail(document.find(table),
-                    name + " has no 'bending_stiffness', expected " + expected_quantity(dimension::stiffness));
-    rod.segments = {{*draft.length, *draft.bending_stiffness, draft.linear_density.value_or(0.0),
-                     draft.rest_curvature.value_or(0.0)}};
+    }
+    rod.segments = finish_section(context, table, kind == "rod" ? "[rod]" : "[[finger]]", draft);
   }
   double length = 0.0;
   for (const SegmentSpec& segment : rod.segments) length += segment.length;
@@ -298,17 +304,21 @@ RodSpec finish_rod(const Document& document, const std::string& table, const Rod
     rod.actuators.push_back(
         finish_actuator(document, fmt::format("{}.actuator[{}].", table, i), draft.actuators[i], length));
   }
+  for (std::size_t i = 0; i < draft.loads.size(); ++i) {
+    rod.loads.push_back(finish_load(document, fmt::format("{}.load[{}].", table, i), draft.loads[i], length));
+  }
   return rod;
 }
 
-std::vector<FingerSpec> finish_fingers(const Document& document, const RodDraft& rod,
+std::vector<FingerSpec> finish_fingers(const Context& context, const RodDraft& rod,
                                        const std::vector<FingerDraft>& drafts, const Scene& scene) {
+  const Document& document = context.document;
   std::vector<FingerSpec> fingers;
   for (std::size_t i = 0; i < drafts.size(); ++i) {
     const FingerDraft& own = drafts[i];
     const std::string table = fmt::format("finger[{}]", i);
     FingerSpec finger;
-    finger.rod = finish_rod(document, table, with_inherited(rod, own));
+    finger.rod = finish_rod(context, table, with_inherited(rod, own));
     finger.finger_angle = own.angle.value_or(scene.gripper ? scene.gripper->finger_angle : 0.0);
     finger.min_force = own.min_force.value_or(scene.contact.min_force);
     finger.max_force = own.max_force.value_or(scene.contact.max_force);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "scene/keys.hpp"
+#include "scene/section_reader.hpp"
 #include "tendril/scene.hpp"
 
 namespace tendril::app {
@@ -21,9 +22,9 @@ struct ActuatorDraft {
 };
 
 /// [rod] as written.
-struct RodDraft {
-  std::optional<double> length, bending_stiffness, linear_density, rest_curvature;
-  std::vector<SegmentSpec> segments;
+struct RodDraft : SectionDraft {
+  std::vector<SectionDraft> segments;
+  std::vector<LoadDraft> loads;
   std::vector<ActuatorDraft> actuators;
   Vec2 base_position{};
   double base_angle = 0.0;
@@ -39,10 +40,10 @@ Table<RodDraft> rod_table();
 Table<FingerDraft> finger_table();
 
 /// The rod that is described at `table`. Throws InputError with the place where its values contradict each other.
-RodSpec finish_rod(const Document& document, const std::string& table, const RodDraft& draft);
+RodSpec finish_rod(const Context& context, const std::string& table, const RodDraft& draft);
 
 /// The fingers; what one does not state is taken from `rod` and from what has been read of the scene.
-std::vector<FingerSpec> finish_fingers(const Document& document, const RodDraft& rod,
+std::vector<FingerSpec> finish_fingers(const Context& context, const RodDraft& rod,
                                        const std::vector<FingerDraft>& drafts, const Scene& scene);
 
 }  // namespace tendril::app

@@ -30,6 +30,27 @@ void refuse_other_problems(const Document& document) {
   }
 }
 
+/// The rows of a file beside the scene that hold numbers alone; the others and columns that are not read are counted.
+/// `reads`: in words.
+std::vector<std::vector<double>> read_rows(const Context& context, const std::string& name, TableFileSpec spec,
+                                           const std::string& reads, Scene& scene) {
+  spec.most_rows = most_measured_points;
+  TableFile file =
+      read_table_file(std::filesystem::path(context.document.file()).parent_path() / name, spec, context.units);
+  const std::size_t all = file.rows.size();
+  std::erase_if(file.rows, [](const std::vector<double>& row) {
+    return std::any_of(row.begin(), row.end(), [](double v) { return std::isnan(v); });
+  });
+  for (const std::string& column : file.unread) {
+    scene.left_out.push_back({"column \"" + column + "\" of " + name, "a " + spec.what + " reads " + reads});
+  }
+  if (file.rows.size() < all) {
+    scene.left_out.push_back({fmt::format("{} of the {} rows of {}", all - file.rows.size(), all, name),
+                              "they hold no " + reads + ": a value is empty or not a number"});
+  }
+  return file.rows;
+}
+
 /// Targets of a file: x, y or x, y, angle or angle alone on each line.
 std::vector<TargetSpec> read_targets(const Context& context, const std::string& name, Scene& scene) {
   TableFileSpec spec;
@@ -37,26 +58,34 @@ std::vector<TargetSpec> read_targets(const Context& context, const std::string& 
   spec.columns = {
       {"x", dimension::length}, {"y", dimension::length}, {"angle", dimension::angle, {"phi", "direction"}}};
   spec.forms = {{0, 1}, {0, 1, 2}, {2}};
-  spec.most_rows = most_measured_points;
-  const TableFile file =
-      read_table_file(std::filesystem::path(context.document.file()).parent_path() / name, spec, context.units);
   std::vector<TargetSpec> targets;
-  for (const std::vector<double>& row : file.rows) {
-    if (std::any_of(row.begin(), row.end(), [](double v) { return std::isnan(v); })) continue;
+  for (const std::vector<double>& row : read_rows(context, name, spec, "x, y and angle", scene)) {
     TargetSpec target;
     if (row.size() > 1) target.position = Vec2{row[0], row[1]};
     if (row.size() != 2) target.angle = row.back();
     targets.push_back(target);
   }
-  for (const std::string& column : file.unread) {
-    scene.left_out.push_back({"column \"" + column + "\" of " + name, "a trajectory reads x, y and angle"});
-  }
-  if (targets.size() < file.rows.size()) {
-    scene.left_out.push_back(
-        {fmt::format("{} of the {} rows of {}", file.rows.size() - targets.size(), file.rows.size(), name),
-         "they hold no target: a value is empty or not a number"});
-  }
   return targets;
+}
+
+void finish_start(const Context& context, const std::string& file, Scene& scene) {
+  const Document& document = context.document;
+  const Node* start = document.root().find("start");
+  const bool points = start != nullptr && start->find("points") != nullptr;
+  if (points && !file.empty()) {
+    document.fail(document.find("start.file"), "found 'file' beside 'points', expected either of them");
+  }
+  if ((points || !file.empty()) && start->find("tip_angle") != nullptr) {
+    document.fail(document.find("start.tip_angle"), "found 'tip_angle' beside points, expected either of them");
+  }
+  if (file.empty()) return;
+  TableFileSpec spec;
+  spec.what = "start";
+  spec.columns = {{"x", dimension::length}, {"y", dimension::length}};
+  spec.forms = {{0, 1}};
+  for (const std::vector<double>& row : read_rows(context, file, spec, "x and y", scene)) {
+    scene.start_points.push_back({row[0], row[1]});
+  }
 }
 
 std::vector<TargetSpec> finish_trajectory(const Context& context, const TrajectoryDraft& draft, Scene& scene) {
@@ -99,13 +128,14 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
   draft.scene.solver.position = document.find("solver");
   read_table(context, document.root(), "", scene_table(), draft);
   Scene scene = std::move(draft.scene);
-  scene.rod = finish_rod(document, "rod", draft.rod);
-  scene.fingers = finish_fingers(document, draft.rod, draft.fingers, scene);
+  scene.rod = finish_rod(context, "rod", draft.rod);
+  scene.fingers = finish_fingers(context, draft.rod, draft.fingers, scene);
   if (scene.gripper && scene.gripper->palm_distance_range && std::isnan(scene.gripper->palm_distance_range->second)) {
     document.fail(document.find("gripper.palm_distance_range"), "expected two lengths: the smallest and the largest");
   }
   scene.measurement = finish_measurement(context, draft.measurement, scene);
   scene.trajectory.targets = finish_trajectory(context, draft.trajectory, scene);
+  finish_start(context, draft.start_file, scene);
   if (scene.contact.min_force > scene.contact.max_force) {
     document.fail(document.find("contact.min_force"),
                   fmt::format("found min_force {} N above max_force {} N, expected min_force <= max_force",
@@ -131,13 +161,14 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
 StudySpec read_study(const Document& document, const Units& units) {
   SceneDraft draft;
   std::vector<std::string> told_by_read_scene;
-  read_table(Context{document, units, told_by_read_scene}, document.root(), "", scene_table(), draft);
+  const Context context{document, units, told_by_read_scene};
+  read_table(context, document.root(), "", scene_table(), draft);
   if (!draft.study) document.fail({1, 1}, "the scene has no [study], expected one with targets, modes or limits");
   StudySpec study = std::move(*draft.study);
   if (study.pressures.empty()) return study;
   const auto refuse = [&](const std::string& why) { document.fail(document.find("study.pressures"), why); };
   if (!study.moments.empty()) refuse("found 'pressures' beside 'moments', expected one of them");
-  const std::vector<ActuatorSpec> actuators = finish_rod(document, "rod", draft.rod).actuators;
+  const std::vector<ActuatorSpec> actuators = finish_rod(context, "rod", draft.rod).actuators;
   if (actuators.empty() || actuators.back().moment_per_pressure == 0.0) {
     refuse("found 'pressures', expected 'moment_per_pressure' in the last [[rod.actuator]], or 'moments'");
   }

@@ -184,9 +184,15 @@ Table<TipLoadSpec> tip_load_table() {
                               [](TipLoadSpec& t, Vec2 v) { t.force = v; })}};
 }
 
-Table<Scene> start_table() {
-  return {{quantity<Scene>("tip_angle", dimension::angle, any, "0", "Tip angle of a constant-curvature start.",
-                           [](Scene& t, double v) { t.start_tip_angle = v; })}};
+Table<SceneDraft> start_table() {
+  using T = SceneDraft;
+  return {{quantity<T>("tip_angle", dimension::angle, any, "0", "Tip angle of a constant-curvature start.",
+                       [](T& t, double v) { t.scene.start_tip_angle = v; }),
+           points<T>("points", KeyType::points, dimension::length,
+                     "Points along the start from the base on, the last one at the tip, instead of a tip angle.",
+                     [](T& t, std::vector<Vec2> v) { t.scene.start_points = std::move(v); }),
+           text<T>("file", "", "CSV file with these points instead, beside the scene; columns x, y.",
+                   [](T& t, const std::string& v) { t.start_file = v; })}};
 }
 
 }  // namespace
@@ -216,7 +222,7 @@ Table<SceneDraft> scene_table() {
           "coordinates", "coordinates", "How the backbone is described. Further keys are options of the plugin.",
           coordinates_table(), [](T & t) -> auto& { return t.scene.coordinates; }),
       table<T>(
-          "start", "start", "Where the search begins.", start_table(), [](T & t) -> auto& { return t.scene; }),
+          "start", "start", "Where the search begins.", start_table(), [](T & t) -> auto& { return t; }),
       tables<T>(
           "obstacle", "obstacle", "An obstacle. Further keys are options of its shape.", obstacle_table(),
           [](T & t) -> auto& { return t.scene.obstacles; }),
@@ -234,7 +240,13 @@ Table<SceneDraft> scene_table() {
                integer<TargetSpec>("turns", -100, "whatever suits",
                                    "Full turns of the tip against the base, beyond the half turn at most that leads to "
                                    "'angle'.",
-                                   [](TargetSpec& t, int v) { t.turns = v; })}},
+                                   [](TargetSpec& t, int v) { t.turns = v; }),
+               quantity<TargetSpec>("position_tolerance", dimension::length, positive, "none",
+                                    "How far the tip may be from 'position'; a plan that cannot keep it is no plan.",
+                                    [](TargetSpec& t, double v) { t.position_tolerance = v; }),
+               quantity<TargetSpec>("angle_tolerance", dimension::angle, positive, "none",
+                                    "How far the tip's direction may be from 'angle', likewise.",
+                                    [](TargetSpec& t, double v) { t.angle_tolerance = v; })}},
           [](T & t) -> auto& { return t.scene.target; }),
       tables<T>(
           "objective", "objective", "A term of the objective. Further keys are options of the plugin.",

@@ -29,6 +29,7 @@ struct SceneDraft {
   std::vector<FingerDraft> fingers;
   MeasurementDraft measurement;
   TrajectoryDraft trajectory;
+  std::string start_file;
   std::optional<StudySpec> study;
 };
 

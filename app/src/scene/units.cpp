@@ -8,6 +8,8 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <optional>
 
 #include "tendril/app/input_error.hpp"
@@ -26,7 +28,7 @@ struct Named {
   double largest;
 };
 
-constexpr std::array<Named, 13> names{{{"m", "a length", "60 mm", 1e-6, 1e3},
+constexpr std::array<Named, 15> names{{{"m", "a length", "60 mm", 1e-6, 1e3},
                                        {"rad", "an angle", "30 deg", 1e-9, 10.0},
                                        {"1/m", "a curvature", "5 1/m", 1e-5, 1e6},
                                        {"N", "a force", "0.5 N", 1e-9, 1e4},
@@ -34,6 +36,8 @@ constexpr std::array<Named, 13> names{{{"m", "a length", "60 mm", 1e-6, 1e3},
                                        {"N m^2", "a bending stiffness", "4.9e-4 N m^2", 1e-21, 1e5},
                                        {"m/s^2", "an acceleration", "-9.81 m/s^2", 1e-6, 1e3},
                                        {"kg/m", "a linear density", "84 g/m", 1e-12, 1e2},
+                                       {"kg/m^3", "a density", "1047 kg/m^3", 1e-3, 1e9},
+                                       {"N/m", "a force per length", "0.5 N/m", 1e-9, 1e9},
                                        {"kg", "a mass", "20 g", 1e-15, 1e2},
                                        {"s", "a time", "10 s", 1e-6, 1e5},
                                        {"N m/Pa", "a moment per pressure", "2e-6 N m/Pa", 1e-24, 1e3},
@@ -150,10 +154,18 @@ ut_status visit_scaled(const ut_unit*, double scale, const ut_unit* underlying, 
   return ut_accept_visitor(underlying, &visitor, arg);
 }
 
-}  // namespace
+/// UDUNITS keeps its parser and its tables of names in statics, so that one thread at a time may use it, and one
+/// database serves the process.
+std::mutex udunits_in_use;
 
-class Units::Database {
+class Database {
  public:
+  /// Read when first asked for. For those who hold udunits_in_use.
+  static const Database& of_process() {
+    static const Database database;
+    return database;
+  }
+
   Database() : system_(nullptr, &ut_free_system) {
     ut_set_error_message_handler(ut_ignore);
     system_.reset(ut_read_xml(nullptr));
@@ -201,8 +213,7 @@ class Units::Database {
   std::unique_ptr<ut_system, void (*)(ut_system*)> system_;
 };
 
-Units::Units() = default;
-Units::~Units() = default;
+}  // namespace
 
 std::string dimension_name(const Dimension& dimension) {
   for (const Named& known : names) {
@@ -243,11 +254,12 @@ double Units::read(std::string_view text, const Dimension& dimension) const {
   if (dimension.unit.empty()) refuse("which has a unit");
   if (!looks_like_unit(unit)) refuse("and " + quoted(unit) + " is not a unit");
 
-  if (!database_) database_ = std::make_unique<Database>();
+  const std::lock_guard lock(udunits_in_use);
+  const Database& database = Database::of_process();
   bool known = false;
-  const auto factor = database_->factor(unit, dimension, known);
+  const auto factor = database.factor(unit, dimension, known);
   if (!factor) {
-    const std::string split = database_->with_space(unit, dimension);
+    const std::string split = database.with_space(unit, dimension);
     refuse(known ? "whose unit is not that of " + dimension_name(dimension)
                  : "and " + quoted(unit) + " is not a known unit",
            split.empty() ? "" : "; did you mean '" + split + "'?");
@@ -255,7 +267,7 @@ double Units::read(std::string_view text, const Dimension& dimension) const {
   if (const std::string unusual = unusual_size(*factor, dimension); !unusual.empty()) {
     std::string other(unit);
     if (other.front() == 'M' || other.front() == 'm') other.front() = other.front() == 'M' ? 'm' : 'M';
-    const auto size = database_->factor(other, dimension, known);
+    const auto size = database.factor(other, dimension, known);
     const bool better = other != unit && size && unusual_size(*size, dimension).empty();
     refuse(unusual, better ? "; did you mean '" + other + "'?" : "");
   }

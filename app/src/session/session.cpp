@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/interrupt.hpp"
 #include "tendril/app/scene_reader.hpp"
@@ -66,10 +67,16 @@ decltype(auto) Session::located(const std::string& path, Make&& make) const {
   }
 }
 
+Document read_document(const SceneArguments& arguments) {
+  if (!arguments.text) return Document::read(arguments.scene);
+  require_text(*arguments.text, arguments.scene);
+  return Document::parse(*arguments.text, arguments.scene.string());
+}
+
 Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Units>()) {
   {
     const Stopwatch watch(seconds_read_);
-    document_ = Document::read(arguments.scene);
+    document_ = read_document(arguments);
     const std::string coordinates = plugin_in(document_, "coordinates");
     const std::string solver = plugin_in(document_, "solver");
     document_.apply(arguments.overrides);
@@ -146,21 +153,25 @@ Description Session::describe() {
   return located("", [&] { return describe_estimate(scene_); });
 }
 
+const std::atomic<bool>& Session::stop() const { return stop_ != nullptr ? *stop_ : InterruptGuard::flag(); }
+
+std::unique_ptr<InterruptGuard> Session::guarded() const {
+  return stop_ != nullptr ? nullptr : std::make_unique<InterruptGuard>();
+}
+
 Estimate Session::estimate() {
-  const InterruptGuard interrupt;
+  const auto guard = guarded();
   PlanControl control;
-  control.stop = &InterruptGuard::flag();
+  control.stop = &stop();
   Estimate estimate = located("", [&] { return tendril::estimate(scene_, control); });
   estimate.left_out.insert(estimate.left_out.end(), dropped_.begin(), dropped_.end());
   return estimate;
 }
 
-Plan Session::plan(const std::optional<std::filesystem::path>& start) {
-  std::optional<Plan> earlier;
-  if (start) earlier = read_start(*start, scene_);
+Plan Session::plan(const std::optional<Plan>& start) {
   problem();
-  const InterruptGuard interrupt;
-  Plan plan = plan_from(earlier ? &*earlier : nullptr);
+  const auto guard = guarded();
+  Plan plan = plan_from(start ? &*start : nullptr);
   plan.left_out.insert(plan.left_out.end(), dropped_.begin(), dropped_.end());
   return plan;
 }
@@ -168,21 +179,24 @@ Plan Session::plan(const std::optional<std::filesystem::path>& start) {
 Plan Session::plan_from(const Plan* start, bool follow, const std::vector<std::string>& without) {
   Problem& ready = problem();
   PlanControl control;
-  control.stop = &InterruptGuard::flag();
+  control.stop = &stop();
   control.start = start;
   control.follow = follow;
   control.without = without;
   constexpr double grace = 2.0;
-  const Watchdog watchdog(
-      std::chrono::duration<double>(scene_.solver.time_limit + grace),
-      fmt::format("tendril: solver '{}' did not return within {} s after the time limit of {} s; no result was written",
-                  scene_.solver.plugin, grace, scene_.solver.time_limit));
+  std::optional<Watchdog> watchdog;
+  if (stop_ == nullptr) {
+    watchdog.emplace(std::chrono::duration<double>(scene_.solver.time_limit + grace),
+                     fmt::format("tendril: solver '{}' did not return within {} s after the time limit of {} s; no "
+                                 "result was written",
+                                 scene_.solver.plugin, grace, scene_.solver.time_limit));
+  }
   return located("", [&] { return ready.plan(control); });
 }
 
 Trajectory Session::plan_trajectory() {
   problem();
-  const InterruptGuard interrupt;
+  const auto guard = guarded();
   return tendril::plan_trajectory(scene_.trajectory.targets,
                                   {scene_.trajectory.replan_every, scene_.trajectory.cold_starts},
                                   [this](const TargetSpec& target, const Plan* start, bool follow) {
@@ -197,18 +211,16 @@ void Session::use(const Scene& scene) {
   located("", [&] { validate(scene_); });
 }
 
-Execution Session::execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start,
+Execution Session::execute(const std::vector<double>& moments, const std::optional<Plan>& start,
                            std::optional<double> palm_distance) {
-  std::optional<Plan> earlier;
-  if (start) earlier = read_start(*start, scene_);
   const bool grasp = scene_.problem == ProblemKind::grasp;
   if (grasp && !palm_distance) palm_distance = scene_.gripper->palm_distance;
   if (grasp && !palm_distance) {
     document_.fail(document_.find("gripper"),
                    "the object's place is not known, expected 'palm_distance' in [gripper], or a result for --plan");
   }
-  const InterruptGuard interrupt;
-  const ExecuteControl control = execute_control(earlier);
+  const auto guard = guarded();
+  const ExecuteControl control = execute_control(start);
   Execution done;
   if (plans_both_fingers(scene_)) {
     done = located("", [&] { return execute_both_fingers(scene_, *palm_distance, moments, control); });
@@ -224,31 +236,27 @@ Execution Session::execute(const std::vector<double>& moments, const std::option
   return done;
 }
 
-std::optional<Execution> Session::verify(Plan& plan, const std::optional<std::filesystem::path>& start) {
+std::optional<Execution> Session::verify(Plan& plan, const std::optional<Plan>& start) {
   if (plan.backbone.empty()) {
     plan.verification = "not executed: the plan came to no shape";
     return std::nullopt;
   }
-  std::optional<Plan> earlier;
-  if (start) earlier = read_start(*start, scene_);
-  const InterruptGuard interrupt;
-  if (plan.grasp) return verify_grasp(plan, earlier);
+  const auto guard = guarded();
+  if (plan.grasp) return verify_grasp(plan, start);
   const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
-  const ExecuteControl control = execute_control(earlier);
+  const ExecuteControl control = execute_control(start);
   return located("", [&] { return tendril::verify(scene_, obstacles, plan, control); });
 }
 
 void Session::verify(Trajectory& trajectory) {
-  const InterruptGuard interrupt;
+  const auto guard = guarded();
   const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
   located("", [&] { tendril::verify(scene_, obstacles, trajectory, execute_control(std::nullopt)); });
 }
 
-Trajectory Session::execute(const std::vector<TrajectoryStep>& steps,
-                            const std::optional<std::filesystem::path>& start) {
-  std::optional<Plan> state;
-  if (start) state = read_start(*start, scene_);
-  const InterruptGuard interrupt;
+Trajectory Session::execute(const std::vector<TrajectoryStep>& steps, const std::optional<Plan>& start) {
+  std::optional<Plan> state = start;
+  const auto guard = guarded();
   const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
   Trajectory done;
   for (const TrajectoryStep& step : steps) {
@@ -261,7 +269,7 @@ Trajectory Session::execute(const std::vector<TrajectoryStep>& steps,
     aimed.target = step.target;
     reached.plan = located(
         "", [&] { return tendril::execute(aimed, obstacles, step.plan.moments, execute_control(state)).result; });
-    done.interrupted = InterruptGuard::flag().load();
+    done.interrupted = stop().load();
     if (done.interrupted || reached.plan.backbone.empty()) break;
     state = reached.plan;
   }
@@ -304,7 +312,7 @@ Execution Session::verify_grasp(Plan& plan, const std::optional<Plan>& earlier) 
 /// `earlier` has to outlive what is returned.
 ExecuteControl Session::execute_control(const std::optional<Plan>& earlier) const {
   ExecuteControl control;
-  control.stop = &InterruptGuard::flag();
+  control.stop = &stop();
   control.start = earlier ? &*earlier : nullptr;
   control.time_limit = scene_.solver.time_limit;
   return control;

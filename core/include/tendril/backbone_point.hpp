@@ -1,5 +1,10 @@
 #pragma once
 
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "tendril/export.hpp"
 #include "tendril/geometry.hpp"
 
 namespace tendril {
@@ -15,5 +20,11 @@ struct BackbonePoint {
   Vec2 position() const { return {x, y}; }                ///< m
   bool operator==(const BackbonePoint&) const = default;  ///< Number by number.
 };
+
+/// Radius of a rod's body (m) at an arc length (m); empty: there is only a backbone.
+using BodyRadius = std::function<double(double)>;
+
+/// The sides of the body around a backbone: up along the left one, back along the right one.
+TENDRIL_API std::vector<BackbonePoint> body_outline(std::span<const BackbonePoint> backbone, const BodyRadius& radius);
 
 }  // namespace tendril

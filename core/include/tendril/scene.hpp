@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "tendril/backbone_point.hpp"
 #include "tendril/geometry.hpp"
 #include "tendril/nonlinear_program.hpp"
 #include "tendril/options.hpp"
@@ -30,12 +31,27 @@ TENDRIL_API std::string_view to_string(ProblemKind kind);      ///< The word tha
 TENDRIL_API std::string_view to_string(ContactModeName mode);  ///< The word that scenes use.
 TENDRIL_API std::string_view to_string(SearchEffort effort);   ///< The word that scenes use.
 
-/// A stretch of the rod with constant properties.
+/// A stretch of the rod whose properties are polynomials of the arc length, most often constants.
 struct SegmentSpec {
   double length = 0.0;             ///< m, > 0
-  double bending_stiffness = 0.0;  ///< N m^2, > 0
-  double linear_density = 0.0;     ///< kg/m, >= 0
-  double rest_curvature = 0.0;     ///< 1/m
+  double bending_stiffness = 0.0;  ///< N m^2, > 0, where the segment begins
+  double linear_density = 0.0;     ///< kg/m, >= 0, there
+  double rest_curvature = 0.0;     ///< 1/m, there
+  /// N m^2: coefficients of x, x^2, ..., x the share of the segment's length; empty: it does not change. All others
+  /// likewise.
+  std::vector<double> more_bending_stiffness{};
+  std::vector<double> more_linear_density{};  ///< kg/m
+  std::vector<double> more_rest_curvature{};  ///< 1/m
+  double thickness = 0.0;                     ///< m, diameter of the body where the segment begins, >= 0
+  std::vector<double> more_thickness{};       ///< m
+};
+
+/// A dead load between two arc lengths of the rod, or at one of them where these are equal.
+struct RodLoadSpec {
+  double from = 0.0;  ///< m
+  double to = 0.0;    ///< m
+  Vec2 force{};       ///< N; between two arc lengths N/m
+  double mass = 0.0;  ///< kg, >= 0, at one arc length only
 };
 
 /// What an actuator is told: a moment, the tension of a tendon, or a pressure.
@@ -76,9 +92,11 @@ TENDRIL_API double excess(const ActuatorSpec& actuator, double moment);
 struct TENDRIL_API RodSpec {
   std::vector<SegmentSpec> segments;    ///< at least one; a uniform rod has one
   std::vector<ActuatorSpec> actuators;  ///< what bends it; may be empty
+  std::vector<RodLoadSpec> loads;       ///< what pulls at it between base and tip; may be empty
   Vec2 base_position{};                 ///< m
   double base_angle = 0.0;              ///< rad
   double length() const;                ///< Sum over the segments, m.
+  BodyRadius body() const;              ///< Around its backbone; empty: it has none. Refers to this rod.
 };
 
 /// What hangs at the tip.
@@ -113,6 +131,8 @@ struct TargetSpec {
   /// Full turns of the tip against the base's direction, beyond the half turn at most that leads to `angle`; absent:
   /// whatever suits.
   std::optional<int> turns{};
+  double position_tolerance = infinity;  ///< m; how far the tip may be from `position`
+  double angle_tolerance = infinity;     ///< rad; and from `angle`
 };
 
 /// Targets in order; for the problem kind "trajectory".
@@ -212,6 +232,7 @@ struct Scene {
   RodSpec rod;                              ///< the rod, from the base on
   CoordinatesSpec coordinates;              ///< how its shape is described
   double start_tip_angle = 0.0;             ///< rad, of a constant-curvature start
+  std::vector<Vec2> start_points{};         ///< m, instead: along the start from the base on, the last one its tip
   std::vector<ObstacleSpec> obstacles;      ///< in the order of the file
   ContactSpec contact;                      ///< how contact is planned
   TipLoadSpec tip_load;                     ///< at the tip
@@ -239,7 +260,7 @@ TENDRIL_API bool needs_obstacles(const Scene& scene);
 /// anything else.
 TENDRIL_API void validate(const Scene& scene);
 
-/// The scale of a valid scene: L and the first segment's EI.
+/// The scale of a valid scene: L and EI at the base.
 TENDRIL_API Scale scale_of(const Scene& scene);
 
 }  // namespace tendril

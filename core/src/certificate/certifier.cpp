@@ -41,6 +41,7 @@ struct Certifier::Data {
     if (!from_palm) from_palm = std::make_unique<Curve>(tables);
     *from_palm = *curve;
     from_palm->translate(-program->base_shift());
+    from_palm->strip();
   }
 
   /// Obstacles that the rod has to keep out of.
@@ -52,7 +53,7 @@ struct Certifier::Data {
     return shrunk[o];
   }
 
-  /// The rod in the frame of an obstacle.
+  /// The rod in the frame of an obstacle; of what stands on the palm the body may lie on it, too.
   const Curve& curve_beside(std::size_t obstacle) const {
     return obstacle + static_cast<std::size_t>(spec.carried) >= spec.obstacles.size() ? *from_palm : *curve;
   }
@@ -189,6 +190,10 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
     c.bounds = std::max({c.bounds, low - x[i], x[i] - high});
   }
 
+  for (int i = at.first_target; i < at.first_target + at.targets; ++i) {
+    c.bounds = std::max({c.bounds, d.program->row_lower()[i] - rows[i], rows[i] - d.program->row_upper()[i]});
+  }
+
   c.penetration = 0.0;
   for (std::size_t o = 0; o < d.bodies(); ++o) {
     c.penetration = std::max(c.penetration, certified_depth(d.curve_beside(o), d.obstacle(o)));
@@ -200,7 +205,7 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
     const PoseProgram::ContactState& state = d.program->contacts()[static_cast<std::size_t>(k)];
     c.complementarity = std::max(c.complementarity, std::abs(std::min(state.surface.distance, state.force)));
     if (!(state.force > tolerance::force)) continue;
-    const double slope = dot(state.tangent, state.surface.normal);
+    const double slope = dot(state.tangent, state.surface.normal) - state.radius.slope;
     const bool at_tip = d.spec.contacts[static_cast<std::size_t>(k)].at_tip;
     c.closest_point = std::max(c.closest_point, at_tip ? std::max(0.0, slope) : std::abs(slope));
     const double convexity = d.program->contact_convexity(k);

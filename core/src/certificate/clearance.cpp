@@ -19,6 +19,7 @@ struct Interval {
   double core_from = 0.0,
          core_to = 0.0;  // distance to the core at the ends; for a shape without rounding the signed distance
   int depth = 0;
+  double radius_from = 0.0, radius_to = 0.0;  ///< of the body at the ends
 };
 
 /// Where the rod meets the core the square of the distance bounds nothing. The signed distance to a convex shape is
@@ -26,11 +27,12 @@ struct Interval {
 double support_bound(const Curve& curve, const Obstacle& obstacle, const Interval& at, double& lowest_seen) {
   const Vec2 middle = curve.position(at.piece, 0.5 * (at.from + at.to));
   const SurfacePoint s = obstacle.at(middle);
-  lowest_seen = std::min(lowest_seen, s.distance);
-  const double from = dot(s.normal, curve.position(at.piece, at.from) - middle);
-  const double to = dot(s.normal, curve.position(at.piece, at.to) - middle);
+  lowest_seen = std::min(lowest_seen, s.distance - curve.radius(at.piece, 0.5 * (at.from + at.to)));
+  const double from = dot(s.normal, curve.position(at.piece, at.from) - middle) - at.radius_from;
+  const double to = dot(s.normal, curve.position(at.piece, at.to) - middle) - at.radius_to;
   const double h = (at.to - at.from) * curve.length(at.piece);
-  return s.distance + std::min(from, to) - h * h / 8.0 * curve.curvature_bound(at.piece);
+  return s.distance + std::min(from, to) -
+         h * h / 8.0 * (curve.curvature_bound(at.piece) + curve.radius_bounds(at.piece).bend);
 }
 
 }  // namespace
@@ -46,7 +48,8 @@ double certified_depth(const Curve& curve, const Obstacle& obstacle) {
     const double value = flat ? obstacle.at(p).distance : obstacle.core_distance(p);
     if (!(value > -infinity)) no_number = true;
     // Inside of the core only the signed distance tells how deep.
-    lowest_seen = std::min(lowest_seen, flat ? value : value > 0.0 ? value - radius : obstacle.at(p).distance);
+    const double distance = flat ? value : value > 0.0 ? value - radius : obstacle.at(p).distance;
+    lowest_seen = std::min(lowest_seen, distance - curve.radius(piece, sigma));
     return value;
   };
   double depth = 0.0;
@@ -62,7 +65,7 @@ double certified_depth(const Curve& curve, const Obstacle& obstacle) {
   while ((count > 0 || pieces_left > 0) && !no_number) {
     if (count == 0) {
       const int j = --pieces_left;
-      open[count++] = {j, 0.0, 1.0, core(j, 0.0), core(j, 1.0), 0};
+      open[count++] = {j, 0.0, 1.0, core(j, 0.0), core(j, 1.0), 0, curve.radius(j, 0.0), curve.radius(j, 1.0)};
     }
     const Interval at = open[--count];
     const double h = (at.to - at.from) * curve.length(at.piece);
@@ -70,11 +73,14 @@ double certified_depth(const Curve& curve, const Obstacle& obstacle) {
     const double low = std::min(at.core_from, at.core_to);
     const double farthest = std::max(at.core_from, at.core_to) + 0.5 * h;
     const double square = low * low - 0.25 * h * h * (1.0 + kappa * farthest);
-    double bound = 0.0;  // of the distance to the obstacle
+    const double swell = h * h / 8.0 * curve.radius_bounds(at.piece).bend;
+    double bound = 0.0;  // of the body's distance to the obstacle
     if (flat) {
-      bound = low - h * h / 8.0 * kappa;
+      bound = std::min(at.core_from - at.radius_from, at.core_to - at.radius_to) - h * h / 8.0 * kappa - swell;
     } else if (square > 0.0) {
-      bound = std::sqrt(square) - radius;
+      bound = std::sqrt(square) - radius - (std::max(at.radius_from, at.radius_to) + swell);
+      // Where the body gets thicker the two change together, of which only the other bound knows.
+      if (at.radius_from != at.radius_to) bound = std::max(bound, support_bound(curve, obstacle, at, lowest_seen));
     } else {
       bound = support_bound(curve, obstacle, at, lowest_seen);
     }
@@ -84,8 +90,9 @@ double certified_depth(const Curve& curve, const Obstacle& obstacle) {
     }
     const double middle = 0.5 * (at.from + at.to);
     const double value = core(at.piece, middle);
-    open[count++] = {at.piece, at.from, middle, at.core_from, value, at.depth + 1};
-    open[count++] = {at.piece, middle, at.to, value, at.core_to, at.depth + 1};
+    const double thick = curve.radius(at.piece, middle);
+    open[count++] = {at.piece, at.from, middle, at.core_from, value, at.depth + 1, at.radius_from, thick};
+    open[count++] = {at.piece, middle, at.to, value, at.core_to, at.depth + 1, thick, at.radius_to};
   }
   return no_number ? infinity : depth;
 }
@@ -100,7 +107,7 @@ void closest_approaches(const Curve& curve, const Obstacle& obstacle, double lev
                         std::vector<ClosestApproach>& found) {
   const auto sample = [&](int piece, double sigma) {
     return ClosestApproach{piece, sigma, curve.start(piece) + sigma * curve.length(piece),
-                           obstacle.at(curve.position(piece, sigma)).distance};
+                           obstacle.at(curve.position(piece, sigma)).distance - curve.radius(piece, sigma)};
   };
   const auto at_arc_length = [&](double s) {
     int j = 0;
@@ -113,8 +120,10 @@ void closest_approaches(const Curve& curve, const Obstacle& obstacle, double lev
     if (after != nullptr && here.distance >= after->distance) return;
     double low = before != nullptr ? before->arc_length : here.arc_length;
     double high = after != nullptr ? after->arc_length : here.arc_length;
-    // A sample may stand above the level although the minimum beside it does not: neighbours bound the slope by 1.
-    if (here.distance - std::max(here.arc_length - low, high - here.arc_length) > level) return;
+    // A sample may stand above the level although the minimum beside it does not: neighbours bound the slope by 1, and
+    // by that of the body.
+    const double slope = 1.0 + curve.radius_bounds(here.piece).slope;
+    if (here.distance - slope * std::max(here.arc_length - low, high - here.arc_length) > level) return;
     ClosestApproach best = here;
     // Golden section: the distance has one minimum between neighbours of a lowest sample.
     const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);

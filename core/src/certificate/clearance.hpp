@@ -11,10 +11,10 @@
 namespace tendril {
 
 /// A depth that the true one does not exceed: bisects every piece until the bound of model.md section 4 is sharp to
-/// tolerance::clearance_sharpness or shows clearance. 0: the curve stays outside.
+/// tolerance::clearance_sharpness or shows clearance. 0: the curve, or the body around it, stays outside.
 TENDRIL_API double certified_depth(const Curve& curve, const Obstacle& obstacle);
 
-/// A local minimum of the distance along the rod.
+/// A local minimum of the distance of the body along the rod.
 struct ClosestApproach {
   int piece = 0;            ///< of the chain
   double sigma = 0.0;       ///< on the piece, in [0,1]

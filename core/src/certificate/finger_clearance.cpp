@@ -20,6 +20,14 @@ struct Span {
   Vec2 start{}, end{};
 
   double length(const FingerCurve& f) const { return (to - from) * f.curve->length(piece) * f.length; }
+  double radius(const FingerCurve& f, double sigma) const { return f.length * f.curve->radius(piece, sigma); }
+  /// Bounds of the body's radius.
+  std::pair<double, double> radii(const FingerCurve& f) const {
+    const auto [least, most] = std::minmax({radius(f, from), radius(f, to)});
+    const double h = (to - from) * f.curve->length(piece);
+    const double swell = f.length * h * h / 8.0 * f.curve->radius_bounds(piece).bend;
+    return {least - swell, most + swell};
+  }
   /// How far the curve may stray from its chord.
   double bend(const FingerCurve& f) const {
     const double h = length(f);
@@ -147,7 +155,14 @@ FingerClearance finger_clearance(const FingerCurve& upper, const FingerCurve& lo
       out.depth = infinity;
       return out;
     }
-    if (apart > bend) continue;
+    const auto [upper_least, upper_most] = a.radii(upper);
+    const auto [lower_least, lower_most] = b.radii(lower);
+    if (apart > bend + (upper_most + lower_most)) continue;
+    if (const double depth = upper_least + lower_least - apart - bend; depth > 0.0) {
+      // The bodies lie in each other there, whether or not the backbones cross.
+      out.depth = std::max(out.depth, depth);
+      continue;
+    }
     if (bend > 0.5 * tolerance::clearance_sharpness) {
       const bool first = a.length(upper) >= b.length(lower);
       const auto [left, right] = first ? halves(upper, a) : halves(lower, b);

@@ -20,10 +20,10 @@ Vec2 point_of(const MeasuredShape& measured, std::size_t i) {
 /// Turn of the tip against the base that moments and rest curvature alone would make.
 double turn_of_moments(const Rod& rod, std::span<const double> moments) {
   double turn = 0.0;
-  for (const Rod::Segment& s : rod.segments) turn += s.rest_curvature * (s.to - s.from);
+  for (const Rod::Segment& s : rod.segments) turn += s.rest_turn();
   for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
     for (const Rod::Segment& s : rod.segments) {
-      turn += moments[a] * rod.actuators[a].integral(s.from, s.to) / s.stiffness;
+      turn += moments[a] * rod.actuators[a].compliance(s);
     }
   }
   return turn;

@@ -86,9 +86,10 @@ std::string_view to_string(FingerName finger) { return finger == FingerName::upp
 bool plans_both_fingers(const Scene& scene) {
   if (!scene.gripper || scene.gripper->fingers == Fingers::mirrored) return false;
   if (scene.gripper->fingers == Fingers::both || !scene.fingers.empty()) return true;
-  const bool heavy =
-      scene.tip_load.mass != 0.0 || std::any_of(scene.rod.segments.begin(), scene.rod.segments.end(),
-                                                [](const SegmentSpec& s) { return s.linear_density != 0.0; });
+  const bool heavy = scene.tip_load.mass != 0.0 ||
+                     std::any_of(scene.rod.segments.begin(), scene.rod.segments.end(), [](const SegmentSpec& s) {
+                       return s.linear_density != 0.0 || !s.more_linear_density.empty();
+                     });
   if (!scene.gravity || !heavy) return false;
   const Vec2 gravity = rotated(*scene.gravity, -scene.gripper->angle);
   return std::abs(gravity.y) > rounding_of_direction * norm(gravity);
@@ -181,6 +182,7 @@ Scene finger_in_palm_frame(const Scene& scene) {
   finger.rod.base_angle = gripper.finger_angle;
   if (finger.gravity) finger.gravity = rotated(*finger.gravity, -gripper.angle);
   finger.tip_load.force = rotated(finger.tip_load.force, -gripper.angle);
+  for (RodLoadSpec& load : finger.rod.loads) load.force = rotated(load.force, -gripper.angle);
   finger.contact.mode = ContactModeName::require;
   return finger;
 }

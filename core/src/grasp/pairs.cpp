@@ -242,7 +242,7 @@ Plan GraspPlanner::finger_plan(int which, Best& best) const {
   }
   plan.contacts = planned_contacts(program, d.obstacle_names, d.scale);
   plan.backbone = sampled_backbone(program, d.scale.length);
-  plan.self_overlap = self_overlap(plan.backbone);
+  plan.self_overlap = self_overlap(plan.backbone, d.scene.rod.body());
   finger_to_world(*d.scene.gripper, best.program->palm_distance(best.x) * d.scene_scale.length, plan);
   return plan;
 }

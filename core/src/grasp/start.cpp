@@ -33,7 +33,7 @@ struct Finger {
     for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
       moment += rod.actuators[a].at(s) * moments[static_cast<Eigen::Index>(a)];
     }
-    return segment.rest_curvature + moment / segment.stiffness;
+    return segment.rest_curvature_at(s).value + moment / segment.stiffness_at(s).value;
   }
 
   Base base(const Eigen::VectorXd& moments) const {
@@ -48,7 +48,7 @@ struct Finger {
     const double h = contact / steps;
     for (int i = steps - 1; i >= 0; --i) {
       const double s = (i + 0.5) * h;
-      const double stiffness = rod.segment_at(s).stiffness;
+      const double stiffness = rod.segment_at(s).stiffness_at(s).value;
       Eigen::RowVectorXd own = Eigen::RowVectorXd::Zero(count);
       for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
         own[static_cast<Eigen::Index>(a)] = rod.actuators[a].at(s) / stiffness;
@@ -116,6 +116,7 @@ StartShape grasp_start(const Task& data, const Mode& mode, int index) {
   } else {
     finger.contact = knots[stretch] + places[which] * (knots[stretch + 1] - knots[stretch]);
   }
+  finger.radius += data.rod.radius_at(finger.contact).value;
   const Eigen::VectorXd moments = finger.fit();
   Finger::Base at = finger.base(moments);
   StartShape shape;

@@ -68,6 +68,8 @@ void TermEvaluator::add_surface_input(double& value, HyperDual& dual, Kind kind,
   const BaseIndex::Point& p = index_->contacts[static_cast<std::size_t>(contact)].point;
   input.base[0] = p.x;
   input.base[1] = p.y;
+  if (kind == Kind::gap && index_->thick)
+    input.base[2] = index_->contacts[static_cast<std::size_t>(contact)].arc_length;
   inputs_.push_back(input);
 }
 
@@ -207,6 +209,7 @@ void TermEvaluator::refresh_factors(const BaseValues& at) {
     if (input.kind == Kind::gap) {
       input.factor[0] = input.unit * s.normal.x;
       input.factor[1] = input.unit * s.normal.y;
+      input.factor[2] = -input.unit * at.radii[static_cast<std::size_t>(input.contact)].slope;
     } else {
       const double row = s.curvature * (input.kind == Kind::normal_x ? tau.x : tau.y);
       input.factor[0] = row * tau.x;
@@ -226,7 +229,7 @@ void TermEvaluator::differentiate(const BaseValues& at, Eigen::VectorXd& gradien
     double total = extra;
     for (const HyperDual& value : dual_.residuals) total += 2.0 * weight * value.v * direction(value);
     note_fault(total, "its first derivative");
-    for (int side = 0; side < 2; ++side) {
+    for (int side = 0; side < 3; ++side) {
       if (input.base[side] < 0) continue;
       gradient[input.base[side]] += input.factor[side] * total;
       rest_gradient[input.base[side]] += input.factor[side] * extra;
@@ -283,9 +286,9 @@ void TermEvaluator::add_hessian(const BaseValues& at, double sigma, Eigen::Matri
     for (std::size_t k = 0; k < n; ++k) {
       const double value = input_hessian_[i * n + k];
       if (value == 0.0) continue;
-      for (int a = 0; a < 2; ++a) {
+      for (int a = 0; a < 3; ++a) {
         if (input.base[a] < 0) continue;
-        for (int b = 0; b < 2; ++b) {
+        for (int b = 0; b < 3; ++b) {
           if (inputs_[k].base[b] < 0) continue;
           hessian(input.base[a], inputs_[k].base[b]) += input.factor[a] * inputs_[k].factor[b] * value;
         }
@@ -302,6 +305,8 @@ void TermEvaluator::add_hessian(const BaseValues& at, double sigma, Eigen::Matri
     hessian(input.base[0], input.base[1]) += slope * second.xy;
     hessian(input.base[1], input.base[0]) += slope * second.xy;
     hessian(input.base[1], input.base[1]) += slope * second.yy;
+    if (input.base[2] < 0) continue;
+    hessian(input.base[2], input.base[2]) -= slope * at.radii[static_cast<std::size_t>(input.contact)].bend;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "objective/term_units.hpp"
+#include "rod/rod.hpp"
 #include "tendril/nonlinear_program.hpp"
 #include "tendril/objective_term.hpp"
 #include "tendril/obstacle.hpp"
@@ -35,7 +36,8 @@ struct BaseIndex {
   std::vector<Contact> contacts;
   std::vector<int> moments;  ///< one per actuator; -1: fixed at zero
   int energy = -1;
-  int palm = -1;  ///< palm distance; -1: no variable
+  int palm = -1;       ///< palm distance; -1: no variable
+  bool thick = false;  ///< the gap depends on where along the rod the contact is
   int count = 0;
 };
 
@@ -44,6 +46,7 @@ struct BaseValues {
   Eigen::VectorXd base;                ///< BaseIndex::count
   std::vector<SurfacePoint> surfaces;  ///< one per contact
   std::vector<Vec2> references;        ///< one per contact
+  std::vector<Rod::Jet> radii;         ///< of the body, one per contact
   double palm = 0.0;                   ///< palm distance where it is no variable
 };
 
@@ -94,9 +97,9 @@ class TermEvaluator {
     HyperDual* dual = nullptr;
     Kind kind = Kind::plain;
     int contact = -1;
-    int base[2] = {-1, -1};
+    int base[3] = {-1, -1, -1};
     double unit = 1.0;  ///< of the quantity, in units of the scene
-    double factor[2] = {1.0, 0.0};
+    double factor[3] = {1.0, 0.0, 0.0};
   };
   void add_input(double& value, HyperDual& dual, int base, double unit);
   void add_surface_input(double& value, HyperDual& dual, Kind kind, int contact);

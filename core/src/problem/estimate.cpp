@@ -363,6 +363,7 @@ Description describe_estimate(const Scene& scene) {
   out.energies.push_back("bending");
   if (in.rod.has_gravity()) out.energies.push_back("gravity");
   if (in.rod.has_tip_force()) out.energies.push_back("tip force");
+  if (in.rod.has_dead_loads()) out.energies.push_back("loads along the rod");
   out.terms.push_back("measurement_residuals");
   out.length_unit = in.scale.length;
   out.force_unit = in.scale.force();

@@ -38,7 +38,7 @@ class Executor {
     if (obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
       obstacles_.push_back(obstacles[i].get());
-      const double distance = obstacles_.back()->at(rod_.base).distance;
+      const double distance = obstacles_.back()->at(rod_.base).distance - rod_.radius_at(0.0).value;
       if (distance >= 0.0) continue;
       throw SceneError("obstacle[" + std::to_string(i) + "]", names_[i] + " lies around the rod's base (" +
                                                                   shown(-scale_.to_si(distance, dimension::length)) +
@@ -95,6 +95,10 @@ Execution Executor::run() {
   const auto stop = [this] { return deadline_.over(); };
   std::optional<Loading> loading;
   if (control_.start == nullptr) {
+    if (!scene_.start_points.empty()) {
+      throw SceneError("start.points",
+                       "a rod is loaded from a constant curvature or from a result ('--start'), expected 'tip_angle'");
+    }
     loading.emplace(rod_, obstacles_, scene_.start_tip_angle, last_, stop);
   } else {
     if (control_.start->backbone.empty()) throw Error("the result to start from has no shape");
@@ -165,7 +169,7 @@ void Executor::report_shape(const PoseProgram& program, const Eigen::VectorXd& c
   plan.tip_angle = program.backbone().tip_angle();
   if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
   plan.backbone = sampled_backbone(program, scale_.length);
-  plan.self_overlap = self_overlap(plan.backbone);
+  plan.self_overlap = self_overlap(plan.backbone, scene_.rod.body());
   plan.turns.clear();
   for (std::size_t a = 0; a < moments_.size(); ++a) plan.turns.push_back(program.turn_along(static_cast<int>(a)));
 }
@@ -193,7 +197,7 @@ void Executor::report(const Loading::Lying& lying, const LoadPath& path, Executi
     c.point = scale_.length * point;
     c.normal = surface.normal;
     c.force = p.force * scale_.force();
-    c.gap = surface.distance * scale_.length;
+    c.gap = (surface.distance - path.rod().radius_at(p.s).value) * scale_.length;
     c.extended = p.extended;
     contacts.push_back(c);
   }

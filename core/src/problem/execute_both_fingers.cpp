@@ -57,7 +57,13 @@ Execution joined(const Scene& scene, double palm_distance, const Execution& uppe
   whole.pieces += lower.pieces;
   add_snaps(scene, lower, whole);
   FingerPlan below = lower_in_world(scene, lower.result);
-  if (result.status == PlanStatus::solved && meeting_of(result.backbone, below.backbone)) {
+  const auto sides = [&](const std::vector<BackbonePoint>& backbone, FingerName name) {
+    const Scene finger = finger_of(scene, name);
+    const BodyRadius body = finger.rod.body();
+    return body ? body_outline(backbone, body) : backbone;
+  };
+  if (result.status == PlanStatus::solved &&
+      meeting_of(sides(result.backbone, FingerName::upper), sides(below.backbone, FingerName::lower))) {
     result.status = PlanStatus::not_converged;
     result.message = "the fingers cross each other: contact between them is not computed";
   }

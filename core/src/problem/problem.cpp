@@ -25,7 +25,7 @@ void take_obstacles(Task& d, const Scene& scene) {
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const Obstacle& o = *d.components.obstacles[i];
     d.obstacles.push_back(&o);
-    if (const double distance = o.at(d.rod.base).distance; !(distance >= 0.0)) {
+    if (const double distance = o.at(d.rod.base).distance - d.rod.radius_at(0.0).value; !(distance >= 0.0)) {
       throw SceneError("obstacle[" + std::to_string(i) + "]", d.obstacle_names[i] + " lies around the rod's base (" +
                                                                   shown(-d.scale.to_si(distance, dimension::length)) +
                                                                   " m deep): no shape is free of it");
@@ -185,7 +185,10 @@ Problem::Problem(const Scene& scene, Components components) : task_(std::make_un
                     ? d.scale.to_dimensionless(scene.contact.min_force, dimension::force)
                     : 0.0;
   if (grasp) set_up_grasp(d);
+  d.take_start();
   d.take_target(scene.problem == ProblemKind::trajectory ? scene.trajectory.targets.front() : scene.target);
+  d.tolerance = {d.scale.to_dimensionless(scene.target.position_tolerance, dimension::length),
+                 scene.target.angle_tolerance};
   take_terms(d, scene);
   tell_left_out(d, scene);
   make_modes(d);
@@ -202,6 +205,7 @@ Description Problem::describe() const {
   out.energies.push_back("bending");
   if (d.rod.has_gravity()) out.energies.push_back("gravity");
   if (d.rod.has_tip_force()) out.energies.push_back("tip force");
+  if (d.rod.has_dead_loads()) out.energies.push_back("loads along the rod");
   for (const PoseProgramTerm& t : d.terms) out.terms.push_back(t.name);
   out.length_unit = d.scale.length;
   out.force_unit = d.scale.force();
@@ -251,6 +255,7 @@ Description Problem::describe() const {
     }
     add(m.rows, "contact_order", at.orders, "inequality");
     add(m.rows, "force_balance", at.balances, "equality");
+    add(m.rows, "target", at.targets, "inequality");
     if (program.variable_count() > most) {
       most = program.variable_count();
       largest = out.modes.size();
@@ -292,7 +297,7 @@ Plan Problem::plan(const PlanControl& control) {
     if (follow_without_solver(followed)) return followed;
   }
   for (const PoseProgramTerm& term : task_->terms) term.fault->clear();
-  Plan plan = task_->palm ? plan_grasp(*task_, control) : plan_either_way(*task_, control);
+  Plan plan = task_->palm ? plan_grasp(*task_, control) : plan_to_target(*task_, control);
   blame_terms(*task_, plan);
   plan.seconds_assemble = task_->seconds_assemble;
   plan.seconds_solve = now() - begin - plan.seconds_certify;

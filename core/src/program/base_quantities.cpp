@@ -31,7 +31,7 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
     return p;
   };
   for (int k = 0; k < layout.forces; ++k) index.contacts.push_back({point(), -1, -1});
-  if (terms.reads_tip()) {
+  if (terms.reads_tip() || spec.tolerance.any()) {
     index.tip = point();
     tip_place_ = places.add_tip();
   }
@@ -60,10 +60,12 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
     values.palm = spec.palm->minimum;
   }
   index.count = next;
+  index.thick = spec.rod->is_thick();
   terms.bind(index);
 
   values.base.setZero(index.count);
   values.surfaces.resize(spec.contacts.size());
+  values.radii.resize(spec.contacts.size());
   for (const ContactSetup& c : spec.contacts) {
     values.references.push_back(
         c.obstacle < 0 ? Vec2{} : spec.obstacles[static_cast<std::size_t>(c.obstacle)]->reference_point());
@@ -97,6 +99,7 @@ void BaseQuantities::move(ConstVectorRef x, const std::vector<PoseProgram::Conta
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     fill(index.contacts[k].point, contact_places_[k]);
     values.surfaces[k] = contacts[k].surface;
+    values.radii[k] = contacts[k].radius;
   }
   if (tip_place_ >= 0) fill(index.tip, tip_place_);
   for (std::size_t i = 0; i < sample_places_.size(); ++i) fill(index.samples[i], sample_places_[i]);

@@ -25,7 +25,7 @@ class ClearanceRows : public RowBlock {
     checks_.reserve(places.size());
     for (std::size_t i = 0; i < places.size(); ++i) {
       const int obstacle = d_.spec.checks[i].obstacle;
-      checks_.push_back({places[i], obstacle, d_.carried(obstacle), {}});
+      checks_.push_back({places[i], obstacle, d_.carried(obstacle), {}, {}});
     }
     row_.setZero(d_.layout.coordinates + d_.layout.arc_lengths + (d_.layout.palm >= 0 ? 1 : 0));
     by_row_.setZero(row_.size(), count());
@@ -38,13 +38,17 @@ class ClearanceRows : public RowBlock {
       Check& c = checks_[static_cast<std::size_t>(i)];
       const Vec2 point = d_.places.point(c.place);
       c.surface = d_.surface(c.obstacle, c.carried ? point - d_.shift : point);
-      values[i] = c.surface.distance;
+      c.radius = c.carried ? Rod::Jet{} : d_.places.radius(c.place);
+      values[i] = c.surface.distance - c.radius.value;
       if (!derivatives) continue;
       fill(c, c.surface.normal, row_.data());
       const int reach = d_.places.reach(c.place);
       double* out = &rows(i, 0);
       for (int k = 0; k < reach; ++k, out += rows.outerStride()) *out = row_[k];
-      for (int l = 0; l < at.arc_lengths; ++l) rows(i, at.first_arc_length + l) = row_[at.coordinates + l];
+      for (int l = 0; l < at.arc_lengths; ++l) {
+        rows(i, at.first_arc_length + l) = row_[at.coordinates + l];
+        if (c.radius.slope != 0.0) rows(i, at.first_arc_length + l) -= c.radius.slope * d_.places.running(c.place, l);
+      }
       if (at.palm >= 0) rows(i, at.palm) = row_[row_.size() - 1];
     }
   }
@@ -58,6 +62,12 @@ class ClearanceRows : public RowBlock {
       if (multipliers[i] == 0.0) continue;
       const Check& c = checks_[static_cast<std::size_t>(i)];
       d_.pushes.on[static_cast<std::size_t>(c.place)].force += multipliers[i] * c.surface.normal;
+      for (int l = 0; l < at.arc_lengths && c.radius.bend != 0.0; ++l) {
+        for (int m = 0; m < at.arc_lengths; ++m) {
+          hessian(at.first_arc_length + l, at.first_arc_length + m) -=
+              multipliers[i] * c.radius.bend * d_.places.running(c.place, l) * d_.places.running(c.place, m);
+        }
+      }
       const double factor = multipliers[i] * c.surface.curvature;
       if (factor == 0.0) continue;
       double* row = by_row_.col(used).data();
@@ -83,6 +93,7 @@ class ClearanceRows : public RowBlock {
     int place, obstacle;
     bool carried;
     SurfacePoint surface;
+    Rod::Jet radius{};  ///< of the body; the palm stands under it, and is kept off the backbone alone
   };
 
   /// direction . dP of a check point against its obstacle, by coordinates up to its piece, arc lengths and the palm.

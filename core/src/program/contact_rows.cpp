@@ -1,5 +1,5 @@
-// A contact is where the rod comes nearest to its obstacle: its gap, and t . n, which vanishes there (model.md section
-// 4).
+// A contact is where the rod comes nearest to its obstacle: its gap d - r, and t . n - r', which vanishes there
+// (model.md sections 4 and 10).
 
 #include "obstacle/surface.hpp"
 #include "program/row_block.hpp"
@@ -21,14 +21,17 @@ class GapRows : public RowBlock {
 
   void evaluate(ConstVectorRef /*x*/, bool derivatives, VectorRef values, MatrixRef rows) override {
     for (int k = 0; k < count(); ++k) {
-      const SurfacePoint& surface = d_.contacts[static_cast<std::size_t>(k)].surface;
-      values[k] = surface.distance;
-      if (derivatives) rows.row(k) = d_.contact_row(k, surface.normal);
+      const PoseProgram::ContactState& c = d_.contacts[static_cast<std::size_t>(k)];
+      values[k] = c.surface.distance;
+      if (!derivatives) continue;
+      rows.row(k) = d_.contact_row(k, c.surface.normal);
+      d_.add_slope_along(k, -c.radius.slope, rows.row(k));
     }
   }
 
-  void add_second(ConstVectorRef multipliers, Eigen::MatrixXd& /*hessian*/) override {
+  void add_second(ConstVectorRef multipliers, Eigen::MatrixXd& hessian) override {
     for (int k = 0; k < count(); ++k) {
+      d_.add_along(k, -multipliers[k] * d_.contacts[static_cast<std::size_t>(k)].radius.bend, hessian);
       const SurfacePoint& surface = d_.contacts[static_cast<std::size_t>(k)].surface;
       const BaseIndex::Point& p = d_.base.index.contacts[static_cast<std::size_t>(k)].point;
       d_.base.gradient[p.x] += multipliers[k] * surface.normal.x;
@@ -48,7 +51,7 @@ class ClosestPointRows : public RowBlock {
       : RowBlock("closest_point", state.layout.first_closest, state.layout.forces), d_(state) {}
 
   void bounds(VectorRef lower, VectorRef upper) const override {
-    // t.n = 0 inside, t.n <= 0 at the tip. Where the tip does not touch, no point needs to be closest.
+    // t.n - r' = 0 inside, <= 0 at the tip. Where the tip does not touch, no point needs to be closest.
     for (int k = 0; k < count(); ++k) {
       const auto i = static_cast<std::size_t>(k);
       const bool at_tip = d_.spec.contacts[i].at_tip;
@@ -60,16 +63,17 @@ class ClosestPointRows : public RowBlock {
   void evaluate(ConstVectorRef /*x*/, bool derivatives, VectorRef values, MatrixRef rows) override {
     for (int k = 0; k < count(); ++k) {
       const PoseProgram::ContactState& c = d_.contacts[static_cast<std::size_t>(k)];
-      values[k] = dot(c.tangent, c.surface.normal);
+      values[k] = dot(c.tangent, c.surface.normal) - c.radius.slope;
       if (!derivatives) continue;
       const Vec2 tau = turned(c.surface.normal);
       const Vec2 bend = c.surface.curvature * dot(tau, c.tangent) * tau;
       const BaseIndex::Point& p = d_.base.index.contacts[static_cast<std::size_t>(k)].point;
       rows.row(k) = dot(turned(c.tangent), c.surface.normal) * d_.base.row(p.angle) + d_.contact_row(k, bend);
+      d_.add_slope_along(k, -c.radius.bend, rows.row(k));
     }
   }
 
-  void add_second(ConstVectorRef multipliers, Eigen::MatrixXd& /*hessian*/) override {
+  void add_second(ConstVectorRef multipliers, Eigen::MatrixXd& hessian) override {
     BaseQuantities& base = d_.base;
     for (int k = 0; k < count(); ++k) {
       const PoseProgram::ContactState& c = d_.contacts[static_cast<std::size_t>(k)];
@@ -77,6 +81,7 @@ class ClosestPointRows : public RowBlock {
       const Vec2 tau = turned(c.surface.normal);
       const Vec2 normal = turned(c.tangent);
       const double curvature = multipliers[k] * c.surface.curvature;
+      d_.add_along(k, -multipliers[k] * c.radius.jerk, hessian);
       base.gradient[p.x] += curvature * dot(tau, c.tangent) * tau.x;
       base.gradient[p.y] += curvature * dot(tau, c.tangent) * tau.y;
       base.gradient[p.angle] += multipliers[k] * dot(normal, c.surface.normal);

@@ -62,7 +62,8 @@ Places::Side convex_side(const PoseState& state, int contact) {
 double convexity(const PoseState& state, int contact, const Places::Side& side) {
   const PoseProgram::ContactState& c = state.contacts[static_cast<std::size_t>(contact)];
   const double along = dot(turned(c.surface.normal), c.tangent);
-  return side.curvature * dot(turned(c.tangent), c.surface.normal) + c.surface.curvature * along * along;
+  return side.curvature * dot(turned(c.tangent), c.surface.normal) + c.surface.curvature * along * along -
+         c.radius.bend;
 }
 
 void convexity_gradient(const PoseState& state, int contact, const Places::Side& side, VectorRef gradient) {
@@ -86,6 +87,7 @@ void convexity_gradient(const PoseState& state, int contact, const Places::Side&
   gradient += by_angle * state.base.row(state.base.index.contacts[k].point.angle).transpose();
   state.places.add_curvature_row(state.contact_places[k], side, turn,
                                  {gradient.data(), gradient.data() + state.layout.first_arc_length});
+  state.add_slope_along(contact, -c.radius.jerk, gradient);
 }
 
 }  // namespace tendril

@@ -38,6 +38,7 @@ Equations Equations::of_equilibrium(PoseProgram& program) {
 }
 
 PoseProgramSpec Equations::alone(PoseProgramSpec spec) {
+  spec.tolerance = {};
   spec.least_margin.reset();
   spec.least_convexity.reset();
   spec.checks.clear();

@@ -17,6 +17,7 @@ PoseProgram::Data::Data(PoseProgramSpec s) : PoseState(std::move(s)) {
   add(layout.checks, clearance_rows);
   add(layout.orders, order_rows);
   add(layout.balances, balance_rows);
+  add(layout.targets, target_rows);
   add(layout.margins, stability_rows);
   add(layout.convexities, convexity_rows);
   pushes.on.resize(static_cast<std::size_t>(places.count()));
@@ -80,6 +81,8 @@ const PoseProgram::Layout& PoseProgram::layout() const { return data_->layout; }
 const PoseProgramSpec& PoseProgram::spec() const { return data_->spec; }
 const Chain& PoseProgram::chain() const { return data_->chain; }
 const Backbone& PoseProgram::backbone() const { return data_->places.backbone(); }
+
+const Sections& PoseProgram::sections() const { return data_->places.sections(); }
 Vec2 PoseProgram::base_shift() const { return data_->shift; }
 const std::vector<PoseProgram::ContactState>& PoseProgram::contacts() const { return data_->contacts; }
 Branch PoseProgram::branch(int contact) const { return data_->branches[static_cast<std::size_t>(contact)]; }
@@ -109,6 +112,7 @@ void PoseProgram::set_branch(int contact, Branch branch) {
 }
 
 void PoseProgram::set_target(const Target& target) {
+  data_->spec.target = target;
   data_->base.terms.set_target(target);
   invalidate();
 }
@@ -179,7 +183,7 @@ double PoseProgram::potential(ConstVectorRef x) {
   for (std::size_t a = 0; a < d.moment_variable.size(); ++a) {
     if (const int i = d.moment_variable[a]; i >= 0) d.places.pull_back_moment(static_cast<int>(a), x[i], pulled.data());
   }
-  return d.places.energy() - d.places.work({{}, d.forces.tip, d.forces.gravity, d.forces.payload}) -
+  return d.places.energy() - d.places.work({{}, d.forces.tip, d.forces.gravity, d.forces.payload, d.forces.dead}) -
          pulled.dot(x.head(d.layout.coordinates));
 }
 

@@ -11,6 +11,7 @@
 #include "rod/backbone.hpp"
 #include "rod/chain.hpp"
 #include "rod/rod.hpp"
+#include "rod/sections.hpp"
 #include "tendril/nonlinear_program.hpp"
 #include "tendril/objective_term.hpp"
 #include "tendril/obstacle.hpp"
@@ -44,6 +45,7 @@ struct Loads {
   Vec2 gravity{};                ///< as Rod::gravity
   Vec2 tip_force{};              ///< as Rod::tip_force
   std::vector<double> shrink{};  ///< of each obstacle: its surface lies this much farther inward (units of L)
+  double dead = 1.0;             ///< share of Rod::loads
 };
 
 /// What is known about a contact's complementarity g f = 0.
@@ -72,6 +74,13 @@ struct PalmSetup {
   bool balance = true;   ///< whether sum_k f_k n_k . axis = 0 is a row
 };
 
+/// How far the tip may be from the target, as rows. Infinity: there is no such row.
+struct TargetTolerance {
+  double position = infinity;  ///< units of L
+  double angle = infinity;     ///< rad
+  bool any() const { return position < infinity || angle < infinity; }
+};
+
 /// Everything that a pose program is assembled from. Pointers are borrowed and must outlive the program.
 struct PoseProgramSpec {
   const Rod* rod = nullptr;                ///< dimensionless
@@ -79,6 +88,7 @@ struct PoseProgramSpec {
   std::vector<const Obstacle*> obstacles;  ///< dimensionless; may be empty
   std::vector<PoseProgramTerm> terms;      ///< of the objective
   Target target;                           ///< for terms that read it
+  TargetTolerance tolerance{};             ///< of the tip against the target
   bool split = true;                       ///< whether each interior contact has a knot of its own
   std::vector<ContactSetup> contacts;      ///< interior ones in order along the rod, then those at the tip
   std::vector<CheckPoint> checks;          ///< points kept outside of obstacles by a row each
@@ -143,6 +153,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     int orders = 0;            ///< pairs of contacts that must keep their order along the rod
     int first_balance = 0;     ///< row
     int balances = 0;          ///< 1 if the force along a grasp's axis has to vanish
+    int first_target = 0;      ///< row
+    int targets = 0;           ///< rows that keep the tip near the target: its position, its angle
     int first_margin = 0;      ///< row
     int margins = 0;           ///< 1 if the margin of stability is kept up
     int first_convexity = 0;   ///< row; two per contact inside the rod, before and behind it
@@ -163,7 +175,7 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   /// Chooses the branch of contact k: changes bounds only. Calls invalidate().
   void set_branch(int contact, Branch branch);
   Branch branch(int contact) const;  ///< The branch that set_branch() chose; open at first.
-  /// Another target for terms that read one. Calls invalidate().
+  /// Another target for the rows and terms that read one. Calls invalidate().
   void set_target(const Target& target);
   /// Other loads and sizes of obstacles than those that it was assembled with; one that acts on nothing then has to
   /// stay zero. Calls invalidate().
@@ -183,11 +195,13 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     Vec2 tangent{};           ///< unit vector along the rod
     double angle = 0.0;       ///< of the rod, rad
     double force = 0.0;       ///< units of EI0/L^2
-    SurfacePoint surface{};   ///< the obstacle there
+    SurfacePoint surface{};   ///< the obstacle there, seen from the rod's body: its distance is the gap
+    Rod::Jet radius{};        ///< of the body
   };
   /// All contacts, in the order of PoseProgramSpec::contacts.
   const std::vector<ContactState>& contacts() const;
   const Backbone& backbone() const;  ///< The rod's shape.
+  const Sections& sections() const;  ///< The rod's sections there.
   /// Pi (model.md section 3) at x: bending energy less the work of loads and moments; contacts do not count.
   double potential(ConstVectorRef x);
   /// int p kappa ds along actuator a at the point evaluated last, p its profile.

@@ -45,7 +45,9 @@ PoseProgram::Layout layout_of(const PoseProgramSpec& spec, const Chain& chain) {
   }
   at.first_balance = at.first_order + at.orders;
   at.balances = spec.palm && spec.palm->balance && at.forces > 0 ? 1 : 0;
-  at.first_margin = at.first_balance + at.balances;
+  at.first_target = at.first_balance + at.balances;
+  at.targets = (spec.tolerance.position < infinity ? 1 : 0) + (spec.tolerance.angle < infinity ? 1 : 0);
+  at.first_margin = at.first_target + at.targets;
   at.margins = spec.least_margin ? 1 : 0;
   at.first_convexity = at.first_margin + at.margins;
   at.convexities = spec.least_convexity ? 2 * at.arc_lengths : 0;
@@ -90,6 +92,7 @@ void PoseState::move(ConstVectorRef x) {
   forces.tip = loads.tip_force;
   forces.gravity = loads.gravity;
   forces.payload = rod.payload;
+  forces.dead = loads.dead;
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     PoseProgram::ContactState& c = contacts[k];
     const auto variable = static_cast<int>(k);
@@ -101,6 +104,7 @@ void PoseState::move(ConstVectorRef x) {
     c.arc_length = spec.contacts[k].at_tip ? 1.0 : x[layout.first_arc_length + variable];
     const int obstacle = spec.contacts[k].obstacle;
     c.surface = obstacle < 0 ? SurfacePoint{0.0, turned(c.tangent)} : surface(obstacle, c.point);
+    if (obstacle >= 0 && chain.is_thick()) c.surface.distance -= (c.radius = places.radius(place)).value;
     forces.on[static_cast<std::size_t>(place)].force = c.force * c.surface.normal;
   }
   base.move(x, contacts);

@@ -49,6 +49,23 @@ struct PoseState {
     const BaseIndex::Point& p = base.index.contacts[static_cast<std::size_t>(k)].point;
     return direction.x * base.row(p.x) + direction.y * base.row(p.y);
   }
+  /// Adds second derivatives of a function of contact k's arc length alone.
+  void add_along(int contact, double second, Eigen::MatrixXd& hessian) const {
+    for (int l = 0; l < layout.arc_lengths; ++l) {
+      const double run = places.running(contact_places[static_cast<std::size_t>(contact)], l);
+      for (int m = 0; m < layout.arc_lengths && run != 0.0; ++m) {
+        hessian(layout.first_arc_length + l, layout.first_arc_length + m) +=
+            second * run * places.running(contact_places[static_cast<std::size_t>(contact)], m);
+      }
+    }
+  }
+  /// The same of its derivative.
+  template <class Row>
+  void add_slope_along(int contact, double slope, Row&& row) const {
+    for (int l = 0; l < layout.arc_lengths && slope != 0.0; ++l) {
+      row[layout.first_arc_length + l] += slope * places.running(contact_places[static_cast<std::size_t>(contact)], l);
+    }
+  }
   /// Adds second derivatives of the work of contact k's force along a constant displacement.
   void add_force_work(int contact, Vec2 displacement);
 };

@@ -47,6 +47,7 @@ std::unique_ptr<RowBlock> closest_point_rows(PoseState& state);
 std::unique_ptr<RowBlock> clearance_rows(PoseState& state);
 std::unique_ptr<RowBlock> order_rows(PoseState& state);
 std::unique_ptr<RowBlock> balance_rows(PoseState& state);
+std::unique_ptr<RowBlock> target_rows(PoseState& state);
 std::unique_ptr<RowBlock> stability_rows(PoseState& state);
 std::unique_ptr<RowBlock> convexity_rows(PoseState& state);
 ///@}

@@ -1,6 +1,5 @@
 #include "program/stability.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,10 +9,6 @@
 namespace tendril {
 
 Stability::Stability(const PoseProgram& program) {
-  const Chain& chain = program.chain();
-  const int n = chain.functions();
-  const Eigen::LLT<Eigen::MatrixXd> llt(chain.table().stiffness);
-  inverse_ = llt.matrixU().solve(Eigen::MatrixXd::Identity(n, n));
   const int coordinates = program.layout().coordinates;
   turning_.resize(coordinates);
   direction_.resize(coordinates);
@@ -43,10 +38,6 @@ void Stability::second_variation(PoseProgram& program, ConstVectorRef x, Eigen::
   }
 }
 
-double Stability::root(const PoseProgram& program, int j) const {
-  return std::sqrt(program.backbone().length(j) / program.chain().piece(j).stiffness);
-}
-
 double Stability::margin(PoseProgram& program, ConstVectorRef x) {
   const Chain& chain = program.chain();
   const int n = program.layout().coordinates;
@@ -59,12 +50,14 @@ double Stability::margin(PoseProgram& program, ConstVectorRef x) {
   // In coordinates y = U q with K = U^T U the bending energy is the unit matrix.
   const int functions = chain.functions();
   for (int j = 0; j < chain.piece_count(); ++j) {
-    block_.noalias() = h.middleCols(j * functions, functions) * inverse_;
-    h.middleCols(j * functions, functions) = root(program, j) * block_;
+    const auto [inverse, factor] = program.sections().unit(j);
+    block_.noalias() = h.middleCols(j * functions, functions) * inverse;
+    h.middleCols(j * functions, functions) = factor * block_;
   }
   for (int j = 0; j < chain.piece_count(); ++j) {
-    block_.noalias() = inverse_.transpose() * h.middleRows(j * functions, functions);
-    h.middleRows(j * functions, functions) = root(program, j) * block_;
+    const auto [inverse, factor] = program.sections().unit(j);
+    block_.noalias() = inverse.transpose() * h.middleRows(j * functions, functions);
+    h.middleRows(j * functions, functions) = factor * block_;
   }
   if (!h.allFinite()) return -infinity;
   const auto count = static_cast<Eigen::Index>(touching_.size());
@@ -75,8 +68,9 @@ double Stability::margin(PoseProgram& program, ConstVectorRef x) {
   for (Eigen::Index i = 0; i < count; ++i) {
     turning_ = program.jacobian(x).row(program.layout().first_gap + touching_[static_cast<std::size_t>(i)]).head(n);
     for (int j = 0; j < chain.piece_count(); ++j) {
+      const auto [inverse, factor] = program.sections().unit(j);
       normals_.col(i).segment(j * functions, functions).noalias() =
-          root(program, j) * (inverse_.transpose() * turning_.segment(j * functions, functions));
+          factor * (inverse.transpose() * turning_.segment(j * functions, functions));
     }
   }
   // The orthogonal complement of the rows spans what the contacts leave free: Q^T H Q, one reflection after the other.
@@ -122,8 +116,9 @@ void Stability::find_direction(const PoseProgram& program) {
   }
   const int functions = chain.functions();
   for (int j = 0; j < chain.piece_count(); ++j) {
+    const auto [inverse, factor] = program.sections().unit(j);
     direction_.segment(j * functions, functions).noalias() =
-        root(program, j) * (inverse_ * next_.segment(j * functions, functions));
+        factor * (inverse * next_.segment(j * functions, functions));
   }
 }
 
@@ -159,16 +154,10 @@ void Stability::sum_gradient(PoseProgram& program, ConstVectorRef x, double eige
   }
   const MatrixView second = program.hessian(x, 0.0, multipliers_);
   gradient.noalias() += second.leftCols(n) * direction_;
-  if (chain.knot_count() == 0) return;
-  const int functions = chain.functions();
   for (int j = 0; j < chain.piece_count(); ++j) {
-    // The bending energy of v in a piece falls as the piece grows.
-    const double h = program.backbone().length(j);
-    const auto own = direction_.segment(j * functions, functions);
-    turning_.head(functions).noalias() = chain.table().stiffness * own;
-    const double energy = chain.piece(j).stiffness / h * own.dot(turning_.head(functions));
+    const double* own = direction_.data() + j * chain.functions();
     for (int l = 0; l < chain.knot_count(); ++l) {
-      gradient[at.first_arc_length + l] += eigenvalue * energy / h * chain.length_rate()(j, l);
+      gradient[at.first_arc_length + l] -= program.sections().stretching(j, eigenvalue, own, l);
     }
   }
 }

@@ -33,14 +33,12 @@ class Stability {
   double margin(PoseProgram& program, ConstVectorRef x, VectorRef gradient);
 
  private:
-  double root(const PoseProgram& program, int j) const;
   void find_eigenvector(double eigenvalue);
   void find_direction(const PoseProgram& program);
   void find_multipliers();
   void sum_gradient(PoseProgram& program, ConstVectorRef x, double eigenvalue, VectorRef gradient);
 
   bool ends_hold_ = false;
-  Eigen::MatrixXd inverse_;  ///< U^-1 of the basis' stiffness U^T U
   std::vector<int> touching_;
   Eigen::MatrixXd hessian_, block_, normals_, free_, shifted_;
   Eigen::VectorXd turning_;                    ///< a row of a contact, by the coordinates

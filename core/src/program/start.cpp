@@ -21,7 +21,7 @@ std::vector<double> holding_moments(const Rod& rod, const std::function<double(d
     const auto i = static_cast<std::size_t>(r);
     const double middle = 0.5 * (knots[i] + knots[i + 1]);
     const Rod::Segment& segment = rod.segment_at(middle);
-    wanted[r] = segment.stiffness * (curvature(middle) - segment.rest_curvature);
+    wanted[r] = segment.stiffness_at(middle).value * (curvature(middle) - segment.rest_curvature_at(middle).value);
     for (Eigen::Index a = 0; a < count; ++a) {
       spans(r, a) = rod.actuators[static_cast<std::size_t>(a)].at(middle);
     }
@@ -55,7 +55,7 @@ double start_distance(const PoseProgram& program, const StartShape& shape, const
     double own = infinity;
     double any = infinity;
     for (const OutlinePoint& p : line) {
-      const double gap = obstacle.at(p.position - trial * spec.palm->axis).distance;
+      const double gap = obstacle.at(p.position - trial * spec.palm->axis).distance - p.radius;
       any = std::min(any, gap);
       if (p.s >= from && p.s <= to) own = std::min(own, gap);
     }
@@ -107,7 +107,7 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
     double nearest = infinity;
     for (const OutlinePoint& p : line) {
       if (p.s < low || p.s > high) continue;
-      const double distance = obstacle.at(p.position).distance;
+      const double distance = obstacle.at(p.position).distance - p.radius;
       if (distance >= nearest) continue;
       nearest = distance;
       x[variable] = p.s;

@@ -94,7 +94,9 @@ Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> 
              TableStore* store)
     : model_(&model),
       tables_(store != nullptr ? store->of(model, nodes) : std::make_shared<ChainTables>(model, nodes)),
-      fixed_knots_(rod.fixed_knots()) {
+      fixed_knots_(rod.fixed_knots()),
+      segments_(rod.segments),
+      thick_(rod.is_thick()) {
   std::vector<double> parts = model.subdivision();
   const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
   if (parts.empty() || !(sum > 0.0)) throw Error("a coordinate model's subdivision must have positive parts");
@@ -142,7 +144,9 @@ Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> 
         lengths.push_back(fraction * span);
         start_rates.push_back(start_rate);
         length_rates.push_back(length_rate);
-        pieces_.push_back({r, segment.stiffness, segment.weight, segment.rest_curvature});
+        pieces_.push_back({r, segment.stiffness, segment.weight, segment.rest_curvature,
+                           static_cast<int>(&segment - rod.segments.data()), segment.bends_evenly(),
+                           segment.weighs_evenly()});
         before += fraction;
       }
       if (ends[e + 1].moving >= 0) knot_piece_.push_back(piece_count() - 1);
@@ -159,6 +163,24 @@ Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> 
     length_rate_.row(j) = length_rates[static_cast<std::size_t>(j)];
   }
   find_profiles(rod);
+  find_loads(rod);
+}
+
+void Chain::find_loads(const Rod& rod) {
+  for (int j = 0; j < piece_count(); ++j) {
+    Piece& p = pieces_[static_cast<std::size_t>(j)];
+    const auto r = static_cast<std::size_t>(p.stretch);
+    const double middle = 0.5 * (fixed_knots_[r] + fixed_knots_[r + 1]);
+    const bool last = j + 1 == piece_count() || piece(j + 1).stretch != p.stretch;
+    for (const Rod::Load& load : rod.loads) {
+      if (!load.at_point()) {
+        if (middle > load.from && middle < load.to) p.line += load.force;
+      } else if (last && std::abs(load.from - fixed_knots_[r + 1]) <= knot_merge_distance) {
+        p.point += load.force;
+        p.point_weight += load.weight;
+      }
+    }
+  }
 }
 
 void Chain::find_profiles(const Rod& rod) {

@@ -59,18 +59,23 @@ class TENDRIL_API TableStore {
 };
 
 /// The rod cut into pieces (model.md section 2): which pieces there are, how long they are as affine functions of the
-/// moving knots, and the tables that never change. Knots are fixed (ends of segments and actuators) or move with a
-/// contact.
+/// moving knots, and the tables that never change. Knots are fixed (Rod::fixed_knots()) or move with a contact.
 ///
 /// Coordinates: q = (q_1, ..., q_J), `functions()` numbers per piece.
 class TENDRIL_API Chain {
  public:
-  /// A piece with constant properties, dimensionless.
+  /// A piece and its properties where they are constant, dimensionless.
   struct Piece {
     int stretch = 0;              ///< between which fixed knots
     double stiffness = 1.0;       ///< EI / EI0
     double weight = 0.0;          ///< rho |g| L^3 / EI0
     double rest_curvature = 0.0;  ///< kappa0 L
+    int segment = 0;              ///< of the rod
+    bool bends_evenly = true;     ///< stiffness and rest curvature are constant
+    bool weighs_evenly = true;    ///< the weight is
+    Vec2 line{};                  ///< dead force per length on it
+    Vec2 point{};                 ///< dead force at its end
+    double point_weight = 0.0;    ///< what hangs at its end
   };
 
   /// `knot_stretches`: for each moving knot, in ascending order along the rod, the stretch between fixed knots in which
@@ -89,6 +94,10 @@ class TENDRIL_API Chain {
   int knot_count() const { return static_cast<int>(knot_piece_.size()); }
   /// Properties of piece j.
   const Piece& piece(int j) const { return pieces_[static_cast<std::size_t>(j)]; }
+  /// The segment of the rod that piece j is cut from.
+  const Rod::Segment& segment(int j) const { return segments_[static_cast<std::size_t>(piece(j).segment)]; }
+  /// The rod has a body.
+  bool is_thick() const { return thick_; }
   /// The piece that ends at moving knot k.
   int piece_before_knot(int k) const { return knot_piece_[static_cast<std::size_t>(k)]; }
   /// Knots that do not move, ascending, 0 and 1 included; units of L.
@@ -139,10 +148,13 @@ class TENDRIL_API Chain {
 
  private:
   void find_profiles(const Rod& rod);
+  void find_loads(const Rod& rod);
 
   const CoordinateModel* model_;
   std::shared_ptr<const ChainTables> tables_;
   std::vector<double> fixed_knots_;
+  std::vector<Rod::Segment> segments_;
+  bool thick_ = false;
   std::vector<Piece> pieces_;
   std::vector<int> knot_piece_;
   Eigen::VectorXd start0_, length0_;

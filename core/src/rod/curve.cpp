@@ -36,6 +36,8 @@ void Curve::follow(const Backbone& backbone) {
   lengths_.resize(static_cast<std::size_t>(pieces_));
   starts_.resize(lengths_.size());
   curvature_bounds_.resize(lengths_.size());
+  bodies_.clear();
+  for (int j = 0; j < pieces_ && chain.is_thick(); ++j) bodies_.push_back(&chain.segment(j));
   interval_start_.resize(lengths_.size() * static_cast<std::size_t>(intervals));
   series_x_.resize(n, pieces_ * intervals);
   series_y_.resize(n, pieces_ * intervals);

@@ -36,7 +36,7 @@ class TENDRIL_API Curve {
  public:
   /// Holds nothing before follow().
   explicit Curve(std::shared_ptr<const CurveTables> tables) : tables_(std::move(tables)) {}
-  /// Becomes the curve of a moved backbone whose chain has these tables.
+  /// Becomes the curve of a moved backbone whose chain has these tables; it has to outlive what is asked of a body.
   void follow(const Backbone& backbone);
   /// Shifts every point.
   void translate(Vec2 by);
@@ -54,6 +54,18 @@ class TENDRIL_API Curve {
   double length(int piece) const { return lengths_[static_cast<std::size_t>(piece)]; }
   /// Arc length at which a piece begins, units of L.
   double start(int piece) const { return starts_[static_cast<std::size_t>(piece)]; }
+  /// Radius of the body there.
+  double radius(int piece, double sigma) const {
+    return bodies_.empty()
+               ? 0.0
+               : bodies_[static_cast<std::size_t>(piece)]->radius_at(start(piece) + sigma * length(piece)).value;
+  }
+  /// Bounds of its derivatives over a piece.
+  Rod::Jet radius_bounds(int piece) const {
+    return bodies_.empty() ? Rod::Jet{} : bodies_[static_cast<std::size_t>(piece)]->radius_bounds();
+  }
+  /// Becomes the backbone alone.
+  void strip() { bodies_.clear(); }
   /// max |kappa| over a piece, from the sizes of its coordinates.
   double curvature_bound(int piece) const { return curvature_bounds_[static_cast<std::size_t>(piece)]; }
 
@@ -61,8 +73,9 @@ class TENDRIL_API Curve {
   std::shared_ptr<const CurveTables> tables_;
   int pieces_ = 0;
   std::vector<double> lengths_, starts_, curvature_bounds_;
-  std::vector<Vec2> interval_start_;     // pieces x intervals
-  Eigen::MatrixXd series_x_, series_y_;  // coefficients, a column per piece and interval
+  std::vector<const Rod::Segment*> bodies_;  // of the pieces' chain, borrowed; empty: there is none
+  std::vector<Vec2> interval_start_;         // pieces x intervals
+  Eigen::MatrixXd series_x_, series_y_;      // coefficients, a column per piece and interval
 };
 
 }  // namespace tendril

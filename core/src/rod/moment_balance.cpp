@@ -30,14 +30,23 @@ double Places::moment_defect(int j, const Ramp& load, const Forces& forces, std:
   const int n = tables.per_interval();
   const double h = backbone_.length(j);
   const Eigen::Map<const Eigen::VectorXd> q(backbone_.coordinates(j), table.functions);
-  const auto applied = [&](double sigma) {
-    double sum = p.stiffness * p.rest_curvature;
+  const Rod::Segment* varying = p.bends_evenly ? nullptr : &chain_->segment(j);
+  const auto applied = [&](double s) {
+    double sum = varying != nullptr ? 0.0 : p.stiffness * p.rest_curvature;
     for (int a = 0; a < chain_->actuator_count(); ++a) {
       const ProfilePart* part = chain_->varying(a, j);
-      const double profile = part != nullptr ? part->at(backbone_.start(j) + h * sigma) : chain_->level(a, j);
+      const double profile = part != nullptr ? part->at(s) : chain_->level(a, j);
       if (profile != 0.0) sum += profile * moments[static_cast<std::size_t>(a)];
     }
     return sum;
+  };
+  /// Force times length on the piece from what is behind it and from its weight.
+  const auto loaded = [&](double sigma, double left) {
+    Vec2 force = load.end + left * load.slope;
+    if (load.share == nullptr) return force;
+    const Rod::Segment& heavy = chain_->segment(j);
+    const double rest = heavy.weight_up_to(backbone_.start(j) + h) - heavy.weight_up_to(backbone_.start(j) + sigma * h);
+    return force + h * rest * load.heavy;
   };
   const auto acts = [&](int k) { return at(k).piece == j && static_cast<std::size_t>(k) < forces.on.size(); };
   double worst = 0.0;
@@ -47,7 +56,13 @@ double Places::moment_defect(int j, const Ramp& load, const Forces& forces, std:
       if (!acts(k) || !(moving_[own(k)].sigma() > sigma)) continue;
       moment += cross(at(k).point - curve.position(j, sigma), on(k, forces).force);
     }
-    worst = std::max(worst, std::abs(p.stiffness * curvature - applied(sigma) - moment));
+    const double s = backbone_.start(j) + sigma * h;
+    double stiffness = p.stiffness;
+    if (varying != nullptr) {
+      stiffness = varying->stiffness_at(s).value;
+      curvature -= varying->rest_curvature_at(s).value;
+    }
+    worst = std::max(worst, std::abs(stiffness * curvature - applied(s) - moment));
   };
   check(1.0, table.slope_end.dot(q) / h, beyond);
   auto shear = node_buffer_.head(n);
@@ -56,7 +71,7 @@ double Places::moment_defect(int j, const Ramp& load, const Forces& forces, std:
   for (int i = tables.intervals() - 1; i >= 0; --i) {
     const double width = tables.end(i + 1) - tables.end(i);
     for (int g = 0; g < n; ++g) {
-      shear[g] = cross(backbone_.tangent(j, i * n + g), load.end + left_[i * n + g] * load.slope);
+      shear[g] = cross(backbone_.tangent(j, i * n + g), loaded(table.sigma[i * n + g], left_[i * n + g]));
     }
     coefficients.noalias() = tables.transform() * shear;
     up_to.noalias() = 0.5 * width * (tables.cumulative() * coefficients);
@@ -73,7 +88,7 @@ double Places::moment_defect(int j, const Ramp& load, const Forces& forces, std:
     const MovingPoint& m = moving_[own(k)];
     double moment = at_start;
     for (int i = 0; i < m.node_count(); ++i) {
-      moment -= m.weight(i) * cross(m.node_tangent(i), load.end + (1.0 - m.node_sigma(i)) * load.slope);
+      moment -= m.weight(i) * cross(m.node_tangent(i), loaded(m.node_sigma(i), 1.0 - m.node_sigma(i)));
     }
     check(m.sigma(), m.curvature(), moment);
     beyond += cross(at(k).point - backbone_.knot_point(j), on(k, forces).force);

@@ -8,6 +8,7 @@ void outline(const Rod& rod, const std::function<double(double)>& curvature, int
              std::vector<OutlinePoint>& out) {
   out.clear();
   const double h = 1.0 / steps;
+  const bool thick = rod.is_thick();
   OutlinePoint p;
   p.position = rod.base;
   p.angle = rod.base_angle;
@@ -15,6 +16,7 @@ void outline(const Rod& rod, const std::function<double(double)>& curvature, int
     p.s = i * h;
     p.tangent = {std::cos(p.angle), std::sin(p.angle)};
     p.curvature = curvature(p.s);
+    if (thick) p.radius = rod.radius_at(p.s).value;
     out.push_back(p);
     if (i == steps) return;
     const double middle = p.angle + 0.5 * h * curvature(p.s + 0.25 * h);

@@ -14,6 +14,7 @@ struct OutlinePoint {
   Vec2 tangent{};      ///< unit vector
   double angle = 0.0;  ///< rad
   double curvature = 0.0;
+  double radius = 0.0;  ///< of the body, units of L
 };
 
 /// The shape of a curvature over s/L, integrated by midpoints: steps + 1 points, equally far apart, into `out`. What a

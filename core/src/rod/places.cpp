@@ -9,6 +9,7 @@ namespace tendril {
 Places::Places(const Rod& rod, const Chain& chain, int arc_lengths)
     : chain_(&chain),
       backbone_(chain, rod.base, rod.base_angle),
+      sections_(chain),
       arc_lengths_(arc_lengths),
       stations_(static_cast<std::size_t>(chain.piece_count())),
       virtual_(chain),
@@ -25,14 +26,28 @@ Places::Places(const Rod& rod, const Chain& chain, int arc_lengths)
   }
   mass_rate_.setZero(pieces, arc_lengths);
   for (int j = pieces - 2; j >= 0; --j) {
-    mass_rate_.row(j) = mass_rate_.row(j + 1) + chain.piece(j + 1).weight * length_rate_.row(j + 1);
+    // The weight of a whole segment does not change, and this is not asked for inside of one that weighs unevenly.
+    mass_rate_.row(j) = mass_rate_.row(j + 1);
+    if (chain.piece(j + 1).weighs_evenly) mass_rate_.row(j) += chain.piece(j + 1).weight * length_rate_.row(j + 1);
+  }
+  line_rate_.setZero(2 * pieces, arc_lengths);
+  dead_ = rod.has_dead_loads();
+  for (int j = pieces - 2; j >= 0; --j) {
+    const Vec2 line = chain.piece(j + 1).line;
+    line_rate_.row(2 * j) = line_rate_.row(2 * j + 2) + line.x * length_rate_.row(j + 1);
+    line_rate_.row(2 * j + 1) = line_rate_.row(2 * j + 3) + line.y * length_rate_.row(j + 1);
   }
   rates_.setZero(2 * arc_lengths, pieces + 1);
   virtual_rates_ = rates_;
   stiff_.setZero(chain.coordinate_count());
+  bool bends_evenly = true;
+  for (int j = 0; j < pieces; ++j) bends_evenly = bends_evenly && chain.piece(j).bends_evenly;
+  if (!bends_evenly) bent_.setZero(chain.nodes(), pieces);
   psi_.setZero(chain.nodes(), pieces);
   psi_knot_.setZero(pieces + 1);
-  for (Eigen::VectorXd* v : {&node_buffer_, &push_along_, &push_across_}) v->setZero(chain.nodes());
+  for (Eigen::VectorXd* v : {&node_buffer_, &push_along_, &push_across_, &heavy_, &along_nodes_, &virtual_bent_}) {
+    v->setZero(chain.nodes());
+  }
   third_.setZero(chain.functions());
 }
 
@@ -103,11 +118,16 @@ void Places::move(ConstVectorRef q, std::span<const double> arc_lengths) {
     m.move(backbone_, p.piece, s);
     p.point = m.position();
   }
+  sections_.move(backbone_);
   const int n = chain_->functions();
   stiff_.setZero();
   for (int j = 0; j < chain_->piece_count(); ++j) {
-    kernels::add_weighted_columns(n, n, n, chain_->table().stiffness.data(), q.data() + j * n, 1,
-                                  stiff_.data() + j * n);
+    if (chain_->piece(j).bends_evenly) {
+      kernels::add_weighted_columns(n, n, n, chain_->table().stiffness.data(), q.data() + j * n, 1,
+                                    stiff_.data() + j * n);
+    } else {
+      bent_.col(j).noalias() = chain_->table().slope * q.segment(j * n, n);
+    }
     Stations& s = stations_[static_cast<std::size_t>(j)];
     const auto count = static_cast<int>(s.sigma.size());
     if (count == 0) continue;
@@ -130,6 +150,21 @@ Vec2 Places::tangent(int place) const {
 double Places::angle(int place) const {
   const Place& p = at(place);
   return p.kind == Kind::knot ? backbone_.knot_angle(p.piece + 1) : moving_[own(place)].angle();
+}
+
+Rod::Jet Places::radius(int place) const {
+  if (!chain_->is_thick()) return {};
+  const Place& p = at(place);
+  const double sigma = p.kind == Kind::knot     ? 1.0
+                       : p.kind == Kind::inside ? moving_[own(place)].sigma()
+                                                : stations_[static_cast<std::size_t>(p.piece)].sigma[own(place)];
+  return chain_->segment(p.piece).radius_at(backbone_.start(p.piece) + sigma * backbone_.length(p.piece));
+}
+
+double Places::running(int place, int l) const {
+  const Place& p = at(place);
+  if (p.kind == Kind::inside) return p.arc_length == l ? 1.0 : 0.0;
+  return run(p.piece, p.kind == Kind::knot ? 1.0 : stations_[static_cast<std::size_t>(p.piece)].sigma[own(place)], l);
 }
 
 void Places::differentiate() {

@@ -7,6 +7,7 @@
 #include "rod/backbone.hpp"
 #include "rod/moving_point.hpp"
 #include "rod/rod.hpp"
+#include "rod/sections.hpp"
 
 namespace tendril {
 
@@ -37,6 +38,7 @@ struct Forces {
   Vec2 tip{};            ///< on the end of the rod
   Vec2 gravity{};        ///< per weight
   double payload = 0.0;  ///< weight at the end of the rod
+  double dead = 0.0;     ///< share of the rod's own dead loads
 };
 
 /// Places on a rod, through which everybody else sees its shape: where they are, and how they move with the
@@ -61,6 +63,7 @@ class TENDRIL_API Places {
   std::vector<int> add_stations(std::span<const Station> stations);
 
   const Backbone& backbone() const { return backbone_; }
+  const Sections& sections() const { return sections_; }
   /// Where the next move() begins.
   void place(Vec2 base) { backbone_.place(base); }
   /// Moves to coordinates and arc lengths.
@@ -74,6 +77,11 @@ class TENDRIL_API Places {
   /// Not of stations; nor is the angle.
   Vec2 tangent(int place) const;
   double angle(int place) const;
+
+  /// Radius of the body at a place, with its derivatives by the arc length there.
+  Rod::Jet radius(int place) const;
+  /// How fast the arc length of a place runs with arc length l.
+  double running(int place, int l) const;
 
   /// The rod's curvature right before a place (0) or behind it (1), which may jump at ends of pieces.
   struct Side {
@@ -144,12 +152,16 @@ class TENDRIL_API Places {
     Eigen::VectorXd chord_x, chord_y;  ///< int_0^sigma t dsigma
     Eigen::VectorXd push_x, push_y;    ///< buffers
   };
-  /// A force on the nodes of a piece: end + (1 - sigma) slope.
+  /// A force on the nodes of a piece: end + (1 - sigma) slope, and where its weight varies heavy times share, a number
+  /// per node.
   struct Ramp {
-    Vec2 end{}, slope{};
+    Vec2 end{}, slope{}, heavy{};
+    const double* share = nullptr;
     /// What has its component across the rod along it.
-    Ramp across() const { return {-turned(end), -turned(slope)}; }
-    friend Ramp operator*(double factor, const Ramp& r) { return {factor * r.end, factor * r.slope}; }
+    Ramp across() const { return {-turned(end), -turned(slope), -turned(heavy), share}; }
+    friend Ramp operator*(double factor, const Ramp& r) {
+      return {factor * r.end, factor * r.slope, factor * r.heavy, r.share};
+    }
   };
   class Sweep;
 
@@ -162,6 +174,14 @@ class TENDRIL_API Places {
   /// Derivatives of a field's knots by the arc lengths: x and y, one after the other, by knots.
   void find_rates(const Integrals& field, Eigen::MatrixXd& rates) const;
   void weigh(int j, const Ramp& along, const Ramp* turning, double* z) const;
+  /// How fast sigma of piece j runs along the rod with arc length l.
+  double run(int j, double sigma, int l) const { return start_rate_(j, l) + sigma * length_rate_(j, l); }
+  Vec2 line_rate(int j, int l) const { return {line_rate_(2 * j, l), line_rate_(2 * j + 1, l)}; }
+  /// Nothing in piece j moves with arc length l, nor does what pulls behind it change.
+  bool still(int j, int l) const {
+    return length_rate_(j, l) == 0.0 && mass_rate_(j, l) == 0.0 && line_rate(j, l) == Vec2{} &&
+           (chain_->piece(j).weighs_evenly || start_rate_(j, l) == 0.0);
+  }
   static const Push& on(int place, const Forces& forces) {
     static constexpr Push nothing{};
     const auto k = static_cast<std::size_t>(place);
@@ -175,12 +195,14 @@ class TENDRIL_API Places {
   bool gather_pushes(int j, const Forces& forces);
   double moment_defect(int j, const Ramp& load, const Forces& forces, std::span<const double> moments,
                        const Curve& curve, double& beyond);
-  /// How fast the rod's point at sigma of piece j runs along it with arc length l.
-  double run(int j, double sigma, int l) const { return start_rate_(j, l) + sigma * length_rate_(j, l); }
   void add_inside(const Forces& forces, const Forces* virtual_forces, int j, SecondPart& out);
+  double varying_energy(int j) const;
+  void add_varying_row(int j, double factor, RowPart out) const;
+  void add_varying_second(int j, double factor, const double* lambda, SecondPart out) const;
 
   const Chain* chain_;
   Backbone backbone_;
+  Sections sections_;
   int arc_lengths_ = 0;
   std::vector<Place> places_;
   std::vector<MovingPoint> moving_;
@@ -190,14 +212,19 @@ class TENDRIL_API Places {
   Eigen::VectorXd left_;            ///< 1 - sigma at the nodes
   /// d length_j / d s_l and d (mass beyond j) / d s_l; zero where places slide.
   Eigen::MatrixXd length_rate_, start_rate_, mass_rate_;
-  Eigen::MatrixXd psi_;  ///< nodes x pieces: virtual rotation
+  Eigen::MatrixXd line_rate_;  ///< likewise of the dead force on what is beyond j, x and y one after the other
+  bool dead_ = false;          ///< the rod has dead loads
+  Eigen::MatrixXd psi_;        ///< nodes x pieces: virtual rotation
   Eigen::VectorXd psi_knot_;
   Integrals virtual_;
   Eigen::MatrixXd rates_, virtual_rates_;  ///< 2 arc lengths x (pieces + 1)
-  Eigen::VectorXd stiff_;                  ///< int beta' beta'^T times the coordinates, by pieces
+  Eigen::VectorXd stiff_;                  ///< int beta' beta'^T times the coordinates, by pieces that bend evenly
+  Eigen::MatrixXd bent_;                   ///< dphi/dsigma at the nodes of the others
+  mutable Eigen::VectorXd along_nodes_, virtual_bent_;
   PieceSums sums_, gram_sums_;
   std::vector<PieceSums> rate_sums_;  ///< one per arc length
   Eigen::VectorXd node_buffer_, push_along_, push_across_, third_;
+  mutable Eigen::VectorXd heavy_;  ///< at nodes
 };
 
 }  // namespace tendril

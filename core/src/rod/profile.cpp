@@ -14,14 +14,6 @@ double ProfilePart::at(double s, int derivative) const {
   return value;
 }
 
-double ProfilePart::integral(double s) const {
-  double value = 0.0;
-  for (std::size_t i = coefficients.size(); i > 0; --i) {
-    value = (value + coefficients[i - 1] / static_cast<double>(i)) * (s - from);
-  }
-  return value;
-}
-
 bool ProfilePart::constant() const {
   return std::all_of(coefficients.begin() + 1, coefficients.end(), [](double c) { return c == 0.0; });
 }

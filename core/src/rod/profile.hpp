@@ -14,8 +14,6 @@ struct TENDRIL_API ProfilePart {
 
   /// The polynomial at s, or its derivative of that order.
   double at(double s, int derivative = 0) const;
-  /// Its integral from the part's start to s.
-  double integral(double s) const;
   /// Whether it is the same all over the part.
   bool constant() const;
 };

@@ -28,6 +28,12 @@ void Places::weigh(int j, const Ramp& along, const Ramp* turning, double* z) con
     }
     z[i] = weight[i] * (x * c[i] + y * s[i]);
   }
+  const double* share = turning != nullptr && along.share == nullptr ? turning->share : along.share;
+  for (int i = 0; share != nullptr && i < chain_->nodes(); ++i) {
+    const double x = along.heavy.x + (turning != nullptr ? psi[i] * turning->heavy.x : 0.0);
+    const double y = along.heavy.y + (turning != nullptr ? psi[i] * turning->heavy.y : 0.0);
+    z[i] += weight[i] * share[i] * (x * c[i] + y * s[i]);
+  }
 }
 
 /// Sums forces on the stations of a piece at its nodes, along the tangent and across it. False: there are none.
@@ -62,10 +68,12 @@ double Places::work(const Forces& forces) {
   const Vec2 base = backbone_.base();
   double sum = dot(forces.tip, backbone_.tip() - base);
   for (int k = 0; k < count(); ++k) sum += dot(on(k, forces).force, at(k).point - base);
-  if (is_zero(forces.gravity)) return sum;
-  const Forces weight{{}, {}, forces.gravity, forces.payload};
+  const bool dead = dead_ && forces.dead != 0.0;
+  if (is_zero(forces.gravity) && !dead) return sum;
+  const Forces weight{{}, {}, forces.gravity, forces.payload, forces.dead};
   Sweep sweep(*this, weight);
   for (int j = chain_->piece_count() - 1; j >= 0; --j) {
+    sweep.enter(j);
     weigh(j, sweep.load(j), nullptr, node_buffer_.data());
     sum += node_buffer_.sum();
     sweep.leave(j);
@@ -82,7 +90,7 @@ void Places::pull_back(const Forces& forces, double* out) {
     sweep.enter(j);
     const Ramp load = sweep.load(j);
     const bool pushed = gather_pushes(j, forces);
-    if (pushed || !is_zero(load.end) || !is_zero(load.slope)) {
+    if (pushed || !is_zero(load.end) || !is_zero(load.slope) || !is_zero(load.heavy)) {
       weigh(j, load.across(), nullptr, z);
       for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] += h * push_across_[i];
       backbone_.add_nodes(sums_, j, z);
@@ -111,8 +119,9 @@ void Places::second_pull_back(const Forces& forces, const Forces* virtual_forces
   double* z = node_buffer_.data();
   Sweep sweep(*this, forces);
   Sweep turning(*this, virtual_forces != nullptr ? *virtual_forces : forces);
-  const bool heavy = chain_->knot_count() > 0 &&
-                     (!is_zero(forces.gravity) || (virtual_forces != nullptr && !is_zero(virtual_forces->gravity)));
+  const auto pulls = [&](const Forces& f) { return !is_zero(f.gravity) || (dead_ && f.dead != 0.0); };
+  const bool heavy =
+      chain_->knot_count() > 0 && (pulls(forces) || (virtual_forces != nullptr && pulls(*virtual_forces)));
   gram_sums_.set_zero();
   for (PieceSums& sums : rate_sums_) sums.set_zero();
   for (int j = chain_->piece_count() - 1; j >= 0; --j) {
@@ -128,7 +137,7 @@ void Places::second_pull_back(const Forces& forces, const Forces* virtual_forces
     backbone_.add_gram_nodes(gram_sums_, j, z);
     for (int l = 0; l < arc_lengths_; ++l) {
       const double rate = length_rate_(j, l);
-      if (rate == 0.0 && mass_rate_(j, l) == 0.0) continue;
+      if (still(j, l)) continue;
       weights(sweep.load_rate(j, l).across(), -1.0 * turning.load_rate(j, l));
       for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] += rate * push_across_[i];
       backbone_.add_nodes(rate_sums_[static_cast<std::size_t>(l)], j, z);

@@ -9,18 +9,49 @@
 
 namespace tendril {
 
-/// The rod of a scene, dimensionless (model.md section 1): length 1, EI of the first segment 1.
+/// The rod of a scene, dimensionless (model.md section 1): length 1, EI at the base 1.
 struct TENDRIL_API Rod {
-  /// A stretch with constant properties.
-  struct Segment {
+  /// A property at a place, and its derivatives by the arc length.
+  struct Jet {
+    double value = 0.0, slope = 0.0, bend = 0.0, jerk = 0.0;
+  };
+  /// A stretch whose properties are polynomials of the arc length, most often constants.
+  struct TENDRIL_API Segment {
     double from = 0.0;            ///< arc length, units of L
     double to = 1.0;              ///< arc length, units of L
-    double stiffness = 1.0;       ///< EI / EI0
-    double weight = 0.0;          ///< rho |g| L^3 / EI0
-    double rest_curvature = 0.0;  ///< kappa0 L
+    double stiffness = 1.0;       ///< EI / EI0 where it begins
+    double weight = 0.0;          ///< rho |g| L^3 / EI0 there
+    double rest_curvature = 0.0;  ///< kappa0 L there
+    double radius = 0.0;          ///< of the body there, units of L
+    /// How they change from there on: coefficients of x, x^2, ..., x the share of the segment's length. Empty: not.
+    std::vector<double> more_stiffness{}, more_weight{}, more_rest_curvature{}, more_radius{};
+
+    bool bends_evenly() const { return more_stiffness.empty() && more_rest_curvature.empty(); }
+    bool weighs_evenly() const { return more_weight.empty(); }
+    Jet stiffness_at(double s) const { return at(s, stiffness, more_stiffness); }
+    Jet weight_at(double s) const { return at(s, weight, more_weight); }
+    Jet rest_curvature_at(double s) const { return at(s, rest_curvature, more_rest_curvature); }
+    /// It is nowhere thicker than that.
+    double most_radius() const;
+    Jet radius_at(double s) const { return at(s, radius, more_radius); }
+    double weight_up_to(double s) const { return up_to(s, weight, more_weight); }  ///< from where it begins
+    double whole_weight() const { return weight_up_to(to); }
+    /// Bounds of the radius and of the size of its derivatives; exact where it is linear.
+    Jet radius_bounds() const;
+    /// int kappa0 ds: by how much the unloaded segment turns.
+    double rest_turn() const { return up_to(to, rest_curvature, more_rest_curvature); }
+    /// int p ds / EI over what it has in common with [low, high]: the turn by a unit of moment there. `profile`: p,
+    /// without it 1.
+    double compliance(double low, double high, const ProfilePart* profile = nullptr) const;
+    /// The moment that turns it as a constant curvature would, without other loads.
+    double holding_moment(double low, double high, double curvature) const;
+
+   private:
+    Jet at(double s, double start, const std::vector<double>& more) const;
+    double up_to(double s, double start, const std::vector<double>& more) const;
   };
   /// A moment between two arc lengths, with its limits: u p(s).
-  struct Actuator {
+  struct TENDRIL_API Actuator {
     double from = 0.0;                   ///< arc length, units of L
     double to = 1.0;                     ///< arc length, units of L
     double minimum = -infinity;          ///< of u, units of EI0/L
@@ -30,12 +61,20 @@ struct TENDRIL_API Rod {
     const ProfilePart* part_at(double s) const;
     /// p(s); 0 outside.
     double at(double s) const;
-    /// int p ds between two arc lengths.
-    double integral(double begin, double end) const;
+    /// The turn of a segment by a unit of u.
+    double compliance(const Segment& segment) const;
     /// Whether p is not the same all over one of its parts.
     bool varies() const;
     /// Whether it can do nothing.
     bool fixed_at_zero() const { return minimum == 0.0 && maximum == 0.0; }
+  };
+  /// A dead load between two arc lengths, or at one of them where these are equal.
+  struct Load {
+    double from = 0.0;    ///< arc length, units of L
+    double to = 0.0;      ///< arc length, units of L
+    Vec2 force{};         ///< times L^2 / EI0; between two arc lengths per length, times L^3 / EI0
+    double weight = 0.0;  ///< at one arc length: mass |g| L^2 / EI0
+    bool at_point() const { return from == to; }
   };
   std::vector<Segment> segments{Segment{}};  ///< in order from the base on, without gaps
   std::vector<Actuator> actuators{};         ///< as in the scene
@@ -44,12 +83,23 @@ struct TENDRIL_API Rod {
   Vec2 gravity{};                            ///< unit vector, or zero: no gravity
   double payload = 0.0;                      ///< mass |g| L^2 / EI0
   Vec2 tip_force{};                          ///< dead force, times L^2 / EI0
+  std::vector<Load> loads{};                 ///< along the rod
 
   /// Whether gravity does anything: it has a direction, and the rod or the tip has mass.
   bool has_gravity() const;
   /// Whether a dead force acts on the tip.
   bool has_tip_force() const { return tip_force.x != 0.0 || tip_force.y != 0.0; }
-  /// Ends of segments, actuators and parts of their profiles, ascending, 0 and 1 included: the knots that do not move.
+  /// Whether dead forces act along it.
+  bool has_dead_loads() const;
+  /// All that pulls at it: its weight, what hangs on it, and dead forces.
+  Vec2 whole_load() const;
+  /// Whether it has a body around its backbone.
+  bool is_thick() const;
+  /// It is nowhere thicker than that.
+  double most_radius() const;
+  Jet radius_at(double s) const { return segment_at(s).radius_at(s); }
+  /// Ends of segments, actuators, parts of their profiles and loads, ascending, 0 and 1 included: the knots that do not
+  /// move.
   std::vector<double> fixed_knots() const;
   /// The segment that holds arc length s: the later one at a joint, the last one beyond the end.
   const Segment& segment_at(double s) const;

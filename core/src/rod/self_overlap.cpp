@@ -37,17 +37,37 @@ std::optional<std::pair<double, double>> meeting(Vec2 a, Vec2 b, Vec2 c, Vec2 d)
 
 }  // namespace
 
-std::optional<std::pair<double, double>> self_overlap(std::span<const BackbonePoint> backbone) {
-  // A curve whose tangent turns by less than half a turn moves on along some direction all the time.
+std::vector<BackbonePoint> body_outline(std::span<const BackbonePoint> backbone, const BodyRadius& radius) {
+  std::vector<BackbonePoint> out;
+  out.reserve(2 * backbone.size());
+  const auto add = [&](const BackbonePoint& p, double side) {
+    const double r = side * radius(p.s);
+    out.push_back({p.s, p.x - r * std::sin(p.angle), p.y + r * std::cos(p.angle), p.angle, p.curvature});
+  };
+  for (const BackbonePoint& p : backbone) add(p, 1.0);
+  for (auto p = backbone.rbegin(); p != backbone.rend(); ++p) add(*p, -1.0);
+  return out;
+}
+
+std::optional<std::pair<double, double>> self_overlap(std::span<const BackbonePoint> backbone,
+                                                      const BodyRadius& radius) {
+  // A curve whose tangent turns by less than half a turn moves on along some direction all the time, and its sides do
+  // where it bends less than its body is thick.
   const auto by_angle = [](const BackbonePoint& a, const BackbonePoint& b) { return a.angle < b.angle; };
   const auto [least, most] = std::minmax_element(backbone.begin(), backbone.end(), by_angle);
-  if (least == backbone.end() || most->angle - least->angle < 3.0) return std::nullopt;
-  const auto point = [&](std::size_t i) { return backbone[i].position(); };
-  const auto arc = [&](std::size_t i, double t) { return backbone[i].s + t * (backbone[i + 1].s - backbone[i].s); };
-  for (std::size_t later = 2; later + 1 < backbone.size(); ++later) {
+  if (least == backbone.end()) return std::nullopt;
+  const bool folds = radius && std::any_of(backbone.begin(), backbone.end(), [&](const BackbonePoint& p) {
+                       return std::abs(p.curvature) * radius(p.s) > 1.0;
+                     });
+  if (most->angle - least->angle < 3.0 && !folds) return std::nullopt;
+  const std::vector<BackbonePoint> sides = radius ? body_outline(backbone, radius) : std::vector<BackbonePoint>{};
+  const std::span<const BackbonePoint> line = radius ? sides : backbone;
+  const auto point = [&](std::size_t i) { return line[i].position(); };
+  const auto arc = [&](std::size_t i, double t) { return line[i].s + t * (line[i + 1].s - line[i].s); };
+  for (std::size_t later = 2; later + 1 < line.size(); ++later) {
     for (std::size_t earlier = 0; earlier + 2 <= later; ++earlier) {
       const auto met = meeting(point(earlier), point(earlier + 1), point(later), point(later + 1));
-      if (met) return std::pair(arc(earlier, met->first), arc(later, met->second));
+      if (met) return std::minmax(arc(earlier, met->first), arc(later, met->second));
     }
   }
   return std::nullopt;

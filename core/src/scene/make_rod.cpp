@@ -41,7 +41,18 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
     s.to = round_to_12_digits(from + spec.length / length);
     s.stiffness = round_to_12_digits(spec.bending_stiffness / scale.stiffness);
     s.weight = scale.to_dimensionless(spec.linear_density * g, per_length);
+    s.radius = scale.to_dimensionless(0.5 * spec.thickness, dimension::length);
     s.rest_curvature = scale.to_dimensionless(spec.rest_curvature, dimension::curvature);
+    const auto along = [](const std::vector<double>& more, std::vector<double>& out, auto dimensionless) {
+      for (const double c : more) out.push_back(dimensionless(c));
+    };
+    along(spec.more_bending_stiffness, s.more_stiffness,
+          [&](double c) { return round_to_12_digits(c / scale.stiffness); });
+    along(spec.more_linear_density, s.more_weight, [&](double c) { return scale.to_dimensionless(c * g, per_length); });
+    along(spec.more_rest_curvature, s.more_rest_curvature,
+          [&](double c) { return scale.to_dimensionless(c, dimension::curvature); });
+    along(spec.more_thickness, s.more_radius,
+          [&](double c) { return scale.to_dimensionless(0.5 * c, dimension::length); });
     rod.segments.push_back(s);
     from = s.to;
   }
@@ -59,6 +70,15 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
               scale.to_dimensionless(scene.rod.base_position.y, dimension::length)};
   rod.base_angle = round_to_12_digits(scene.rod.base_angle);
   if (g > 0.0) rod.gravity = {round_to_12_digits(scene.gravity->x / g), round_to_12_digits(scene.gravity->y / g)};
+  for (const RodLoadSpec& spec : scene.rod.loads) {
+    Rod::Load l;
+    l.from = std::min(1.0, scale.to_dimensionless(spec.from, dimension::length));
+    l.to = std::min(1.0, scale.to_dimensionless(spec.to, dimension::length));
+    const Dimension& unit = l.at_point() ? dimension::force : per_length;
+    l.force = {scale.to_dimensionless(spec.force.x, unit), scale.to_dimensionless(spec.force.y, unit)};
+    l.weight = scale.to_dimensionless(spec.mass * g, dimension::force);
+    rod.loads.push_back(l);
+  }
   rod.payload = scale.to_dimensionless(scene.tip_load.mass * g, dimension::force);
   rod.tip_force = {scale.to_dimensionless(scene.tip_load.force.x, dimension::force),
                    scale.to_dimensionless(scene.tip_load.force.y, dimension::force)};

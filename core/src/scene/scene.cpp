@@ -84,6 +84,21 @@ std::string_view to_string(PlanStatus status) {
   return "?";
 }
 
+BodyRadius RodSpec::body() const {
+  const auto thick = [](const SegmentSpec& s) { return s.thickness != 0.0 || !s.more_thickness.empty(); };
+  if (std::none_of(segments.begin(), segments.end(), thick)) return {};
+  return [this](double s) {
+    std::size_t i = 0;
+    double from = 0.0;
+    for (; i + 1 < segments.size() && s >= from + segments[i].length; ++i) from += segments[i].length;
+    const double x = std::clamp((s - from) / segments[i].length, 0.0, 1.0);
+    double more = 0.0;
+    for (auto c = segments[i].more_thickness.rbegin(); c != segments[i].more_thickness.rend(); ++c)
+      more = (more + *c) * x;
+    return 0.5 * (segments[i].thickness + more);
+  };
+}
+
 double RodSpec::length() const {
   double sum = 0.0;
   for (const SegmentSpec& s : segments) sum += s.length;

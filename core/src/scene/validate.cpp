@@ -82,6 +82,48 @@ void validate_offset(const ActuatorSpec& a, const std::string& path, double leng
   }
 }
 
+void validate_tolerances(const TargetSpec& target) {
+  const auto check = [](double value, bool wanted, const std::string& of, const char* unit) {
+    if (value == infinity) return;
+    const std::string path = "target." + of + "_tolerance";
+    require_positive(value, path, "the tolerance", unit);
+    if (!wanted) throw SceneError(path, "found a tolerance without a target, expected '" + of + "' beside it");
+  };
+  check(target.position_tolerance, target.position.has_value(), "position", "m");
+  check(target.angle_tolerance, target.angle.has_value(), "angle", "rad");
+}
+
+/// A property that changes along its segment: it has to keep within its range everywhere.
+void require_along(double start, const std::vector<double>& more, bool positive, const std::string& path,
+                   const char* what, const char* unit) {
+  if (more.empty()) return;
+  constexpr int samples = 200;
+  for (int i = 0; i <= samples; ++i) {
+    const double x = static_cast<double>(i) / samples;
+    double value = 0.0;
+    for (auto c = more.rbegin(); c != more.rend(); ++c) value = (value + *c) * x;
+    value += start;
+    if (std::isfinite(value) && (positive ? value > 0.0 : value >= 0.0)) continue;
+    throw SceneError(path, std::string(what) + " must be " + (positive ? "positive" : "0 or more") +
+                               " all along the segment, but is " + shown(value) + " " + unit + " at " + shown(x) +
+                               " of its length");
+  }
+}
+
+void validate_load(const RodLoadSpec& load, double length, const std::string& path) {
+  // A part in 1e9 of the length is the rounding of unit conversions, not a mistake.
+  if (!(load.from >= 0.0 && load.to >= load.from && load.to > 0.0 && load.to <= length * (1.0 + 1e-9))) {
+    throw SceneError(path, "the load acts from " + shown(load.from) + " m to " + shown(load.to) +
+                               " m, but the rod reaches from 0 to " + shown(length) + " m");
+  }
+  require_finite(load.force.x, path + ".force");
+  require_finite(load.force.y, path + ".force");
+  require_not_negative(load.mass, path + ".mass", "the mass", "kg");
+  if (load.mass != 0.0 && load.to != load.from) {
+    throw SceneError(path + ".mass", "a mass hangs at one arc length, expected 'from' and 'to' to be equal");
+  }
+}
+
 /// `at`: the table of the rod.
 void validate_rod(const RodSpec& rod, const std::string& at) {
   if (rod.segments.empty()) throw SceneError(at, "the rod has no length");
@@ -92,11 +134,21 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
     require_positive(s.bending_stiffness, path + ".bending_stiffness", "the bending stiffness", "N m^2");
     require_not_negative(s.linear_density, path + ".linear_density", "the linear density", "kg/m");
     require_finite(s.rest_curvature, path + ".rest_curvature");
+    for (const double c : s.more_rest_curvature) require_finite(c, path + ".rest_curvature");
+    require_not_negative(s.thickness, path + ".thickness", "the thickness", "m");
+    require_along(s.bending_stiffness, s.more_bending_stiffness, true, path + ".bending_stiffness",
+                  "the bending stiffness", "N m^2");
+    require_along(s.linear_density, s.more_linear_density, false, path + ".linear_density", "the linear density",
+                  "kg/m");
+    require_along(s.thickness, s.more_thickness, false, path + ".thickness", "the thickness", "m");
   }
   require_finite(rod.base_position.x, at + ".base.position");
   require_finite(rod.base_position.y, at + ".base.position");
   require_finite(rod.base_angle, at + ".base.angle");
   const double length = rod.length();
+  for (std::size_t i = 0; i < rod.loads.size(); ++i) {
+    validate_load(rod.loads[i], length, at + ".load[" + std::to_string(i) + "]");
+  }
   for (std::size_t i = 0; i < rod.actuators.size(); ++i) {
     const std::string path = at + ".actuator[" + std::to_string(i) + "]";
     const ActuatorSpec& a = rod.actuators[i];
@@ -231,6 +283,15 @@ void validate(const Scene& scene) {
   if (scene.target.angle) require_finite(*scene.target.angle, "target.angle");
   if (scene.target.turns && !scene.target.angle) {
     throw SceneError("target.turns", "found turns without a direction, expected 'angle' beside them");
+  }
+  validate_tolerances(scene.target);
+  if (!scene.start_points.empty() && (scene.problem == ProblemKind::grasp || scene.problem == ProblemKind::estimate)) {
+    throw SceneError("start.points", "found points in a scene of kind \"" + std::string(to_string(scene.problem)) +
+                                         "\", expected them for \"pose\" or \"trajectory\"");
+  }
+  for (const Vec2& point : scene.start_points) {
+    require_finite(point.x, "start.points");
+    require_finite(point.y, "start.points");
   }
 
   validate_trajectory(scene);

@@ -107,7 +107,7 @@ std::vector<Extension> extensions(const Task& problem, const std::vector<Contact
     const double s = line[i].s;
     const auto stretch = static_cast<std::size_t>(stretch_at(rod, s));
     for (std::size_t o = 0; o < problem.obstacles.size(); ++o) {
-      const double distance = problem.obstacles[o]->at(line[i].position).distance;
+      const double distance = problem.obstacles[o]->at(line[i].position).distance - line[i].radius;
       if (distance < nearest[o][stretch].distance) nearest[o][stretch] = {distance, s};
       if (i + 1 == line.size()) of_tip.push_back(distance);
     }

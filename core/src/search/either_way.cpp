@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/clock.hpp"
 #include "search/parameters.hpp"
@@ -17,6 +18,19 @@ bool reads_direction(const Task& task) {
   });
 }
 
+/// One time limit for several searches. The scene keeps its own, whatever a solver throws.
+struct Limit {
+  double& of;
+  const double scene = of;
+  const double begin = now();
+  ~Limit() { of = scene; }
+  /// What is left of it is the limit from now on.
+  bool leaves_time() {
+    of = scene - (now() - begin);
+    return of > 0.0;
+  }
+};
+
 /// Whether no other turn of the tip can bring much: it is where the target is.
 bool is_there(const Plan& plan, const Task& task) {
   const double near = search_parameters().there;
@@ -24,37 +38,88 @@ bool is_there(const Plan& plan, const Task& task) {
          plan.target_error.value_or(0.0) <= near * task.scale.length;
 }
 
-}  // namespace
+/// The better plan, with the work of both; `other` is done with.
+void keep_better(Plan& plan, Plan& other) {
+  if (other.status == PlanStatus::solved && (plan.status != PlanStatus::solved || other.objective < plan.objective)) {
+    std::swap(plan, other);
+  }
+  plan.evaluations += other.evaluations;
+  plan.seconds_certify += other.seconds_certify;
+}
 
 Plan plan_either_way(Task& task, const PlanControl& control) {
-  const double limit = task.scene.solver.time_limit;
-  const double begin = now();
+  Limit limit{task.scene.solver.time_limit};
   const double reference = control.start != nullptr ? control.start->tip_angle : task.start_tip_angle();
   std::vector<double> angles = task.angles_near(reference);
-  if (angles.empty() || !reads_direction(task)) return Planner(task, control).run();
+  const bool directed = reads_direction(task) || task.tolerance.angle < infinity;
+  if (angles.empty() || !directed) return Planner(task, control).run();
   Plan best;
   for (std::size_t i = 0; i < angles.size(); ++i) {
     task.target.angle = angles[i];
-    task.scene.solver.time_limit = limit - (now() - begin);
-    if (i > 0 && task.scene.solver.time_limit <= 0.0) {
+    if (!limit.leaves_time() && i > 0) {
       best.search_cut = true;
       break;
     }
     Plan next = Planner(task, control).run();
     const bool there = is_there(next, task);
-    const bool better =
-        next.status == PlanStatus::solved && (best.status != PlanStatus::solved || next.objective < best.objective);
     const bool stopped = next.status == PlanStatus::interrupted;
-    if (i == 0 || better) std::swap(best, next);
-    if (i > 0) {
-      best.evaluations += next.evaluations;
-      best.seconds_certify += next.seconds_certify;
+    if (i == 0) {
+      best = std::move(next);
+    } else {
+      keep_better(best, next);
     }
     if (there || stopped) break;
   }
-  task.scene.solver.time_limit = limit;
   task.face(best.tip_angle);
   return best;
+}
+
+/// A thorough search begins with a normal one: it finds nothing worse in whatever time there is.
+Plan plan_with_effort(Task& task, const PlanControl& control) {
+  if (task.scene.effort != SearchEffort::thorough) return plan_either_way(task, control);
+  Limit limit{task.scene.solver.time_limit};
+  struct Normal {
+    SearchEffort& effort;
+    explicit Normal(SearchEffort& of) : effort(of) { effort = SearchEffort::normal; }
+    ~Normal() { effort = SearchEffort::thorough; }
+  };
+  Plan plan;
+  {
+    const Normal effort(task.scene.effort);
+    plan = plan_either_way(task, control);
+  }
+  if (plan.status == PlanStatus::interrupted || !limit.leaves_time()) return plan;
+  Plan farther = plan_either_way(task, control);
+  const bool cut = farther.search_cut;
+  std::swap(plan, farther);
+  keep_better(plan, farther);
+  plan.search_cut = cut;
+  task.face(plan.tip_angle);
+  return plan;
+}
+
+}  // namespace
+
+Plan plan_to_target(Task& task, const PlanControl& control) {
+  Limit limit{task.scene.solver.time_limit};
+  Plan plan = plan_with_effort(task, control);
+  if (plan.status != PlanStatus::infeasible || !task.tolerance.any() || !limit.leaves_time()) return plan;
+  const TargetTolerance asked = std::exchange(task.tolerance, {});
+  Plan nearest = plan_with_effort(task, control);
+  task.tolerance = asked;
+  if (nearest.status != PlanStatus::solved) return plan;
+  nearest.status = PlanStatus::infeasible;
+  nearest.message = "infeasible: no plan was found that keeps the target's tolerances; the best one without them comes";
+  if (task.target.has_position) nearest.message += " within " + shown(*nearest.target_error, 3) + " m";
+  if (task.target.has_angle) {
+    nearest.message += std::string(task.target.has_position ? " and" : " within") + " " +
+                       shown(std::abs(nearest.tip_angle - task.target.angle), 3) + " rad";
+  }
+  nearest.message += " of the target; " + plan.message;
+  nearest.evaluations += plan.evaluations;
+  nearest.seconds_certify += plan.seconds_certify;
+  nearest.modes = std::move(plan.modes);
+  return nearest;
 }
 
 }  // namespace tendril

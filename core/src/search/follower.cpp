@@ -75,7 +75,7 @@ void Follower::write(Plan& plan, double begin, double certifying, const Evaluati
   plan.local_model_error.reset();
   tell_point(d, program_, point_.x, plan);
   sampler_.sample(certifier_.finer(point_.x), d.scale.length, plan.backbone);
-  plan.self_overlap = self_overlap(plan.backbone);
+  plan.self_overlap = self_overlap(plan.backbone, d.scene.rod.body());
   plan.certificate = certificate_;
 
   plan.solver_name = d.scene.solver.plugin;

@@ -156,7 +156,7 @@ Plan Planner::run() {
 void Planner::search(const std::vector<std::size_t>& order) {
   const int earlier = control_.start != nullptr ? 1 : 0;
   // Where assignments are too many to be listed, those that grow come first.
-  if (d_.enumerated) search_sides(order);
+  if (d_.enumerated) search_all_sides(order);
   for (int round = 0; round < starts() && !must_stop(); ++round) {
     // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
     // families with several valleys of the effort; what follows its own starts is no equilibrium.
@@ -182,7 +182,20 @@ void Planner::search(const std::vector<std::size_t>& order) {
     }
     if (!d_.enumerated && search_parameters().grow_contacts) grow();
   }
-  if (!d_.enumerated) search_sides(order);
+  if (!d_.enumerated) search_all_sides(order);
+}
+
+void Planner::search_all_sides(const std::vector<std::size_t>& order) {
+  // With more contacts allowed nothing is lost that fewer would find: these come first, each with their own work.
+  std::size_t most = 1;
+  for (const std::size_t i : order) most = std::max(most, modes_[i].contacts.size());
+  for (std::size_t contacts = 1; contacts <= most; ++contacts) {
+    std::vector<std::size_t> ways;
+    for (const std::size_t i : order) {
+      if (std::max<std::size_t>(1, modes_[i].contacts.size()) == contacts) ways.push_back(i);
+    }
+    search_sides(ways);
+  }
 }
 
 void Planner::search_sides(const std::vector<std::size_t>& order) {
@@ -216,9 +229,10 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
   std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
   const std::size_t most_trials = search_parameters().most_trials * static_cast<std::size_t>(generosity());
   if (trials.size() > most_trials) trials.resize(most_trials);
+  const double most_work = steps_.tally.work + generosity() * search_parameters().side_work;
   for (const Trial& trial : trials) {
     ModeState& state = states_[trial.way];
-    if (must_stop() || steps_.tally.work > generosity() * search_parameters().side_work) return;
+    if (must_stop() || steps_.tally.work > most_work) return;
     if (!thorough() && state.best.has_point) {
       // A plan from another side may lie on this one, as near to what is asked for as a start can be.
       const SideStart found = start_by_sides(d_, state.best.program->shape_of(state.best.x));

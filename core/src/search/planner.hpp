@@ -147,6 +147,8 @@ class Planner {
   /// Looks for plans from every start that there is for the modes in `order`.
   void search(const std::vector<std::size_t>& order);
   /// From shapes on further sides of obstacles than those that the first starts led to.
+  /// Starts on sides for ways with one contact or none, then for those with more.
+  void search_all_sides(const std::vector<std::size_t>& order);
   void search_sides(const std::vector<std::size_t>& order);
   /// Where there is a plan: starts on sides have shown already what an ordinary one can lead to.
   bool looked_at(const ModeState& state) const;

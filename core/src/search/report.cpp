@@ -66,7 +66,7 @@ void Planner::add_notes(Plan& plan) const {
     outline(d_.rod, d_.scene_start().curvature, search_parameters().outline_steps, line);
     for (std::size_t o = 0; o < d_.obstacles.size(); ++o) {
       double depth = 0.0;
-      for (const OutlinePoint& p : line) depth = std::max(depth, -d_.obstacles[o]->at(p.position).distance);
+      for (const OutlinePoint& p : line) depth = std::max(depth, p.radius - d_.obstacles[o]->at(p.position).distance);
       if (depth <= 0.0) continue;
       const bool beside = !fast() && has_sides(d_, o) &&
                           std::any_of(states_.begin(), states_.end(), [](const ModeState& m) { return m.sided; });
@@ -168,7 +168,7 @@ Plan Planner::report() {
     plan.contacts[static_cast<std::size_t>(k)].extended = lies_along(*chosen, x, k);
   }
   plan.backbone = sampled_backbone(chosen->certifier->finer(x), d_.scale.length);
-  plan.self_overlap = self_overlap(plan.backbone);
+  plan.self_overlap = self_overlap(plan.backbone, d_.scene.rod.body());
   if (d_.grip) d_.grip->finish(d_, program, x, plan);
   plan.minima = minima_;
   add_notes(plan);

@@ -37,8 +37,8 @@ Seen look_at(const Task& task, const std::vector<OutlinePoint>& line) {
     double turn = 0.0;
     for (const OutlinePoint& p : line) {
       const SurfacePoint surface = obstacle.at(p.position);
-      if (!(surface.distance < least)) continue;
-      least = surface.distance;
+      if (!(surface.distance - p.radius < least)) continue;
+      least = surface.distance - p.radius;
       turn = cross(p.tangent, surface.normal);
     }
     seen.distances[o] = least;

@@ -12,13 +12,6 @@ namespace {
 
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
 
-/// All that pulls at the rod.
-Vec2 load_of(const Rod& rod) {
-  double weight = rod.payload;
-  for (const Rod::Segment& s : rod.segments) weight += s.weight * (s.to - s.from);
-  return weight * rod.gravity + rod.tip_force;
-}
-
 }  // namespace
 
 StartShape Planner::start_shape(int index, const Mode& mode) const {
@@ -49,14 +42,14 @@ StartShape Planner::start_shape(int index, const Mode& mode) const {
   return d_.palm ? held(angle, mode) : constant_curvature(angle);
 }
 
-double Planner::load_size() const { return norm(load_of(d_.rod)); }
+double Planner::load_size() const { return norm(d_.rod.whole_load()); }
 
 bool Planner::loaded() const {
   return search_parameters().hang && !d_.palm && load_size() > search_parameters().deciding_load;
 }
 
 StartShape Planner::hanging(bool long_way) const {
-  const Vec2 load = load_of(d_.rod);
+  const Vec2 load = d_.rod.whole_load();
   const Vec2 along{std::cos(d_.rod.base_angle), std::sin(d_.rod.base_angle)};
   double turn = std::atan2(cross(along, load), dot(along, load));
   if (long_way) turn -= std::copysign(2.0 * std::numbers::pi, turn);

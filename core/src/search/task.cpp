@@ -5,9 +5,13 @@
 #include <numbers>
 #include <numeric>
 
+#include "estimate/estimate_fit.hpp"
 #include "rod/chain.hpp"
+#include "rod/outline.hpp"
 #include "search/contacts.hpp"
 #include "search/follower.hpp"
+#include "search/parameters.hpp"
+#include "tendril/error.hpp"
 
 namespace tendril {
 namespace {
@@ -53,10 +57,31 @@ void Task::take_target(const TargetSpec& wanted) {
   }
 }
 
+void Task::take_start() {
+  if (scene.start_points.empty()) return;
+  Vec2 last = rod.base;
+  MeasuredShape shape;
+  shape.points.resize(2 * static_cast<Eigen::Index>(scene.start_points.size()));
+  for (std::size_t i = 0; i < scene.start_points.size(); ++i) {
+    const Vec2 point{scene.start_points[i].x / scale.length, scene.start_points[i].y / scale.length};
+    shape.arc_lengths.push_back((i > 0 ? shape.arc_lengths.back() : 0.0) + norm(point - last));
+    shape.points.segment<2>(2 * static_cast<Eigen::Index>(i)) << point.x, point.y;
+    last = point;
+  }
+  const double length = shape.arc_lengths.back();
+  if (!(length > 0.0)) throw SceneError("start.points", "the points lie on the base, expected them along the rod");
+  // Points that are farther apart, or nearer, than the rod is long give its shape all the same.
+  for (double& s : shape.arc_lengths) s /= length;
+  start_points = measured_curvature(rod, shape);
+  std::vector<OutlinePoint> line;
+  outline(rod, start_points, search_parameters().outline_steps, line);
+  scene.start_tip_angle = line.back().angle - rod.base_angle;
+}
+
 double Task::start_tip_angle() const {
   if (scene.start_tip_angle != 0.0) return rod.base_angle + scene.start_tip_angle;
   double angle = rod.base_angle;
-  for (const Rod::Segment& s : rod.segments) angle += s.rest_curvature * (s.to - s.from);
+  for (const Rod::Segment& s : rod.segments) angle += s.rest_turn();
   return angle;
 }
 
@@ -70,15 +95,15 @@ std::vector<double> Task::angles_near(double reference) const {
   double high = 0.5 * full_turn;
   for (const Rod::Actuator& a : rod.actuators) {
     for (const Rod::Segment& s : rod.segments) {
-      const double span = a.integral(s.from, s.to);
-      if (span == 0.0) continue;
-      const auto [least, most] = std::minmax({a.minimum * span / s.stiffness, a.maximum * span / s.stiffness});
+      const double turn = a.compliance(s);
+      if (turn == 0.0) continue;
+      const auto [least, most] = std::minmax({a.minimum * turn, a.maximum * turn});
       low += least;
       high += most;
     }
   }
   double rest = rod.base_angle;
-  for (const Rod::Segment& s : rod.segments) rest += s.rest_curvature * (s.to - s.from);
+  for (const Rod::Segment& s : rod.segments) rest += s.rest_turn();
   const double first = nearest_turn(*direction, reference);
   const double side = first > reference ? -full_turn : full_turn;
   std::vector<double> angles{round_to_12_digits(first)};
@@ -113,7 +138,7 @@ Mode Task::mode(std::vector<ContactSetup> contacts) const {
     const double reach = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
     if (palm) {
       if (mode.skip.empty()) mode.skip = grip->obstruction(*this, reach);
-    } else if (obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > reach) {
+    } else if (obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > reach + rod.most_radius()) {
       mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
     }
   }
@@ -127,6 +152,7 @@ PoseProgramSpec Task::spec(const Mode& mode, const std::vector<int>& regions, in
   s.obstacles = obstacles;
   s.terms = terms;
   s.target = target;
+  s.tolerance = tolerance;
   s.split = scene.coordinates.split_at_contact;
   s.contacts = mode.contacts;
   for (std::size_t k = 0; k < s.contacts.size(); ++k) s.contacts[k].region = regions[k];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,7 +44,9 @@ struct Task {
   double objective_scale = 1.0;
   double objective_bound = 0.0;  ///< no plan can cost less (scaled)
   Target target;
-  std::optional<double> direction;  ///< rad, of the target, of which target.angle is one of many angles
+  TargetTolerance tolerance;
+  std::function<double(double)> start_points;  ///< curvature of a start that the scene gives by points; empty: none
+  std::optional<double> direction;             ///< rad, of the target, of which target.angle is one of many angles
   double min_force = 0.0, max_force = infinity;
   std::optional<double> least_margin;     ///< of stability, while plans are held at its limit
   std::optional<double> least_convexity;  ///< of contacts, while plans are held where they would spread
@@ -72,11 +75,15 @@ struct Task {
   /// Pieces of an unsplit rod in a stretch.
   std::vector<int> pieces_of_stretch(int stretch) const;
   std::vector<CheckPoint> first_checks(const PoseProgramSpec& spec, const StartShape& shape) const;
-  StartShape scene_start() const { return constant_curvature(scene.start_tip_angle); }
+  StartShape scene_start() const {
+    return start_points ? StartShape{start_points} : constant_curvature(scene.start_tip_angle);
+  }
   bool contact_planned() const;
   /// Gauss nodes for what the moments can bend, or the start shows; the certificate checks the choice.
   int first_nodes() const;
   void take_target(const TargetSpec& wanted);
+  /// A start along the scene's points, if there are any; a constant curvature of the same turn stands for it elsewhere.
+  void take_start();
   /// Angles that the target's direction may stand for, those nearest to `reference` first, and none that moments within
   /// their limits, gravity and contact cannot turn the tip to; the first one whatever it is. Empty: turns are given, or
   /// no direction.

@@ -35,14 +35,12 @@ class Valley {
     for (int a = 0; a < static_cast<int>(path.rod().actuators.size()); ++a) {
       x_[program_->moment_variable(a)] = path.moment(static_cast<std::size_t>(a), load);
     }
-    const Eigen::LLT<Eigen::MatrixXd> llt(chain.table().stiffness);
-    const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(functions, functions);
-    const Eigen::MatrixXd block = llt.matrixU().solve(unit);
+    program_->constraints(x_);
     // q = T y makes the bending energy |y|^2 / 2.
     scale_ = Eigen::MatrixXd::Zero(n_, n_);
     for (int j = 0; j < chain.piece_count(); ++j) {
-      scale_.block(j * functions, j * functions, functions, functions) =
-          std::sqrt(chain.length0()[j] / chain.piece(j).stiffness) * block;
+      const auto [inverse, factor] = program_->sections().unit(j);
+      scale_.block(j * functions, j * functions, functions, functions) = factor * inverse;
     }
   }
 
@@ -171,7 +169,7 @@ class Valley {
     const Chain chain(path_.rod(), *basis_, {}, 1);
     for (int o = 0; o < static_cast<int>(s.obstacles.size()); ++o) {
       const auto at = static_cast<std::size_t>(o);
-      if (s.obstacles[at]->at(path_.rod().base).distance > 1.0) continue;
+      if (s.obstacles[at]->at(path_.rod().base).distance > 1.0 + path_.rod().most_radius()) continue;
       for (int j = 0; j < chain.piece_count(); ++j) {
         const double wanted =
             chain.length0()[j] * std::max<double>(checks_per_rod, 2.0 / path_.smallest_radius(at, load));

@@ -189,7 +189,7 @@ bool Tracker::add_instability(const Step& step, const Eigen::VectorXd& tangent, 
   }
   const Eigen::VectorXd gap = unstable - e.z;
   const bool apart = std::sqrt(std::max(0.0, s.metric(e.z, gap).dot(gap))) > same_branch;
-  if (apart || !(step.row.dot(s.tangent(e.z)) >= straightness)) return first < low;
+  if (apart) return first < low;
   const double share = above > 0.0 ? above / (above - below) : 0.0;
   e.z += share * gap;
   e.tau = low + share * (high - low);

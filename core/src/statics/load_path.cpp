@@ -15,7 +15,7 @@ LoadPath::LoadPath(Rod rod, const std::vector<const Obstacle*>& obstacles, Ends 
 
 Loads LoadPath::loads(double load) const {
   const double share = ends_.loads_grow ? load : 1.0;
-  Loads now{share * rod_.gravity, share * rod_.tip_force, shrink_};
+  Loads now{share * rod_.gravity, share * rod_.tip_force, shrink_, share};
   for (double& by : now.shrink) by *= 1.0 - load;
   return now;
 }

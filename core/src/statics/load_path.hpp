@@ -31,7 +31,9 @@ class LoadPath {
   double smallest_radius(std::size_t o, double load) const {
     return obstacles_[o]->smallest_radius() - (1.0 - load) * shrink_[o];
   }
-  bool loads_grow() const { return ends_.loads_grow && (rod_.has_gravity() || rod_.has_tip_force()); }
+  bool loads_grow() const {
+    return ends_.loads_grow && (rod_.has_gravity() || rod_.has_tip_force() || rod_.has_dead_loads());
+  }
 
  private:
   Rod rod_;

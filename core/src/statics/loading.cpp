@@ -26,7 +26,8 @@ LoadPath::Ends ends_from_rest(Rod& rod, double curvature, const std::vector<doub
   for (Eigen::Index r = 0; r < stretches; ++r) {
     const double middle = 0.5 * (knots[static_cast<std::size_t>(r)] + knots[static_cast<std::size_t>(r) + 1]);
     const Rod::Segment& segment = rod.segment_at(middle);
-    wanted[r] = segment.stiffness * (curvature - segment.rest_curvature);
+    wanted[r] =
+        segment.holding_moment(knots[static_cast<std::size_t>(r)], knots[static_cast<std::size_t>(r) + 1], curvature);
     for (Eigen::Index a = 0; a < count; ++a) {
       // A profile that varies leaves no constant moment to be held by others: such an actuator starts without one.
       const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
@@ -51,12 +52,34 @@ LoadPath::Ends ends_from_rest(Rod& rod, double curvature, const std::vector<doub
   return ends;
 }
 
+/// The shape that these moments hold: the constant curvature, or where a rod bends unevenly one with the same turn over
+/// every stretch.
+Curvature held_shape(const Rod& rod, double curvature) {
+  const auto even = [](const Rod::Segment& s) { return s.bends_evenly(); };
+  if (std::all_of(rod.segments.begin(), rod.segments.end(), even)) return [curvature](double) { return curvature; };
+  const std::vector<double> knots = rod.fixed_knots();
+  std::vector<double> moments;
+  moments.reserve(knots.size());
+  for (std::size_t r = 0; r + 1 < knots.size(); ++r) {
+    const Rod::Segment& segment = rod.segment_at(0.5 * (knots[r] + knots[r + 1]));
+    moments.push_back(segment.holding_moment(knots[r], knots[r + 1], curvature));
+  }
+  return [segments = rod.segments, knots, moments](double s) {
+    std::size_t r = 0;
+    while (r + 2 < knots.size() && s > knots[r + 1]) ++r;
+    std::size_t i = 0;
+    while (i + 1 < segments.size() && segments[i].to < 0.5 * (knots[r] + knots[r + 1])) ++i;
+    return segments[i].rest_curvature_at(s).value + moments[r] / segments[i].stiffness_at(s).value;
+  };
+}
+
 }  // namespace
 
 Loading::Set Loading::set_from_rest(Rod rod, const std::vector<const Obstacle*>& obstacles, double curvature,
                                     const std::vector<double>& moments) {
   const LoadPath::Ends ends = ends_from_rest(rod, curvature, moments);
-  return {LoadPath(std::move(rod), obstacles, ends), {[curvature](double) { return curvature; }, {}, 0.0}, true, true};
+  const Curvature held = held_shape(rod, curvature);
+  return {LoadPath(std::move(rod), obstacles, ends), {held, {}, 0.0}, true, true};
 }
 
 Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature,
@@ -89,7 +112,8 @@ void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
     double core = infinity;
     for (const ClosestApproach& at : closest_approaches(curve, obstacle, 0.0)) {
       deepest = std::min(deepest, at.distance);
-      core = std::min(core, obstacle.core_distance(curve.position(at.piece, at.sigma)));
+      core =
+          std::min(core, obstacle.core_distance(curve.position(at.piece, at.sigma)) - curve.radius(at.piece, at.sigma));
     }
     // A contact of an earlier result is closed to rounding, or to the accuracy of its basis.
     const bool touched = std::any_of(start_.contacts.begin(), start_.contacts.end(),

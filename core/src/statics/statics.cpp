@@ -290,7 +290,7 @@ double Statics::tip_slope(const Eigen::VectorXd& z) {
   const PoseProgram& program = at(z);
   for (int k = 0; k < contact_count(); ++k) {
     const PoseProgram::ContactState& c = program.contacts()[static_cast<std::size_t>(k)];
-    if (contact(k).at_tip) slope = std::max(slope, dot(c.tangent, c.surface.normal));
+    if (contact(k).at_tip) slope = std::max(slope, dot(c.tangent, c.surface.normal) - c.radius.slope);
   }
   return slope;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tendril/app/session.hpp"
+#include "tendril/files/scene_file.hpp"
 
 namespace tendril::app {
 
@@ -23,27 +24,9 @@ struct PlanArguments {
   bool strict = false;  ///< a search that time cut short is no success
 };
 
-enum class InputKind {
-  none,       ///< nothing was said
-  moments,    ///< N m
-  pressures,  ///< Pa
-  each        ///< a pressure where the scene says what moment it gives, else a moment
-};
-
-/// What moves the actuators: one SI number or text with a unit for each, between commas.
-struct Inputs {
-  InputKind kind = InputKind::none;
-  std::string text;
-
-  /// Of the command line that says it.
-  const char* option() const {
-    return kind == InputKind::pressures ? "--pressures" : kind == InputKind::each ? "--inputs" : "--moments";
-  }
-};
-
 struct ExecuteArguments {
   SceneArguments scene;
-  Inputs inputs;
+  files::Inputs inputs;
   std::optional<std::filesystem::path> plan;  ///< a result to take the moments from, instead
   std::optional<std::filesystem::path> start;
   ResultPlaces places;

@@ -77,6 +77,10 @@ class Document {
 /// "a table", "the number 3", "\"60 mm\"", ...: what was found, for messages.
 std::string describe_value(const Node& node);
 
+/// A document as TOML: its keys in their order, tables below their keys, every comment gone. Throws InputError where it
+/// holds a date or a time, which no key takes.
+std::string text_of(const Document& document);
+
 /// The node as an option of a component. Throws through `document` where it holds a table.
 RawValue to_raw_value(const Document& document, const Node& node);
 

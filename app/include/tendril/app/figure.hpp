@@ -24,6 +24,7 @@ struct FigureScene {
   std::optional<double> target_angle;
   Vec2 base{};
   double base_angle = 0.0;
+  RodSpec rod, other_rod;  ///< whose bodies are drawn; of a grasp the upper and the lower finger
   std::optional<Vec2> gravity;
   std::optional<GripperSpec> gripper;  ///< the other finger of a grasp is drawn too
   std::string title;

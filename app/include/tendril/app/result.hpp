@@ -41,8 +41,8 @@ Plan read_start(const std::filesystem::path& path, const Scene& scene, const std
 Plan parse_start(const std::string& text, const std::string& file, const Scene& scene,
                  const std::string& what = "start");
 
-/// Targets and moments of the steps in a file that trajectory_json() has written; empty: it holds one plan, or nothing
-/// that can be read. Throws InputError as read_start() does.
-std::vector<TrajectoryStep> read_steps(const std::filesystem::path& path, const Scene& scene, const std::string& what);
+/// Targets and moments of the steps in what trajectory_json() has written; empty: it holds one plan, or nothing that
+/// can be read. Throws InputError as read_start() does.
+std::vector<TrajectoryStep> parse_steps(const std::string& text, const std::string& file, const Scene& scene);
 
 }  // namespace tendril::app

@@ -20,6 +20,7 @@ enum class KeyType {
   point,
   texts,
   quantities,
+  ends,
   points,
   targets,
   offsets,  ///< a length, one at either end, or a table along the rod

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "tendril/app/document.hpp"
+#include "tendril/app/interrupt.hpp"
 #include "tendril/app/result.hpp"
 #include "tendril/app/scene_reader.hpp"
 #include "tendril/app/study.hpp"
@@ -24,7 +26,11 @@ struct SceneArguments {
   std::filesystem::path scene;
   std::vector<Override> overrides;
   std::vector<std::filesystem::path> plugin_directories;
+  std::optional<std::string> text{};  ///< of the scene, which `scene` then only names
 };
+
+/// The scene file, or the text that stands for it; what the command line says is not put in yet.
+Document read_document(const SceneArguments& arguments);
 
 /// One scene on its way to a plan: read, checked, its components made.
 ///
@@ -34,31 +40,34 @@ class Session {
   explicit Session(const SceneArguments& arguments);
   ~Session();
 
+  /// Runs are ended by `stop` from now on. Else by Ctrl-C (a second one kills), and a watchdog ends the process with
+  /// exit code 1 where a solver does not return within two seconds after the time limit.
+  void stop_by(const std::atomic<bool>& stop) { stop_ = &stop; }
+
   const Scene& scene() const { return scene_; }
   /// Assembles the problem; once.
   Problem& problem();
   /// The assembled program, or what an estimate would solve.
   Description describe();
-  /// Estimates contacts until the time limit or Ctrl-C. No plugin is opened.
+  /// Estimates contacts until the time limit. No plugin is opened.
   Estimate estimate();
-  /// Plans until a certified plan, the time limit, or Ctrl-C (a second one kills). A solver that does not return within
-  /// two seconds after the time limit ends the process with exit code 1. Options of the scene that were dropped are
-  /// added to the plan's left_out.
-  Plan plan(const std::optional<std::filesystem::path>& start);
+  /// Plans until a certified plan or the time limit, from an earlier result or from the scene's start. Options of the
+  /// scene that were dropped are added to the plan's left_out.
+  Plan plan(const std::optional<Plan>& start);
   /// What the rod does under `moments` (N m, one per actuator; of the upper finger, then of the lower one, where both
   /// are planned), from an earlier result or from the scene's start. `palm_distance`: m, where a grasp holds its
   /// object; null: where the scene fixes it.
-  Execution execute(const std::vector<double>& moments, const std::optional<std::filesystem::path>& start,
+  Execution execute(const std::vector<double>& moments, const std::optional<Plan>& start,
                     std::optional<double> palm_distance = std::nullopt);
   /// Executes the plan and judges it by what comes of it (core's verify()). A grasp is settled from its own shape,
   /// since the way to it is not planned, and where that fails the next best way of being in contact takes its place.
   /// What was executed, for the plan as it is left; null: it came to no shape.
-  std::optional<Execution> verify(Plan& plan, const std::optional<std::filesystem::path>& start);
+  std::optional<Execution> verify(Plan& plan, const std::optional<Plan>& start);
   /// Every step from the one before.
   void verify(Trajectory& trajectory);
   const Units& units() const { return *units_; }
   /// The moments of an earlier trajectory's steps, each carried out from where the one before came to rest.
-  Trajectory execute(const std::vector<TrajectoryStep>& steps, const std::optional<std::filesystem::path>& start);
+  Trajectory execute(const std::vector<TrajectoryStep>& steps, const std::optional<Plan>& start);
   /// The same for a trajectory, step by step; the limits hold for each plan.
   Trajectory plan_trajectory();
   /// The sweeps that the scene declares.
@@ -77,6 +86,9 @@ class Session {
  private:
   Execution verify_grasp(Plan& plan, const std::optional<Plan>& earlier);
   ExecuteControl execute_control(const std::optional<Plan>& earlier) const;
+  /// What ends a run, and the guard that lets Ctrl-C do it where nobody else says what does.
+  const std::atomic<bool>& stop() const;
+  std::unique_ptr<InterruptGuard> guarded() const;
   /// Of tables whose plugin the command replaces.
   void drop_foreign_options(bool other_coordinates, bool other_solver);
   Components make_components();
@@ -90,6 +102,7 @@ class Session {
   Scene scene_;
   std::vector<LeftOut> dropped_;
   std::optional<Problem> problem_;
+  const std::atomic<bool>* stop_ = nullptr;
   double seconds_read_ = 0.0;
   double seconds_open_ = 0.0;
 };

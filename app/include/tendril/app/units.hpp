@@ -1,7 +1,6 @@
 #pragma once
 
 #include <map>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -19,6 +18,8 @@ namespace dimension {
 using namespace tendril::dimension;
 inline constexpr Dimension acceleration{0, 0, "m/s^2"};
 inline constexpr Dimension linear_density{0, 0, "kg/m"};
+inline constexpr Dimension density{0, 0, "kg/m^3"};
+inline constexpr Dimension force_per_length{0, 0, "N/m"};
 inline constexpr Dimension mass{0, 0, "kg"};
 inline constexpr Dimension time{0, 0, "s"};
 inline constexpr Dimension moment_per_pressure{0, 0, "N m/Pa"};
@@ -45,11 +46,10 @@ class QuantityError : public InputError {
   std::string why_;
 };
 
-/// Reads numbers with units. The unit database of UDUNITS is opened by the first text that has a unit.
+/// Reads numbers with units. The unit database of UDUNITS is opened by the first text of the process that has a unit.
 class Units {
  public:
-  Units();
-  ~Units();
+  Units() = default;
   Units(const Units&) = delete;
   Units& operator=(const Units&) = delete;
 
@@ -60,14 +60,12 @@ class Units {
   std::map<std::string, WrittenUnit, std::less<>> most_used() const;
 
  private:
-  class Database;
   /// How often a unit was read for a dimension.
   struct Use {
     std::string dimension;
     WrittenUnit unit;
     int times = 0;
   };
-  mutable std::unique_ptr<Database> database_;
   mutable std::vector<Use> uses_;
 };
 

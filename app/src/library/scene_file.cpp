@@ -1,0 +1,110 @@
+#include "tendril/files/scene_file.hpp"
+
+#include <utility>
+
+#include "result/estimate_report.hpp"
+#include "result/trajectory_result.hpp"
+#include "session/inputs.hpp"
+#include "tendril/app/session.hpp"
+
+namespace tendril::files {
+
+namespace {
+
+app::SceneArguments arguments_of(const SceneSource& source) {
+  app::SceneArguments arguments{source.file, {}, source.plugin_directories, source.text};
+  arguments.overrides.reserve(source.settings.size());
+  for (const Setting& setting : source.settings) {
+    const std::string& shown = setting.shown.empty() ? setting.key : setting.shown;
+    arguments.overrides.push_back({shown, setting.key, setting.value, setting.text});
+  }
+  return arguments;
+}
+
+}  // namespace
+
+std::string scene_text(const SceneSource& source) {
+  const app::SceneArguments arguments = arguments_of(source);
+  app::Document document = app::read_document(arguments);
+  document.apply(arguments.overrides);
+  return app::text_of(document);
+}
+
+class SceneFile::Opened {
+ public:
+  explicit Opened(const SceneSource& source) : session(arguments_of(source)) { session.stop_by(never_); }
+
+  /// Lets `run` end what is done from now on.
+  void begin(const Run& run) { session.stop_by(run.stop != nullptr ? *run.stop : never_); }
+  std::optional<Plan> start_of(const Run& run) const {
+    if (!run.start) return std::nullopt;
+    return app::parse_start(run.start->text, run.start->name, session.scene());
+  }
+
+  app::Session session;
+
+ private:
+  const std::atomic<bool> never_{false};
+};
+
+SceneFile::SceneFile(const SceneSource& source) : opened_(std::make_unique<Opened>(source)) {}
+SceneFile::SceneFile(SceneFile&&) noexcept = default;
+SceneFile& SceneFile::operator=(SceneFile&&) noexcept = default;
+SceneFile::~SceneFile() = default;
+
+const Scene& SceneFile::scene() const { return opened_->session.scene(); }
+Problem& SceneFile::problem() { return opened_->session.problem(); }
+std::vector<std::unique_ptr<Obstacle>> SceneFile::make_obstacles() { return opened_->session.make_obstacles(); }
+Description SceneFile::describe() { return opened_->session.describe(); }
+
+Plan SceneFile::plan(const Run& run, bool verified) {
+  opened_->begin(run);
+  const std::optional<Plan> start = opened_->start_of(run);
+  Plan plan = opened_->session.plan(start);
+  if (verified) opened_->session.verify(plan, start);
+  return plan;
+}
+
+Trajectory SceneFile::plan_trajectory(const Run& run, bool verified) {
+  opened_->begin(run);
+  Trajectory trajectory = opened_->session.plan_trajectory();
+  if (verified) opened_->session.verify(trajectory);
+  return trajectory;
+}
+
+Estimate SceneFile::estimate(const Run& run) {
+  opened_->begin(run);
+  return opened_->session.estimate();
+}
+
+Execution SceneFile::execute(const Inputs& inputs, const Run& run) {
+  opened_->begin(run);
+  return opened_->session.execute(app::moments_of(inputs, opened_->session), opened_->start_of(run));
+}
+
+std::variant<Execution, Trajectory> SceneFile::execute(const ResultText& earlier, const Run& run) {
+  opened_->begin(run);
+  return app::execute_result(opened_->session, earlier, opened_->start_of(run));
+}
+
+std::string SceneFile::json(const Plan& plan) const {
+  return app::plan_json(scene(), plan, opened_->session.run_info());
+}
+std::string SceneFile::json(const Execution& execution) const {
+  return app::execution_json(scene(), execution, opened_->session.run_info());
+}
+std::string SceneFile::json(const Trajectory& trajectory) const {
+  return app::trajectory_json(scene(), trajectory, opened_->session.run_info());
+}
+std::string SceneFile::json(const Estimate& estimate) const {
+  return app::estimate_json(scene(), estimate, opened_->session.run_info());
+}
+std::string SceneFile::json(const Description& description) const {
+  return app::description_json(scene(), description, opened_->session.run_info());
+}
+
+Plan SceneFile::read_plan(const ResultText& result) const {
+  return app::parse_start(result.text, result.name, scene(), "plan");
+}
+
+}  // namespace tendril::files

@@ -1,0 +1,95 @@
+#include "session/inputs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "result/grasp_result.hpp"
+#include "tendril/app/input_error.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+/// SI, or with a unit.
+double read_number(const std::string& text, const Dimension& wanted, const std::string& where, const Units& units) {
+  double value = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, code] = std::from_chars(text.data(), end, value);
+  if (code == std::errc{} && rest == end && std::isfinite(value)) return value;
+  try {
+    return units.read(text, wanted);
+  } catch (const QuantityError& error) {
+    throw InputError(fmt::format("{}: {}", where, error.what()));
+  }
+}
+
+}  // namespace
+
+const char* option_of(InputKind kind) {
+  return kind == InputKind::pressures ? "--pressures" : kind == InputKind::each ? "--inputs" : "--moments";
+}
+
+std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
+  const std::vector<ActuatorSpec> actuators = actuators_of(session.scene());
+  const std::string option = inputs.shown.empty() ? option_of(inputs.kind) : inputs.shown;
+  if (actuators.empty() && inputs.text.find_first_not_of(" \t") == std::string::npos) return {};
+  if (inputs.kind == InputKind::none) {
+    constexpr const char* options =
+        "--moments \"M, ...\" or --plan RESULT.json, or --pressures \"P, ...\", or --inputs \"V, ...\" in the unit of "
+        "each";
+    throw InputError(fmt::format("execute needs what moves the scene's {} actuators, expected {}", actuators.size(),
+                                 inputs.shown.empty() ? options : inputs.shown));
+  }
+  std::vector<std::string> texts;
+  for (std::size_t from = 0; from <= inputs.text.size();) {
+    const std::size_t comma = std::min(inputs.text.find(',', from), inputs.text.size());
+    const std::size_t first = inputs.text.find_first_not_of(" \t", from);
+    const std::string one = first < comma ? inputs.text.substr(first, comma - first) : "";
+    texts.push_back(one.substr(0, one.find_last_not_of(" \t") + 1));
+    from = comma + 1;
+  }
+  if (texts.size() != actuators.size()) {
+    throw InputError(fmt::format("{}: found {} {}, expected one for each of the scene's {} actuators", option,
+                                 texts.size(), option.substr(option.find_first_not_of('-')), actuators.size()));
+  }
+  std::vector<double> moments;
+  moments.reserve(texts.size());
+  for (std::size_t a = 0; a < texts.size(); ++a) {
+    const ActuatorSpec& actuator = actuators[a];
+    const std::string where = fmt::format("{}, number {}", option, a + 1);
+    if (inputs.kind == InputKind::pressures && actuator.input() != ActuatorKind::pressure) {
+      throw InputError(
+          fmt::format("{}: the scene does not say what moment a pressure gives, expected "
+                      "'moment_per_pressure' in [[rod.actuator]], or --moments",
+                      where));
+    }
+    if (inputs.kind == InputKind::moments && actuator.kind != ActuatorKind::moment) {
+      throw InputError(fmt::format("{}: found a moment for an actuator of kind \"{}\", expected --inputs", where,
+                                   to_string(actuator.kind)));
+    }
+    const bool told = inputs.kind != InputKind::moments;
+    const double value =
+        read_number(texts[a], told ? actuator.input_dimension() : dimension::moment, where, session.units());
+    if (actuator.kind == ActuatorKind::tendon && value < 0.0) {
+      throw InputError(fmt::format(
+          "{}: found a tension of {} N, expected one that is not negative: a tendon only pulls", where, value));
+    }
+    moments.push_back(told ? value * actuator.moment_per_input() : value);
+  }
+  return moments;
+}
+
+std::variant<Execution, Trajectory> execute_result(Session& session, const files::ResultText& earlier,
+                                                   const std::optional<Plan>& start) {
+  const std::vector<TrajectoryStep> steps = parse_steps(earlier.text, earlier.name, session.scene());
+  if (!steps.empty()) return session.execute(steps, start);
+  const Plan plan = parse_start(earlier.text, earlier.name, session.scene(), "plan");
+  std::optional<double> palm_distance;
+  if (plan.grasp) palm_distance = plan.grasp->palm_distance;
+  return session.execute(all_moments(plan), start, palm_distance);
+}
+
+}  // namespace tendril::app

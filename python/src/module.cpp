@@ -1,0 +1,101 @@
+#include <dlfcn.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "interrupt.hpp"
+#include "problem.hpp"
+#include "source.hpp"
+#include "tendril/error.hpp"
+#include "tendril/version.hpp"
+
+namespace py = pybind11;
+
+namespace tendril::python {
+
+namespace {
+
+using files::SceneFile;
+
+std::string plan(SceneFile& scene, const std::optional<std::string>& start, bool verified) {
+  return interruptible([&](const auto& stop) {
+    return scene.json(scene.plan({&stop, result_of(start, "start")}, verified));
+  });
+}
+
+std::string plan_trajectory(SceneFile& scene, bool verified) {
+  return interruptible([&](const auto& stop) { return scene.json(scene.plan_trajectory({&stop}, verified)); });
+}
+
+std::string estimate(SceneFile& scene) {
+  return interruptible([&](const auto& stop) { return scene.json(scene.estimate({&stop})); });
+}
+
+std::string execute(SceneFile& scene, const std::string& kind, const std::string& inputs,
+                    const std::optional<std::string>& start) {
+  const auto of = kind == "moments"     ? files::InputKind::moments
+                  : kind == "pressures" ? files::InputKind::pressures
+                  : kind == "inputs"    ? files::InputKind::each
+                                        : files::InputKind::none;
+  return interruptible([&](const auto& stop) {
+    return scene.json(scene.execute(files::Inputs{of, inputs, kind}, {&stop, result_of(start, "start")}));
+  });
+}
+
+/// Whether it is a trajectory, and its JSON.
+std::pair<bool, std::string> execute_result(SceneFile& scene, const std::string& earlier,
+                                            const std::optional<std::string>& start) {
+  return interruptible([&](const auto& stop) {
+    const auto executed = scene.execute(files::ResultText{earlier, "plan"}, {&stop, result_of(start, "start")});
+    return std::pair(std::holds_alternative<Trajectory>(executed),
+                     std::visit([&](const auto& result) { return scene.json(result); }, executed));
+  });
+}
+
+/// The command that belongs to the library in use: build, wheel and installation all lay it beside lib/.
+std::string command_path() {
+  Dl_info info{};
+  if (::dladdr(reinterpret_cast<const void*>(&tendril::validate), &info) == 0) return "";
+  const std::filesystem::path library = std::filesystem::weakly_canonical(info.dli_fname);
+  return library.parent_path().parent_path() / "bin" / "tendril";
+}
+
+void translate(std::exception_ptr thrown) {
+  try {
+    std::rethrow_exception(std::move(thrown));
+  } catch (const Error& error) {
+    const py::object type = py::module_::import("tendril._errors").attr("Error");
+    PyErr_SetObject(type.ptr(), type(error.what()).ptr());
+  }
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_native, module) {
+  py::register_exception_translator(&translate);
+  module.attr("version") = TENDRIL_VERSION;
+  module.def("command_path", &command_path);
+  module.def("scene_text",
+             [](const std::string& file, const std::string& text, const std::vector<SettingTuple>& settings) {
+               return files::scene_text(source_of(file, text, settings, {}));
+             });
+  py::class_<SceneFile>(module, "SceneFile")
+      .def(py::init([](const std::string& file, const std::string& text, const std::vector<SettingTuple>& settings,
+                       const std::vector<std::string>& plugin_directories) {
+        return SceneFile(source_of(file, text, settings, plugin_directories));
+      }))
+      .def_property_readonly("problem",
+                             [](const SceneFile& scene) { return std::string(to_string(scene.scene().problem)); })
+      .def_property_readonly("warnings", [](const SceneFile& scene) { return scene.scene().warnings; })
+      .def("describe", [](SceneFile& scene) { return scene.json(scene.describe()); })
+      .def("plan", &plan)
+      .def("plan_trajectory", &plan_trajectory)
+      .def("estimate", &estimate)
+      .def("execute", &execute)
+      .def("execute_result", &execute_result);
+  add_problem(module);
+}
+
+}  // namespace tendril::python

@@ -1,0 +1,25 @@
+"""Plans poses, trajectories and grasps for soft continuum robots that use contact.
+
+    import tendril
+
+    scene = tendril.load("brace.toml")
+    plan = scene.plan()
+    plan.tip, plan.moments, plan.contacts
+    plan.plot()
+
+Numbers are SI; text has a unit ("2.5 N mm"); quantities of pint and arrays of numpy do as well.
+"""
+
+from __future__ import annotations
+
+from ._batch import Failure, plan_many
+from ._command import plugins
+from ._errors import Error
+from ._native import version as __version__
+from ._results import Contact, Description, Estimate, Execution, Plan, Result, Study, Tip, Trajectory
+from ._scene import Problem, Scene, load
+
+__all__ = [
+    "Contact", "Description", "Error", "Estimate", "Execution", "Failure", "Plan", "Problem", "Result", "Scene", "Study", "Tip",
+    "Trajectory", "__version__", "load", "plan_many", "plugins",
+]

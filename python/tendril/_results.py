@@ -1,0 +1,378 @@
+"""Results: the JSON documents of the command (docs/results.md) with names, types and arrays."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Array = npt.NDArray[np.float64]
+
+SCHEMA = 1
+
+
+class Tip(NamedTuple):
+    """Where the tip is: m, m, rad."""
+
+    x: float
+    y: float
+    angle: float
+
+
+class Contact(NamedTuple):
+    """A contact, SI: `normal` points out of the obstacle, `force` acts along it."""
+
+    obstacle: str
+    arc_length: float
+    point: tuple[float, float]
+    normal: tuple[float, float]
+    force: float
+    gap: float
+    at_tip: bool
+    finger: str = ""
+
+
+class Result(Mapping[str, Any]):
+    """A result as a mapping: `result["certificate"]["stability"]`, every key as docs/results.md has it."""
+
+    problem: ClassVar[str] = ""
+    _needs: ClassVar[Sequence[str]] = ()
+
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        if not isinstance(document, Mapping):
+            raise TypeError(f"document: found {type(document).__name__}, expected the dictionary of a result")
+        if document.get("schema") != SCHEMA:
+            raise ValueError(f"document: found schema {document.get('schema')!r}, expected {SCHEMA}")
+        missing = [key for key in self._needs if key not in document]
+        if missing:
+            raise ValueError(f"document: found no '{missing[0]}', so it is no {type(self).__name__.lower()}")
+        self._document = dict(document)
+        self._arrays: dict[str, Any] = {}
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """The result of a JSON text, as the command writes it with --json. Raises ValueError if it is none."""
+        try:
+            document = json.loads(text)
+        except ValueError as error:
+            raise ValueError(f"text: this is not JSON: {error}") from None
+        return cls(document)
+
+    @classmethod
+    def from_file(cls, file: str | os.PathLike[str]) -> Self:
+        """The result of a file."""
+        with open(file, encoding="utf-8") as stream:
+            return cls.from_json(stream.read())
+
+    def to_dict(self) -> dict[str, Any]:
+        """The same document as the command's JSON."""
+        return json.loads(self.to_json())
+
+    def to_json(self) -> str:
+        """The document as text; `json.loads` of it is to_dict()."""
+        return json.dumps(self._document, ensure_ascii=False)
+
+    def save(self, file: str | os.PathLike[str]) -> None:
+        """Writes the document to a file, for `start` here and for --start and --plan of the command."""
+        text = self.to_json() + "\n"
+        with open(file, "w", encoding="utf-8") as stream:
+            stream.write(text)
+
+    def __getitem__(self, key: str) -> Any:
+        return self._document[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._document)
+
+    def __len__(self) -> int:
+        return len(self._document)
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and self._document == other._document  # type: ignore[attr-defined]
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> Any:
+        return type(self).from_json, (self.to_json(),)
+
+    def _array(self, name: str, value: Any) -> Array:
+        if name not in self._arrays:
+            import numpy as np
+
+            self._arrays[name] = np.array(value, dtype=float)
+            self._arrays[name].flags.writeable = False
+        return self._arrays[name]
+
+    @property
+    def status(self) -> str:
+        """ "solved", or what is wrong."""
+        return self._document.get("status", "")
+
+    @property
+    def solved(self) -> bool:
+        return self.status == "solved"
+
+    @property
+    def message(self) -> str:
+        """Why it is not solved, or what is to be known of it all the same."""
+        return self._document.get("message", "")
+
+    @property
+    def title(self) -> str:
+        return self._document.get("title", "")
+
+    @property
+    def seconds(self) -> dict[str, float]:
+        return self._document.get("seconds", {})
+
+    def row(self) -> dict[str, Any]:
+        """The numbers of this result on one line, as pandas.DataFrame takes them."""
+        return {"title": self.title, "status": self.status, "message": self.message}
+
+    def __repr__(self) -> str:
+        return f"<tendril.{type(self).__name__}: {', '.join(f'{k} {_shown(v)}' for k, v in self.row().items() if v not in ('', None))}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th style='text-align:left'>{html.escape(key)}</th><td style='text-align:left'>{html.escape(_shown(value))}</td></tr>"
+            for key, value in self.row().items() if value not in ("", None)
+        )
+        return f"<table><caption>tendril.{type(self).__name__}</caption>{rows}</table>"
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+class _Shape(Result):
+    """What has a backbone."""
+
+    @property
+    def backbone(self) -> Array:
+        """One row per point: arc length, x, y, angle, curvature."""
+        return self._array("backbone", self._document["backbone"] or []).reshape(-1, 5)
+
+    @property
+    def x(self) -> Array:
+        """m, of the backbone's points"""
+        return self.backbone[:, 1]
+
+    @property
+    def y(self) -> Array:
+        """m, of the backbone's points"""
+        return self.backbone[:, 2]
+
+    @property
+    def tip(self) -> Tip:
+        tip = self._document["tip"]
+        return Tip(tip["x"], tip["y"], tip["angle"])
+
+    @property
+    def moments(self) -> Array:
+        """N m, one per actuator."""
+        return self._array("moments", self._document["moments"])
+
+    @property
+    def contacts(self) -> list[Contact]:
+        return [
+            Contact(c.get("obstacle", ""), c["arc_length"], _pair(c.get("point")), _pair(c.get("normal")), c["force"],
+                    c.get("gap"), c.get("at_tip", False), c.get("finger", ""))
+            for c in self._document["contacts"]
+        ]
+
+    def plot(self, ax: Any = None, **style: Any) -> Any:
+        """The body, the obstacles, the target and the contact forces, drawn with matplotlib. Returns the axes."""
+        from ._plot import plot
+
+        return plot(self, ax, **style)
+
+    def row(self) -> dict[str, Any]:
+        row = super().row()
+        if self._document.get("tip"):
+            row.update(tip_x=self.tip.x, tip_y=self.tip.y, tip_angle=self.tip.angle)
+        for i, moment in enumerate(self._document.get("moments") or []):
+            row[f"moment_{i}"] = moment
+        for i, contact in enumerate(self._document.get("contacts") or []):
+            row[f"force_{i}"] = contact["force"]
+        return row
+
+
+def _pair(value: Any) -> Any:
+    return None if value is None else (value[0], value[1])
+
+
+class Plan(_Shape):
+    """A planned pose or grasp."""
+
+    problem = "pose"
+    _needs: ClassVar[Sequence[str]] = ("status", "backbone", "coordinates", "moments", "contacts")
+
+    @property
+    def target_error(self) -> float | None:
+        """m, distance of the tip to the target."""
+        return self._document.get("target_error")
+
+    @property
+    def model_error(self) -> float | None:
+        """m, with verify: distance of the tip to where execution takes it."""
+        return self._document.get("model_error")
+
+    @property
+    def objective(self) -> float:
+        """dimensionless, without penalties."""
+        return self._document["objective"]
+
+    @property
+    def terms(self) -> dict[str, float]:
+        """Weighted parts of the objective."""
+        return self._document["terms"]
+
+    @property
+    def coordinates(self) -> Array:
+        """dimensionless, of the coordinate model."""
+        return self._array("coordinates", self._document["coordinates"].get("values", []))
+
+    @property
+    def certificate(self) -> dict[str, Any]:
+        """dimensionless, see docs/results.md."""
+        return self._document["certificate"]
+
+    @property
+    def left_out(self) -> list[dict[str, str]]:
+        """What the scene could have needed and did not, and why."""
+        return self._document["left_out"]
+
+    def row(self) -> dict[str, Any]:
+        row = super().row()
+        row.update(objective=self._document.get("objective"), target_error=self.target_error,
+                   model_error=self.model_error, stability=self.certificate.get("stability"))
+        return row
+
+
+class Execution(Plan):
+    """What the rod does under given moments."""
+
+    problem = "execute"
+    _needs: ClassVar[Sequence[str]] = (*Plan._needs, "load", "snaps")
+
+    @property
+    def snaps(self) -> list[dict[str, Any]]:
+        """Jumps to another stable state while the loads grow."""
+        return self._document["snaps"]
+
+    @property
+    def load(self) -> float:
+        """Fraction of the loads that was reached; 1 if all are on."""
+        return self._document["load"]["reached"]
+
+
+class Trajectory(Result):
+    """Plans for a row of targets."""
+
+    problem = "trajectory"
+    _needs = ("steps",)
+
+    @property
+    def steps(self) -> list[Plan]:
+        if "steps" not in self._arrays:
+            shared = {"obstacles": self._document.get("obstacles", [])}
+            self._arrays["steps"] = [Plan({**shared, **step}) for step in self._document["steps"]]
+        return self._arrays["steps"]
+
+    @property
+    def tips(self) -> Array:
+        """One row per step: x, y, angle."""
+        return self._array("tips", [step.tip for step in self.steps]).reshape(-1, 3)
+
+    @property
+    def moments(self) -> Array:
+        """N m, one row per step, one column per actuator."""
+        return self._array("moments", [step["moments"] for step in self.steps])
+
+    @property
+    def target_errors(self) -> Array:
+        """m, one per step; nan where a step has no position to miss."""
+        return self._array("target_errors", [step.target_error for step in self.steps])
+
+    def animate(self, file: str | os.PathLike[str] | None = None, *, fps: float = 15.0, ax: Any = None) -> Any:
+        """An animation of matplotlib; with `file` it is written as .gif, .mp4 or .html. Returns it."""
+        from ._plot import animate
+
+        return animate(self, file, fps, ax)
+
+    def plot(self, ax: Any = None) -> Any:
+        """All steps in one picture. Returns the axes."""
+        from ._plot import plot_steps
+
+        return plot_steps(self, ax)
+
+    def row(self) -> dict[str, Any]:
+        return {**super().row(), "steps": len(self._document["steps"]), **{
+            f"target_error_{key}": value for key, value in (self._document.get("target_error") or {}).items()}}
+
+
+class Estimate(_Shape):
+    """Contacts told from measured points."""
+
+    problem = "estimate"
+    _needs = ("status", "contacts", "covariance")
+
+    @property
+    def covariance(self) -> Array:
+        """Of force (N) and arc length (m) of each contact in turn."""
+        return self._array("covariance", self._document["covariance"])
+
+
+class Description(Result):
+    """The program that a scene becomes."""
+
+    _needs = ("variables", "rows")
+
+    @property
+    def variables(self) -> dict[str, int]:
+        """How many there are, by name."""
+        return {v["name"]: v["count"] for v in self._document["variables"]}
+
+    @property
+    def rows(self) -> dict[str, int]:
+        """How many constraints there are, by name."""
+        return {r["name"]: r["count"] for r in self._document["rows"]}
+
+    @property
+    def left_out(self) -> list[dict[str, str]]:
+        """What the scene could have needed and did not, and why."""
+        return self._document["left_out"]
+
+    def row(self) -> dict[str, Any]:
+        return {"title": self.title, **self.variables, **self.rows}
+
+
+class Study(Result):
+    """Every combination of the sweeps that a scene declares."""
+
+    _needs = ("cases",)
+
+    @property
+    def cases(self) -> list[dict[str, Any]]:
+        return self._document["cases"]
+
+    @property
+    def groups(self) -> list[dict[str, Any]]:
+        return self._document.get("groups", [])
+
+    @property
+    def solved(self) -> bool:
+        return all(case.get("status") == "solved" for case in self.cases)
+
+    def table(self) -> list[dict[str, Any]]:
+        """One line per case, its plain values alone, as pandas.DataFrame takes them."""
+        return [{k: v for k, v in case.items() if not isinstance(v, (list, dict))} for case in self.cases]
+
+    def row(self) -> dict[str, Any]:
+        return {"title": self.title, "cases": len(self.cases)}

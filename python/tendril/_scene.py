@@ -1,0 +1,314 @@
+"""A scene: what a scene file says, changed key by key, and everything that the command does with it."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import warnings as _warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, Union
+
+from . import _native
+from ._results import Description, Estimate, Execution, Plan, Result, Study, Trajectory
+from ._values import inline, is_list, key_text, plain
+
+Earlier = Union[Result, str, "os.PathLike[str]", Mapping[str, Any]]
+_STEP = re.compile(r"\.|\[(\d+)\]")
+
+
+def load(file: str | os.PathLike[str], *, plugin_directories: Sequence[str | os.PathLike[str]] = ()) -> Scene:
+    """The scene of a TOML file. Files that it names are looked for beside it.
+
+    Raises OSError if it cannot be read, and Error, with file, line and column, if it is no scene.
+    """
+    path = os.fspath(file)
+    with open(path, encoding="utf-8", newline="") as stream:
+        try:
+            text = stream.read()
+        except UnicodeDecodeError as error:
+            raise ValueError(f"{path}: this is not UTF-8: {error}") from error
+    scene = Scene.from_toml(text, file=path, plugin_directories=plugin_directories)
+    scene._open()
+    return scene
+
+
+class Scene:
+    """A scene. `Scene(rod={"length": "100 mm", ...}, target={...})` makes one of tables as a scene file has them;
+    numbers are SI, text has a unit, quantities of pint and arrays of numpy do as well.
+
+    Keys are read and set by their path: `scene["contact.max_force"] = "2 N"`, `scene["obstacle[0].radius"]`. What a key
+    means, its unit and its default stand in docs/scene-keys.md.
+    """
+
+    def __init__(self, tables: Mapping[str, Any] | None = None, /, *,
+                 plugin_directories: Sequence[str | os.PathLike[str]] = (), **keys: Any) -> None:
+        self._file = "scene"
+        self._text = ""
+        self._settings: list[tuple[str, str, bool, str]] = []
+        self._plugin_directories = [os.fspath(d) for d in plugin_directories]
+        self._table: dict[str, Any] | None = None
+        content = {**(tables or {}), **keys}
+        if content:
+            lines = [(key_text(key, "Scene"), inline(value, str(key))) for key, value in content.items()]
+            # Written out by the library, so that messages tell a line of what to_toml() shows.
+            self._text = _native.scene_text(self._file, "".join(f"{key} = {value}\n" for key, value in lines), [])
+
+    @classmethod
+    def from_toml(cls, text: str, *, file: str | os.PathLike[str] = "scene",
+                  plugin_directories: Sequence[str | os.PathLike[str]] = ()) -> Scene:
+        """The scene of a TOML text. `file` names it in messages; files that it names are looked for beside that."""
+        if not isinstance(text, str):
+            raise TypeError(f"text: found {type(text).__name__}, expected str")
+        scene = cls(plugin_directories=plugin_directories)
+        scene._file, scene._text = os.fspath(file), text
+        return scene
+
+    # Keys
+
+    def to_toml(self) -> str:
+        """The scene as a TOML document, with everything that was set."""
+        return _native.scene_text(self._file, self._text, self._settings)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The scene's tables, values as they were written."""
+        import copy
+
+        return copy.deepcopy(self._tables())
+
+    def _tables(self) -> dict[str, Any]:
+        if self._table is None:
+            import tomllib
+
+            self._table = tomllib.loads(self.to_toml())
+        return self._table
+
+    def __getitem__(self, key: str) -> Any:
+        node: Any = self._tables()
+        for step in _steps(key):
+            try:
+                node = node[int(step)] if isinstance(node, list) else node[step]
+            except (KeyError, IndexError, ValueError, TypeError):
+                raise KeyError(f"the scene does not set '{key}'") from None
+        return node
+
+    def __contains__(self, key: object) -> bool:
+        try:
+            self[key]  # type: ignore[index]
+        except KeyError:
+            return False
+        return True
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._tables())
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        _steps(key)
+        if isinstance(value, str):
+            setting = (key, value, True, f'scene["{key}"] = "{value}"')
+        else:
+            text = inline(value, key)
+            setting = (key, text, False, f'scene["{key}"] = {text}')
+        _native.scene_text(self._file, self._text, [*self._settings, setting])  # refuses a path that leads nowhere
+        self._settings.append(setting)
+        self._table = None
+
+    def __delitem__(self, key: str) -> None:
+        *path, last = _steps(key)
+        tables = self.to_dict()
+        node: Any = tables
+        try:
+            for step in path:
+                node = node[int(step)] if isinstance(node, list) else node[step]
+            del node[int(last) if isinstance(node, list) else last]
+        except (KeyError, IndexError, ValueError, TypeError):
+            raise KeyError(f"the scene does not set '{key}'") from None
+        self._text = "".join(f"{key_text(k, k)} = {inline(v, k)}\n" for k, v in tables.items())
+        self._text = _native.scene_text(self._file, self._text, [])
+        self._settings, self._table = [], None
+
+    def copy(self, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> Scene:
+        """Another scene with some keys set: `copy(contact={"max_force": "2 N"})`, `copy({"rod.length": 0.2})`. A table
+        changes the keys that it names and leaves the others.
+        """
+        other = Scene.__new__(Scene)
+        other.__setstate__(self.__getstate__())
+        for key, value in {**(changes or {}), **keys}.items():
+            for path, leaf in _leaves(key, value):
+                other[path] = leaf
+        return other
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_settings": list(self._settings), "_table": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scene) and self._tables() == other._tables()
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        tables = self._tables()
+        return f"<tendril.Scene {tables.get('title', self._file)!r}: {tables.get('problem', 'pose')}>"
+
+    # What the command does
+
+    def _open(self, native: Any = _native.SceneFile) -> Any:
+        opened = native(self._file, self._text, self._settings, self._plugin_directories)
+        for warning in opened.warnings if native is _native.SceneFile else ():
+            _warnings.warn(warning, stacklevel=3)
+        return opened
+
+    def plan(self, *, start: Earlier | None = None, verify: bool = False) -> Plan | Trajectory | Estimate:
+        """`tendril plan`: a pose, a grasp, a trajectory or an estimate, whatever the scene asks for.
+
+        `start`: an earlier result to start from. `verify`: the plan is executed on a fine basis, and its verdict
+        depends on it. A plan that is not solved is no error: see `status` and `message`.
+        """
+        scene = self._open()
+        if scene.problem == "trajectory":
+            _refuse(start is not None, "start", "a trajectory starts from its scene")
+            return Trajectory.from_json(scene.plan_trajectory(bool(verify)))
+        if scene.problem == "estimate":
+            _refuse(start is not None, "start", "an estimate starts from the measured points")
+            _refuse(verify, "verify", "the obstacles of an estimate are not known, so nothing can be carried out")
+            return Estimate.from_json(scene.estimate())
+        return Plan.from_json(scene.plan(_json_of(start, "start"), bool(verify)))
+
+    def trajectory(self, *, verify: bool = False) -> Trajectory:
+        """`tendril plan` of a scene with problem = "trajectory"."""
+        return self._plan_as(Trajectory, verify=verify)
+
+    def estimate(self) -> Estimate:
+        """`tendril plan` of a scene with problem = "estimate"."""
+        return self._plan_as(Estimate)
+
+    def _plan_as(self, kind: Any, **options: Any) -> Any:
+        asked = self["problem"] if "problem" in self else "pose"
+        _refuse(asked != kind.problem, "problem", f"found {asked!r}, expected {kind.problem!r}")
+        return self.plan(**options)
+
+    def execute(self, moments: Iterable[Any] | Earlier | None = None, *, pressures: Iterable[Any] | None = None,
+                inputs: Iterable[Any] | None = None, plan: Earlier | None = None,
+                start: Earlier | None = None) -> Execution | Trajectory:
+        """`tendril execute`: what the rod does under `moments` (N m), `pressures` (Pa) or `inputs` (each in the unit of its
+        actuator: a pressure where the scene has moment_per_pressure, the tension of a tendon, a moment), one per
+        actuator, or under the moments of an earlier result, `plan`.
+        """
+        if isinstance(moments, (Result, Mapping)):
+            moments, plan = None, moments
+        given = {"moments": moments, "pressures": pressures, "inputs": inputs}
+        told = [name for name, value in given.items() if value is not None]
+        if len(told) + (plan is not None) > 1:
+            raise TypeError(f"execute: found {' and '.join(told + ['plan'] * (plan is not None))}, expected one of them")
+        scene = self._open()
+        if plan is not None:
+            path, text = scene.execute_result(_json_of(plan, "plan"), _json_of(start, "start"))
+            return Trajectory.from_json(text) if path else Execution.from_json(text)
+        kind = told[0] if told else "moments, pressures, inputs or plan"
+        values = given[kind] if told else ()
+        text = ", ".join(_input_text(v, f"{kind}[{i}]") for i, v in enumerate(_entries(values, kind)))
+        return Execution.from_json(scene.execute(kind, text, _json_of(start, "start")))
+
+    def describe(self) -> Description:
+        """`tendril describe`: the assembled program, and what was left out of it and why. Plans nothing."""
+        return Description.from_json(self._open().describe())
+
+    def study(self, *, jobs: int = 1, output: str | os.PathLike[str] | None = None) -> Study:
+        """`tendril study`: the sweeps that the scene declares, by `jobs` processes. With `output`, a directory, finished
+        cases are kept there and an interrupted study goes on.
+        """
+        from ._command import study
+
+        return study(self, jobs, output)
+
+    def problem(self) -> Problem:
+        """The assembled problem, for loops: `problem.follow((0.097, 0.01))`."""
+        return Problem(self)
+
+
+class Problem:
+    """A scene made ready to plan again and again for other targets.
+
+    After each `plan()` and `follow()` its properties tell of the newest plan: `status`, `solved`, `message`,
+    `objective`, `target_error`, `tip`, `moments`, `coordinates`, `backbone`, `contacts`. Arrays are copies, since the
+    next step writes over what they are read from. `result()` is the whole plan.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._native = scene._open(_native.Problem)
+        #: Leads the tip on: `follow(position=None, angle=None, turns=None)`. Newton from the plan before where that
+        #: does, else a full plan; the first call plans.
+        self.follow = self._native.follow
+
+    def plan(self, *, start: Earlier | None = None) -> Plan:
+        """Plans for the target set last."""
+        return Plan.from_json(self._native.plan(_json_of(start, "start")))
+
+    def set_target(self, position: Any = None, angle: Any = None, turns: int | None = None) -> None:
+        """Asks for another pose from now on."""
+        self._native.set_target(position, angle, turns)
+
+    def result(self) -> Plan:
+        """The newest plan as a result of its own."""
+        return Plan.from_json(self._native.json())
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return getattr(self._native, name)
+
+
+def _steps(key: str) -> list[str]:
+    """ "rod.actuator[0].limit" as ["rod", "actuator", "0", "limit"]."""
+    if not isinstance(key, str):
+        raise TypeError(f"key: found {key!r}, expected text such as \"contact.max_force\"")
+    steps = [step for step in _STEP.split(key) if step]
+    if not steps:
+        raise KeyError(f"found the key {key!r}, expected one such as \"contact.max_force\"")
+    return steps
+
+
+def _leaves(key: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, Mapping) and value:
+        for inner, item in value.items():
+            yield from _leaves(f"{key}.{inner}", item)
+    else:
+        yield key, value
+
+
+def _refuse(condition: bool, name: str, why: str) -> None:
+    if condition:
+        raise ValueError(f"{name}: {why}")
+
+
+def _entries(values: Any, name: str) -> Iterable[Any]:
+    """One per actuator; a lone number stands for a list of one."""
+    if isinstance(values, str):
+        return values.split(",")
+    if hasattr(values, "__iter__") and (is_list(values) or not hasattr(values, "ndim")):
+        return values
+    return [values]
+
+
+def _input_text(value: Any, name: str) -> str:
+    number = plain(value, name)
+    return number if isinstance(number, str) else repr(number)
+
+
+def _json_of(result: Earlier | None, name: str) -> str | None:
+    """An earlier result as JSON: a result, its dictionary, or its file."""
+    if result is None:
+        return None
+    if isinstance(result, Result):
+        return result.to_json()
+    if isinstance(result, Mapping):
+        import json
+
+        return json.dumps(result)
+    if isinstance(result, (str, os.PathLike)):
+        with open(result, encoding="utf-8") as stream:
+            return stream.read()
+    raise TypeError(f"{name}: found {type(result).__name__}, expected a result, its dictionary, or its file")

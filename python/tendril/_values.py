@@ -1,0 +1,71 @@
+"""Python values as values of a scene: SI numbers, text with units, lists, tables."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+\Z")
+_SHORT = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t"}
+_DEEPEST = 64
+
+
+def plain(value: Any, name: str) -> float | str:
+    """A number (SI) or a quantity as a float or as text with a unit. Raises TypeError, ValueError naming `name`."""
+    if isinstance(value, str):
+        return value
+    if hasattr(value, "to_base_units"):  # a quantity of pint
+        return _quantity(value, name)
+    if isinstance(value, bool) or not hasattr(value, "__float__"):
+        raise TypeError(f"{name}: found {value!r}, expected a number or text with a unit")
+    try:
+        number = float(value)
+    except (TypeError, ValueError) as error:
+        raise TypeError(f"{name}: found {value!r}, expected one number") from error
+    if not math.isfinite(number):
+        raise ValueError(f"{name}: found {number}, expected a finite number")
+    return number
+
+
+def _quantity(value: Any, name: str) -> float | str:
+    base = value.to_base_units()
+    number = plain(base.magnitude, name)
+    units = " ".join(f"{unit}^{exponent:g}" for unit, exponent in base.units._units.items())
+    return f"{number!r} {units}" if units else number
+
+
+def is_list(value: Any) -> bool:
+    """A list, a tuple, or an array of numpy."""
+    return isinstance(value, (list, tuple)) or (hasattr(value, "tolist") and getattr(value, "ndim", 0) > 0)
+
+
+def inline(value: Any, name: str, depth: int = 0) -> str:
+    """`value` as TOML on one line. Raises TypeError or ValueError naming `name`, the key that it is for."""
+    if depth > _DEEPEST:
+        raise ValueError(f"{name}: found values nested deeper than {_DEEPEST} levels")
+    if isinstance(value, bool) or type(value).__name__ in ("bool_", "bool8"):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return _text(value)
+    if isinstance(value, Mapping):
+        items = (f"{key_text(key, name)} = {inline(item, f'{name}.{key}', depth + 1)}" for key, item in value.items())
+        return "{" + ", ".join(items) + "}"
+    if is_list(value) or (hasattr(value, "to_base_units") and getattr(value.magnitude, "ndim", 0) > 0):
+        return "[" + ", ".join(inline(item, f"{name}[{i}]", depth + 1) for i, item in enumerate(value)) + "]"
+    if hasattr(value, "__index__") and not hasattr(value, "to_base_units"):
+        return str(value.__index__())
+    number = plain(value, name)
+    return _text(number) if isinstance(number, str) else repr(number)
+
+
+def _text(value: str) -> str:
+    return '"' + "".join(_SHORT.get(c) or (f"\\u{ord(c):04x}" if ord(c) < 32 or ord(c) == 127 else c) for c in value) + '"'
+
+
+def key_text(key: Any, name: str) -> str:
+    """A key as TOML writes it."""
+    if not isinstance(key, str):
+        raise TypeError(f"{name}: found the key {key!r}, expected text")
+    return key if _BARE_KEY.match(key) else _text(key)

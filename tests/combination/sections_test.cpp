@@ -1,0 +1,74 @@
+// Rods whose sections vary, with a body and with loads along them: every solver plans them, and their plans are what
+// execution reaches.
+
+#include <algorithm>
+#include <cmath>
+
+#include "support.hpp"
+#include "tendril/execute.hpp"
+
+namespace tendril::combination {
+namespace {
+
+/// The braced arm of a rod that is stated by `rod`, over a peg whose top is where the arm's lower side passes.
+std::string arm(const std::string& rod, const std::string& loads, const std::string& peg) {
+  return "problem = \"pose\"\ngravity = [0, \"-9.81 m/s^2\"]\n[rod]\n" + rod +
+         "[[rod.actuator]]\nlimit = \"2.5 N mm\"\n" + loads +
+         "[coordinates]\nplugin = \"legendre\"\norder = 12\n[start]\ntip_angle = \"0.5 rad\"\n[[obstacle]]\n"
+         "shape = \"circle\"\n" +
+         peg +
+         "[contact]\nmax_force = \"1 N\"\n[target]\nposition = [\"97 mm\", \"20 mm\"]\n[[objective]]\n"
+         "plugin = \"tip_pose\"\nweight = 100\n[[objective]]\nplugin = \"actuation_effort\"\nweight = 1e-4\n";
+}
+
+struct Case {
+  const char* name;
+  std::string scene;
+};
+
+const std::string round_taper =
+    "length = \"100 mm\"\nyoungs_modulus = \"1 MPa\"\ndensity = \"1070 kg/m^3\"\ndiameter = [\"10 mm\", \"7 mm\"]\n";
+const std::string even = "length = \"100 mm\"\nbending_stiffness = \"4.9e-4 N m^2\"\nlinear_density = \"84 g/m\"\n";
+const std::string low_peg = "center = [\"60 mm\", \"-4 mm\"]\nradius = \"8 mm\"\n";
+const std::string peg = "center = [\"60 mm\", \"0 mm\"]\nradius = \"8 mm\"\n";
+const std::string loads =
+    "[[rod.load]]\nat = \"70 mm\"\nmass = \"0.5 g\"\nforce = [\"2 mN\", \"-3 mN\"]\n[[rod.load]]\nfrom = \"20 mm\"\n"
+    "to = \"90 mm\"\nforce_per_length = [0, \"-0.1 N/m\"]\n";
+
+const Case cases[] = {{"tapered, with a body", arm(round_taper, "", low_peg)},
+                      {"with loads", arm(even, loads, peg)},
+                      {"with a tapered body", arm(even + "thickness = [\"10 mm\", \"6 mm\"]\n", "", low_peg)},
+                      {"all of it", arm(round_taper, loads, low_peg)}};
+
+TEST(Sections, EverySolverPlansWhatExecutionReaches) {
+  for (const Case& c : cases) {
+    double objective = 0.0;
+    for (const std::string& solver : solvers_to_combine()) {
+      SCOPED_TRACE(std::string(c.name) + ", " + solver);
+      Scene scene = scene_from_text(c.scene);
+      scene.solver.plugin = solver;
+      const Plan found = plan(scene);
+      ASSERT_TRUE(certified(found));
+      ASSERT_EQ(found.contacts.size(), 1u);
+      if (objective == 0.0) objective = found.objective;
+      EXPECT_NEAR(found.objective, objective, 1e-7 * objective);
+      const Execution done = execute(scene, plugins::make_obstacles(registry(), scene), found.moments);
+      ASSERT_EQ(done.result.status, PlanStatus::solved) << done.result.message;
+      EXPECT_LT(std::hypot(done.result.tip_x - found.tip_x, done.result.tip_y - found.tip_y), 1e-8 * 0.1);
+      ASSERT_EQ(done.result.contacts.size(), 1u);
+      EXPECT_NEAR(done.result.contacts[0].force, found.contacts[0].force, 1e-6 * found.contacts[0].force);
+    }
+  }
+}
+
+// Nothing is said of what a scene does not have.
+TEST(Sections, DescriptionsOfOtherRodsAreAsBefore) {
+  const Description plain = problem(scene("brace")).describe();
+  for (const std::string& energy : plain.energies) EXPECT_EQ(energy.find("along"), std::string::npos);
+  for (const LeftOut& left : plain.left_out) EXPECT_EQ(left.what.find("along"), std::string::npos) << left.what;
+  const Description loaded = problem(scene_from_text(arm(even, loads, peg))).describe();
+  EXPECT_NE(std::find(loaded.energies.begin(), loaded.energies.end(), "loads along the rod"), loaded.energies.end());
+}
+
+}  // namespace
+}  // namespace tendril::combination

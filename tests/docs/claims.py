@@ -1,0 +1,153 @@
+#!/usr/bin/env python3
+"""claims.py COMMAND SOURCE WORK: the numbers that the pages state are those that the command gives now.
+
+A claim is a page, the text around its numbers with {} for each of them, and where they come from. A number has to be the
+given one, rounded to the digits that stand there; "below {}" and the like are bounds.
+"""
+import functools
+import json
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+from decimal import Decimal
+
+command, source, work = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
+work.mkdir(parents=True, exist_ok=True)
+NUMBER = r"(-?\d+(?:\.\d+)?(?:e-?\d+)?)"
+mm, mN, Nmm = 1e3, 1e3, 1e3
+
+
+@functools.lru_cache(None)
+def run(line):
+    """The result of a command of the page, as JSON; a plan that is not solved has one, too."""
+    words = [w.replace("WORK", str(work)) for w in shlex.split(line)]
+    done = subprocess.run([command, *words, "--json"], cwd=source, capture_output=True, text=True, timeout=300)
+    if done.returncode not in (0, 1):
+        raise SystemExit(f"{line}: exit code {done.returncode}: {done.stderr}")
+    return json.loads(done.stdout)
+
+
+@functools.lru_cache(None)
+def study(scene, coordinates="legendre"):
+    directory = work / f"{scene}_{coordinates}"
+    subprocess.run([command, "study", f"scenes/{scene}.toml", "--coordinates", coordinates, "--output", str(directory), "--jobs", "2"],
+                   cwd=source, capture_output=True, timeout=300, check=True)
+    return json.loads((directory / "study.json").read_text())
+
+
+def group(mode, limit, what):
+    found = [g for g in study("paradigms")["groups"] if g["mode"] == mode and abs(g["limit"] - limit) < 1e-9]
+    return found[0][what]
+
+
+def tip_errors(mode):
+    return [group(mode, limit, "tip_error")["mean"] * mm for limit in (0.010, 0.0025)]
+
+
+def snap():
+    run("execute scenes/snap_through.toml --moments '100 N mm' --output WORK/up")
+    return run("execute scenes/snap_through.toml --moments='-50 N mm' --start WORK/up/result.json")["snaps"][0]
+
+
+def axial(change):
+    cases = study("grasp_distal_sweep")["cases"]
+    return [c["axial_force"] / 2 for c in cases if abs(c["moment_change"] - change) < 1e-9][0]
+
+
+def grasps(what, coordinates="legendre"):
+    return [abs(what(c)) for c in study("grasp_sizes", coordinates)["cases"]]
+
+
+def along_axis(coordinates):
+    return max(grasps(lambda c: c["axial_force"], coordinates))
+
+
+BRACE = "plan scenes/brace.toml"
+VERIFIED = BRACE + " --verify"
+EXECUTED = "execute scenes/brace.toml --moments '2.5 N mm'"
+PCC = VERIFIED + " --coordinates pcc"
+ESTIMATE = "plan scenes/estimate.toml"
+
+
+def rod_length():
+    return max(p[0] for p in run(BRACE)["backbone"])
+
+
+def estimated():
+    c = run(ESTIMATE)["contacts"][0]
+    return [c["force"] * mN, c["force_error"] / c["force"] * 100, c["arc_length"] * mm, c["arc_length_error"] * mm,
+            c["correlation"], *[v * mm for v in c["point"]], *c["normal"]]
+
+
+def steps(method):
+    return sum(s["method"] == method for s in run("plan scenes/trajectory.toml")["steps"])
+
+
+CLAIMS = [
+    ("README.md", "An arm of {} mm", lambda: [rod_length() * mm]),
+    ("README.md", "in free space, where the tip ends at {} mm above",
+     lambda: [run(BRACE + " --set contact.mode='\"ignore\"'")["tip"]["y"] * mm]),
+    ("README.md", "pushes with {} mN", lambda: [run(BRACE)["contacts"][0]["force"] * mN]),
+    ("README.md", "the tip comes within {} mm of the target", lambda: [run(BRACE)["target_error"] * mm]),
+    ("README.md", "along a path, {} of {} steps without a call of the solver",
+     lambda: [steps("followed"), len(run("plan scenes/trajectory.toml")["steps"])]),
+    ("README.md", "All {} plans are certified", lambda: [sum(c["status"] == "solved" for c in study("paradigms")["cases"])]),
+    ("README.md", "where they end to {} of the length",
+     lambda: [max(g["largest_model_error"] for g in study("paradigms")["groups"]) / rod_length()]),
+    ("README.md", "| without the peg, executed with it | {} mm | {} mm |", lambda: tip_errors("ignore_then_execute")),
+    ("README.md", "| avoiding the peg | {} mm | {} mm, below it |", lambda: tip_errors("avoid")),
+    ("README.md", "| using the peg | {} mm | {} mm |", lambda: tip_errors("allow")),
+    ("README.md", "its tip ends less than {} m from", lambda: [("below", run(VERIFIED)["model_error"])]),
+    ("docs/execution.md", "the tip comes to ({}, {}) mm, with {} mN at {} mm along the arm",
+     lambda: [run(EXECUTED)["tip"]["x"] * mm, run(EXECUTED)["tip"]["y"] * mm, run(EXECUTED)["contacts"][0]["force"] * mN,
+              run(EXECUTED)["contacts"][0]["arc_length"] * mm]),
+    ("docs/execution.md", "snapping through at {} N mm; in units of EI/L that is {}.",
+     lambda: [snap()["moments"][0] * Nmm, snap()["moments"][0] / snap_unit()]),
+    ("docs/execution.md", "below {} m for `brace.toml`, {} mm with `--coordinates pcc`",
+     lambda: [("below", run(VERIFIED)["model_error"]), run(PCC)["model_error"] * mm]),
+    ("docs/estimate.md", "1 {} mN {} % {} mm {} mm {} ({}, {}) mm ({}, {})", estimated),
+    ("docs/grasps.md", "All {} diameters", lambda: [sum(grasps(lambda c: c["status"] == "solved")) / 2]),
+    ("docs/grasps.md", "planned at the limit to {} N and with less than {} N along the axis",
+     lambda: [("below", max(grasps(lambda c: c["contact_force"] - c["force_limit"]))),
+              ("below", max(grasps(lambda c: c["planned_axial_force"])))]),
+    ("docs/grasps.md", "order 6 leaves up to {} N along the axis and `psc`, with its three functions per piece, up to {} N",
+     lambda: [along_axis("legendre"), along_axis("psc")]),
+    ("docs/grasps.md", "push it away from the palm with {} N per finger, {} N mm more pull it in with {} N",
+     lambda: [axial(0.010), 10, -axial(-0.010)]),
+]
+
+
+def snap_unit():
+    """EI/L of the scene, which gives its length in millimetres."""
+    text = (source / "scenes/snap_through.toml").read_text()
+    value = lambda key: float(re.search(rf'^{key} = "([\d.e-]+) ', text, re.M).group(1))
+    return value("bending_stiffness") / value("length") * mm
+
+
+def agrees(said, value):
+    if isinstance(value, tuple):
+        return value[1] < float(said)
+    exponent = Decimal(said).as_tuple().exponent
+    return abs(Decimal(said) - Decimal(value)) <= Decimal("0.5000001") * Decimal(1).scaleb(exponent)
+
+
+failed = 0
+for page, text, numbers in CLAIMS:
+    words = re.sub(r"\s+", " ", (source / page).read_text())
+    pattern = NUMBER.join(re.escape(part) for part in text.split("{}"))
+    found = re.search(pattern, words)
+    if not found:
+        print(f"{page}: '{text}' does not stand there any more")
+        failed += 1
+        continue
+    values = numbers()
+    if len(values) != len(found.groups()):
+        raise SystemExit(f"{text}: {len(values)} values for {len(found.groups())} numbers")
+    for said, value in zip(found.groups(), values):
+        if not agrees(said, value):
+            print(f"{page}: '{found.group(0)}' says {said}, the command gives {value}")
+            failed += 1
+print(f"{len(CLAIMS)} claims, {failed} that do not hold")
+sys.exit(1 if failed else 0)

@@ -1,0 +1,115 @@
+"""What Python gives is the command's own JSON, bit by bit but for the times."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import tendril
+from tendril._command import command_path
+
+TIMES = {"seconds", "seconds_evaluating", "maxtime"}
+
+
+def without_times(value):
+    if isinstance(value, dict):
+        return {key: without_times(part) for key, part in value.items() if key not in TIMES}
+    return [without_times(part) for part in value] if isinstance(value, list) else value
+
+
+def command(*arguments):
+    run = subprocess.run([command_path(), *map(str, arguments), "--json"], capture_output=True, text=True)
+    assert run.returncode in (0, 1), run.stderr
+    return json.loads(run.stdout)
+
+
+def same(result, document):
+    assert json.dumps(without_times(result.to_dict())) == json.dumps(without_times(document))
+
+
+@pytest.mark.parametrize("name", ["brace", "avoid", "clutter", "ledge", "table", "two_pegs", "grasp_60mm", "grasp_unequal",
+                                  "trajectory", "estimate", "free", "reach_10Nmm"])
+def test_plan(scenes, name):
+    file = scenes / f"{name}.toml"
+    same(tendril.load(file).plan(), command("plan", file))
+
+
+@pytest.mark.parametrize("name", ["brace", "grasp_60mm", "grasp_unequal", "trajectory"])
+def test_verified_plan(scenes, name):
+    file = scenes / f"{name}.toml"
+    same(tendril.load(file).plan(verify=True), command("plan", file, "--verify"))
+
+
+def test_settings(scenes, brace):
+    brace["contact.max_force"] = "0.05 N"
+    brace["rod.actuator[0].limit"] = 0.004
+    brace["coordinates"] = {"plugin": "pcc", "pieces": 8, "split_at_contact": False}
+    same(brace.plan(), command("plan", scenes / "brace.toml", "--set", "contact.max_force=0.05 N", "--set",
+                               "rod.actuator.0.limit=0.004", "--set",
+                               'coordinates={plugin="pcc",pieces=8,split_at_contact=false}'))
+
+
+def test_execute(scenes, brace, tmp_path):
+    file = scenes / "brace.toml"
+    same(brace.execute(["2.5 N mm"]), command("execute", file, "--moments", "2.5 N mm"))
+    same(brace.execute([0.0025]), command("execute", file, "--moments", "0.0025"))
+    plan = brace.plan()
+    plan.save(tmp_path / "plan.json")
+    same(brace.execute(plan=plan), command("execute", file, "--plan", tmp_path / "plan.json"))
+    same(brace.execute(0.001, start=plan),
+         command("execute", file, "--moments", "0.001", "--start", tmp_path / "plan.json"))
+    snap = scenes / "snap_through.toml"
+    same(tendril.load(snap).execute([-0.05]), command("execute", snap, "--moments", "-0.05"))
+
+
+def test_execute_pressures_and_trajectories(scenes, tmp_path):
+    grasp = scenes / "grasp_60mm.toml"
+    same(tendril.load(grasp).copy({"gripper.palm_distance": "74 mm"}).execute(pressures=["30 kPa", 12000]),
+         command("execute", grasp, "--set", "gripper.palm_distance=74 mm", "--pressures", "30 kPa, 12000"))
+    scene = tendril.load(scenes / "trajectory.toml")
+    planned = scene.trajectory()
+    planned.save(tmp_path / "steps.json")
+    same(scene.execute(planned), command("execute", scenes / "trajectory.toml", "--plan", tmp_path / "steps.json"))
+
+
+def test_start(scenes, brace, tmp_path):
+    plan = brace.plan()
+    plan.save(tmp_path / "plan.json")
+    expected = command("plan", scenes / "brace.toml", "--start", tmp_path / "plan.json")
+    same(brace.plan(start=plan), expected)
+    same(brace.plan(start=tmp_path / "plan.json"), expected)
+    same(brace.plan(start=plan.to_dict()), expected)
+
+
+@pytest.mark.parametrize("name", ["brace", "grasp_unequal", "estimate"])
+def test_describe(scenes, name):
+    file = scenes / f"{name}.toml"
+    same(tendril.load(file).describe(), command("describe", file))
+
+
+def test_study(scenes):
+    file = scenes / "paradigms.toml"
+    targets = '[["97 mm", "20 mm"]]'
+    scene = tendril.load(file).copy({"study.targets": [["97 mm", "20 mm"]]})
+    study = scene.study(jobs=2)
+    same(study, command("study", file, "--set", f"study.targets={targets}"))
+    assert len(study.table()) == len(study.cases) == 8
+
+
+def test_study_of_a_text(scenes):
+    scene = tendril.load(scenes / "paradigms.toml").copy({"study.targets": [["97 mm", "20 mm"]]})
+    text = tendril.Scene(scene.to_dict())
+    assert [c["moments"] for c in text.study().cases] == [c["moments"] for c in scene.study().cases]
+
+
+def test_plugins():
+    assert tendril.plugins() == command("plugins")
+
+
+def test_module_is_the_command(scenes):
+    for arguments in (["--version"], ["plan", str(scenes / "free.toml")], ["plan", "nosuch.toml"], ["wrong"]):
+        one = subprocess.run([command_path(), *arguments], capture_output=True, text=True)
+        other = subprocess.run([sys.executable, "-m", "tendril", *arguments], capture_output=True, text=True)
+        assert (one.returncode, one.stderr) == (other.returncode, other.stderr)
+    assert tendril.__version__ in subprocess.run([command_path(), "--version"], capture_output=True, text=True).stdout

@@ -1,0 +1,81 @@
+"""Results: names, arrays, documents, pickles."""
+
+import copy
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+import tendril
+
+
+@pytest.fixture(scope="module")
+def plan():
+    from conftest import SCENES
+
+    return tendril.load(SCENES / "brace.toml").plan()
+
+
+def test_a_plan(plan):
+    assert plan.solved and plan.status == "solved" and plan.message == ""
+    assert plan.moments.shape == (1,) and plan.moments.dtype == float
+    assert plan.backbone.shape[1] == 5 and plan.x[-1] == pytest.approx(plan.tip.x, rel=1e-12)
+    assert plan.contacts[0].force == pytest.approx(0.078782, rel=1e-4)
+    assert np.hypot(*plan.contacts[0].normal) == pytest.approx(1.0)
+    assert plan.target_error == pytest.approx(np.hypot(plan.tip.x - 0.097, plan.tip.y - 0.02))
+    assert sum(plan.terms.values()) == pytest.approx(plan.objective)
+    assert plan["certificate"]["stability"] == plan.certificate["stability"]
+    assert len(plan.coordinates) == plan["coordinates"]["dimension"]
+    with pytest.raises(ValueError):
+        plan.moments[0] = 1.0
+
+
+def test_documents_and_pickles(plan, tmp_path):
+    plan.save(tmp_path / "plan.json")
+    for twin in (tendril.Plan.from_json(plan.to_json()), tendril.Plan.from_file(tmp_path / "plan.json"), tendril.Plan(plan.to_dict()),
+                 pickle.loads(pickle.dumps(plan)), copy.deepcopy(plan)):
+        assert twin == plan and type(twin) is tendril.Plan
+        assert np.array_equal(twin.backbone, plan.backbone)
+    assert json.loads(plan.to_json()) == plan.to_dict()
+
+
+def test_html_and_repr(plan):
+    assert "solved" in repr(plan) and "Brace on a peg" in repr(plan)
+    sly = tendril.Plan({**plan.to_dict(), "title": "<script>"})
+    assert "<script>" not in sly._repr_html_() and "&lt;script&gt;" in sly._repr_html_()
+
+
+def test_other_kinds(scenes):
+    trajectory = tendril.load(scenes / "trajectory.toml").trajectory()
+    assert trajectory.solved and trajectory.tips.shape == (45, 3) and trajectory.moments.shape[0] == 45
+    assert trajectory.target_errors.max() == trajectory["target_error"]["largest"]
+    estimate = tendril.load(scenes / "estimate.toml").estimate()
+    assert estimate.covariance.shape == (2, 2) and estimate.contacts[0].force > 0.0
+    snapping = tendril.load(scenes / "snap_through.toml")
+    execution = snapping.execute([-0.05], start=snapping.execute([0.1]))
+    assert execution.load == 1.0 and execution.snaps
+    description = tendril.load(scenes / "brace.toml").describe()
+    assert description.variables["moments"] == 1 and description.rows["equilibrium"] == 12
+
+
+@pytest.mark.parametrize("text, why", [("{", "JSON"), ("[]", "dictionary"), ('{"schema": 2}', "schema"), ("{}", "schema"),
+                                       ('{"schema": 1}', "status")])
+def test_no_results(text, why):
+    with pytest.raises((TypeError, ValueError), match=why):
+        tendril.Plan.from_json(text)
+
+
+def test_results_of_another_kind(plan, brace, scenes):
+    with pytest.raises(ValueError, match="trajectory"):
+        tendril.Trajectory(plan.to_dict())
+    document = plan.to_dict()
+    document["schema"] = 7
+    with pytest.raises(tendril.Error, match="schema 7"):
+        brace.plan(start=document)
+    document = plan.to_dict()
+    document["moments"] = []
+    with pytest.raises(tendril.Error, match="moments"):
+        brace.plan(start=document)
+    with pytest.raises(tendril.Error, match="backbone"):
+        brace.copy({"rod.length": "90 mm"}).plan(start=plan)

@@ -1,0 +1,23 @@
+"""Never run: what a user writes has the types that a checker is told of."""
+
+import numpy as np
+import numpy.typing as npt
+
+import tendril
+
+scene: tendril.Scene = tendril.load("brace.toml")
+changed: tendril.Scene = scene.copy({"contact.max_force": "2 N"}, title="other")
+plan = scene.plan(verify=True)
+if isinstance(plan, tendril.Plan):
+    moments: npt.NDArray[np.float64] = plan.moments
+    force: float = plan.contacts[0].force
+    error: float | None = plan.target_error
+steps: list[tendril.Plan] = scene.trajectory().steps
+problem: tendril.Problem = scene.problem()
+problem.follow((0.097, 0.02))
+angle: float = problem.tip[2]
+results: list[tendril.Result] = tendril.plan_many([scene, changed], jobs=2)
+try:
+    scene.estimate()
+except tendril.Error as refused:
+    line: int | None = refused.line
