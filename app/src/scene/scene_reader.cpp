@@ -71,11 +71,12 @@ std::vector<TargetSpec> read_targets(const Context& context, const std::string& 
 void finish_start(const Context& context, const std::string& file, Scene& scene) {
   const Document& document = context.document;
   const Node* start = document.root().find("start");
-  const bool points = start != nullptr && start->find("points") != nullptr;
+  const auto given = [start](const char* key) { return start != nullptr && start->find(key) != nullptr; };
+  const bool points = given("points");
   if (points && !file.empty()) {
     document.fail(document.find("start.file"), "found 'file' beside 'points', expected either of them");
   }
-  if ((points || !file.empty()) && start->find("tip_angle") != nullptr) {
+  if ((points || !file.empty()) && given("tip_angle")) {
     document.fail(document.find("start.tip_angle"), "found 'tip_angle' beside points, expected either of them");
   }
   if (file.empty()) return;

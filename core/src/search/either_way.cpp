@@ -18,16 +18,23 @@ bool reads_direction(const Task& task) {
   });
 }
 
-/// One time limit for several searches. The scene keeps its own, whatever a solver throws.
+/// Another value for a while: the task keeps its own, whatever a solver throws.
+template <class T>
+struct Kept {
+  T& of;
+  const T own = of;
+  ~Kept() { of = own; }
+};
+
+/// One time limit for several searches.
 struct Limit {
-  double& of;
-  const double scene = of;
+  explicit Limit(Task& task) : limit{task.scene.solver.time_limit} {}
+  Kept<double> limit;
   const double begin = now();
-  ~Limit() { of = scene; }
   /// What is left of it is the limit from now on.
   bool leaves_time() {
-    of = scene - (now() - begin);
-    return of > 0.0;
+    limit.of = limit.own - (now() - begin);
+    return limit.of > 0.0;
   }
 };
 
@@ -48,7 +55,7 @@ void keep_better(Plan& plan, Plan& other) {
 }
 
 Plan plan_either_way(Task& task, const PlanControl& control) {
-  Limit limit{task.scene.solver.time_limit};
+  Limit limit(task);
   const double reference = control.start != nullptr ? control.start->tip_angle : task.start_tip_angle();
   std::vector<double> angles = task.angles_near(reference);
   const bool directed = reads_direction(task) || task.tolerance.angle < infinity;
@@ -77,15 +84,11 @@ Plan plan_either_way(Task& task, const PlanControl& control) {
 /// A thorough search begins with a normal one: it finds nothing worse in whatever time there is.
 Plan plan_with_effort(Task& task, const PlanControl& control) {
   if (task.scene.effort != SearchEffort::thorough) return plan_either_way(task, control);
-  Limit limit{task.scene.solver.time_limit};
-  struct Normal {
-    SearchEffort& effort;
-    explicit Normal(SearchEffort& of) : effort(of) { effort = SearchEffort::normal; }
-    ~Normal() { effort = SearchEffort::thorough; }
-  };
+  Limit limit(task);
   Plan plan;
   {
-    const Normal effort(task.scene.effort);
+    const Kept<SearchEffort> effort{task.scene.effort};
+    effort.of = SearchEffort::normal;
     plan = plan_either_way(task, control);
   }
   if (plan.status == PlanStatus::interrupted || !limit.leaves_time()) return plan;
@@ -101,12 +104,12 @@ Plan plan_with_effort(Task& task, const PlanControl& control) {
 }  // namespace
 
 Plan plan_to_target(Task& task, const PlanControl& control) {
-  Limit limit{task.scene.solver.time_limit};
+  Limit limit(task);
   Plan plan = plan_with_effort(task, control);
   if (plan.status != PlanStatus::infeasible || !task.tolerance.any() || !limit.leaves_time()) return plan;
-  const TargetTolerance asked = std::exchange(task.tolerance, {});
+  const Kept<TargetTolerance> asked{task.tolerance};
+  asked.of = {};
   Plan nearest = plan_with_effort(task, control);
-  task.tolerance = asked;
   if (nearest.status != PlanStatus::solved) return plan;
   nearest.status = PlanStatus::infeasible;
   nearest.message = "infeasible: no plan was found that keeps the target's tolerances; the best one without them comes";
