@@ -17,6 +17,8 @@ Loads LoadPath::loads(double load) const {
   const double share = ends_.loads_grow ? load : 1.0;
   Loads now{share * rod_.gravity, share * rod_.tip_force, shrink_, share};
   for (double& by : now.shrink) by *= 1.0 - load;
+  now.friction = friction_;
+  for (double& ratio : now.friction) ratio *= load;
   return now;
 }
 
