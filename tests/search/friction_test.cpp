@@ -13,7 +13,7 @@ namespace {
 using combination::scene;
 
 Scene braced(double moment, double friction, const std::string& solver) {
-  Scene made = scene("brace.toml");
+  Scene made = scene("brace");
   made.solver.plugin = solver;
   made.rod.actuators[0].minimum = made.rod.actuators[0].maximum = moment;
   made.contact.friction = friction;
@@ -62,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(Solvers, Friction, testing::Values("nlopt", "ipopt", "c
                          [](const auto& each) { return std::string(each.param); });
 
 TEST(FrictionRange, OfAnObstacleAloneCountsAndNoneIsTheSamePlan) {
-  Scene made = scene("brace.toml");
+  Scene made = scene("brace");
   const Plan without = combination::plan(made);
   EXPECT_TRUE(without.friction.empty());
   made.obstacles[0].friction = 0.2;
@@ -76,7 +76,7 @@ TEST(FrictionRange, OfAnObstacleAloneCountsAndNoneIsTheSamePlan) {
 
 TEST(FrictionRange, SenselessCoefficientsAreRefused) {
   const auto refusal = [](auto&& change) -> std::string {
-    Scene made = scene("brace.toml");
+    Scene made = scene("brace");
     change(made);
     try {
       validate(made);
