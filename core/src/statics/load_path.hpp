@@ -21,6 +21,9 @@ class LoadPath {
   /// Contacts with obstacle o, which push along its normal at load 0, do so with this tangential part at load 1.
   void rub(std::size_t o, double ratio) { friction_.resize(obstacles_.size()), friction_[o] = ratio; }
   bool has_friction() const { return !friction_.empty(); }
+  /// What the square of a change of the load counts beside the bending energy, in which steps are measured: little
+  /// friction changes little.
+  double weight() const;
   /// The rod under its final loads.
   const Rod& rod() const { return rod_; }
   const std::vector<const Obstacle*>& obstacles() const { return obstacles_; }
