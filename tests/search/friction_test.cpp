@@ -74,6 +74,16 @@ TEST(FrictionRange, OfAnObstacleAloneCountsAndNoneIsTheSamePlan) {
   EXPECT_TRUE(combination::plan(made).friction.empty());
 }
 
+// Glue may do what friction cannot: the arm lifts off its peg on the way.
+TEST(FrictionRange, APlanWhoseRodGivesWayIsNotSolved) {
+  Scene made = scene("brace");
+  made.contact.friction = 10.0;
+  const Plan plan = combination::plan(made);
+  EXPECT_EQ(plan.status, PlanStatus::unstable);
+  EXPECT_TRUE(plan.friction.empty());
+  EXPECT_TRUE(contains_text(plan.message, "of the ratios -10 at 'obstacle 1': the rod gives way")) << plan.message;
+}
+
 TEST(FrictionRange, SenselessCoefficientsAreRefused) {
   const auto refusal = [](auto&& change) -> std::string {
     Scene made = scene("brace");
