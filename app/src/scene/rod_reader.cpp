@@ -210,8 +210,9 @@ RodDraft with_inherited(const RodDraft& rod, const RodDraft& finger) {
   };
   const bool numbers = finger.bending_stiffness || finger.linear_density || finger.thickness;
   const bool round = finger.youngs_modulus || finger.density || finger.diameter || finger.inner_diameter;
+  const bool twist = finger.poisson_ratio || finger.torsional_stiffness || finger.out_of_plane_stiffness;
   const bool any = numbers || round || finger.file || finger.length || finger.rest_curvature;
-  if (finger.segments.empty() && !any) whole.segments = rod.segments;
+  if (finger.segments.empty() && !any && !twist) whole.segments = rod.segments;
   if (whole.segments.empty()) {
     // Values that say the same thing in another way are no part of what this finger is made of.
     if (!finger.file) inherit(whole.length, rod.length);
@@ -228,6 +229,11 @@ RodDraft with_inherited(const RodDraft& rod, const RodDraft& finger) {
       inherit(whole.inner_diameter, rod.inner_diameter);
     }
     if (!any) inherit(whole.file, rod.file);
+    if (!finger.torsional_stiffness) inherit(whole.poisson_ratio, rod.poisson_ratio);
+    if (!numbers && !round && !finger.file) {
+      if (!finger.poisson_ratio) inherit(whole.torsional_stiffness, rod.torsional_stiffness);
+      inherit(whole.out_of_plane_stiffness, rod.out_of_plane_stiffness);
+    }
   }
   if (finger.actuators.empty()) whole.actuators = rod.actuators;
   if (finger.loads.empty()) whole.loads = rod.loads;
@@ -285,9 +291,17 @@ RodSpec finish_rod(const Context& context, const std::string& table, const RodDr
     refuse("inner_diameter", draft.inner_diameter.has_value());
     refuse("thickness", draft.thickness.has_value());
     refuse("file", draft.file.has_value());
+    refuse("poisson_ratio", draft.poisson_ratio.has_value());
+    refuse("torsional_stiffness", draft.torsional_stiffness.has_value());
+    refuse("out_of_plane_stiffness", draft.out_of_plane_stiffness.has_value());
     for (std::size_t i = 0; i < draft.segments.size(); ++i) {
       const std::vector<SegmentSpec> made =
           finish_section(context, fmt::format("{}.segment[{}]", table, i), '[' + kind + ".segment]", draft.segments[i]);
+      if (i > 0 && (made.front().torsional_stiffness > 0.0) != (rod.segments.front().torsional_stiffness > 0.0)) {
+        document.fail(document.find(fmt::format("{}.segment[{}]", table, i)),
+                      "the torsion of some segments is known and of others not, expected 'poisson_ratio' or "
+                      "'torsional_stiffness' in all of them or in none");
+      }
       rod.segments.insert(rod.segments.end(), made.begin(), made.end());
     }
   } else {

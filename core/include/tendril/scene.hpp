@@ -44,6 +44,9 @@ struct SegmentSpec {
   std::vector<double> more_rest_curvature{};  ///< 1/m
   double thickness = 0.0;                     ///< m, diameter of the body where the segment begins, >= 0
   std::vector<double> more_thickness{};       ///< m
+  /// N m^2, > 0, where the segment begins; along it it goes with the bending stiffness. 0: not known.
+  double torsional_stiffness = 0.0;
+  double out_of_plane_stiffness = 0.0;  ///< N m^2, likewise, for bending out of the plane; 0: as in the plane
 };
 
 /// A dead load between two arc lengths of the rod, or at one of them where these are equal.
@@ -244,6 +247,7 @@ struct Scene {
   std::vector<ObjectiveSpec> objectives;    ///< their sum is minimized
   SolverSpec solver;                        ///< who solves the programs
   SearchEffort effort = SearchEffort::normal;  ///< how far is looked for a better plan
+  bool guided_in_plane = false;                ///< the robot cannot leave its plane, whatever its torsion
   QuantityReader read_quantity;                ///< for numbers with units inside raw options; may be empty
   std::vector<LeftOut> left_out;               ///< what its files hold beyond this, and why it is not read
   std::vector<std::string> warnings;           ///< what its reader would ask about

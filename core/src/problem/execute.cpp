@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/deadline.hpp"
+#include "certificate/certifier.hpp"
 #include "certificate/clearance.hpp"
 #include "rod/self_overlap.hpp"
 #include "scene/make_rod.hpp"
@@ -264,9 +265,9 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   out.load = end.z[statics.size()];
   if (arrived) {
     const bool valid = plan.certificate.valid();
-    const bool unstable =
-        !valid && plan.certificate.failures.size() == 1 && !(plan.certificate.stability > tolerance::stability);
-    plan.status = valid ? PlanStatus::solved : unstable ? PlanStatus::unstable : PlanStatus::not_converged;
+    plan.status = valid                             ? PlanStatus::solved
+                  : only_unstable(plan.certificate) ? PlanStatus::unstable
+                                                    : PlanStatus::not_converged;
     if (!valid) plan.message = plan.certificate.failures.front();
   } else if (stopped) {
     plan.status = PlanStatus::interrupted;

@@ -136,6 +136,13 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
     require_finite(s.rest_curvature, path + ".rest_curvature");
     for (const double c : s.more_rest_curvature) require_finite(c, path + ".rest_curvature");
     require_not_negative(s.thickness, path + ".thickness", "the thickness", "m");
+    require_not_negative(s.torsional_stiffness, path + ".torsional_stiffness", "the torsional stiffness", "N m^2");
+    require_not_negative(s.out_of_plane_stiffness, path + ".out_of_plane_stiffness", "the stiffness out of the plane",
+                         "N m^2");
+    if ((s.torsional_stiffness > 0.0) != (rod.segments.front().torsional_stiffness > 0.0)) {
+      throw SceneError(path + ".torsional_stiffness",
+                       "the torsional stiffness must be known of all segments or of none");
+    }
     require_along(s.bending_stiffness, s.more_bending_stiffness, true, path + ".bending_stiffness",
                   "the bending stiffness", "N m^2");
     require_along(s.linear_density, s.more_linear_density, false, path + ".linear_density", "the linear density",
