@@ -133,6 +133,19 @@ TEST(SectionReader, FingersHaveTheTorsionOfTheRodUnlessTheyAreMadeOfOtherStuff) 
   EXPECT_EQ(torsion("bending_stiffness = 6\n"), 0.0);
 }
 
+TEST(SectionReader, AsksAboutATendonOutsideTheBody) {
+  const auto warnings = [](const std::string& offset) {
+    return Read(
+               "[rod]\nlength = 0.1\nyoungs_modulus = 1e6\ndiameter = [0.01, 0.004]\n[[rod.actuator]]\nkind = "
+               "\"tendon\"\noffset = " +
+               offset + '\n')
+        .scene.warnings;
+  };
+  EXPECT_TRUE(warnings("[0.005, -0.002]").empty());
+  ASSERT_EQ(warnings("-0.003").size(), 1U);
+  EXPECT_TRUE(contains_text(warnings("-0.003")[0], "7:10: found a tendon 0.003 m from the backbone at 0.1 m"));
+}
+
 TEST(SectionReader, LoadsActAtAPlaceOrAreSpread) {
   const Read r(
       "[rod]\nlength = 0.2\nbending_stiffness = 1e-3\n[[rod.load]]\nat = \"50 mm\"\nforce = [0, \"-1 N\"]\nmass = \"5 "

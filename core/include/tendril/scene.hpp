@@ -77,6 +77,11 @@ struct TENDRIL_API ActuatorSpec {
   double moment_per_pressure = 0.0;          ///< N m / Pa; 0: not given
   ActuatorKind kind = ActuatorKind::moment;  ///< as the scene has it
   std::vector<OffsetPoint> offset{};         ///< of a tendon, linear in between; one: the same all along
+  /// N m / Pa^2, N m / Pa^3, ...: what the moment has beyond the share that goes with the pressure. It rises, or falls,
+  /// all the way between the two pressures; beyond them it goes on along its tangents. Empty: nothing.
+  std::vector<double> more_moment_per_pressure{};
+  double least_pressure = -infinity;  ///< Pa
+  double most_pressure = infinity;    ///< Pa
 
   /// What it is told: also a pressure if it is known what moment that gives.
   ActuatorKind input() const;
@@ -84,8 +89,10 @@ struct TENDRIL_API ActuatorSpec {
   Dimension input_dimension() const;
   /// The offset of largest size, m.
   double largest_offset() const;
-  /// N m per SI unit of what it is told.
-  double moment_per_input() const;
+  /// Whether it is known what moment a pressure gives.
+  bool knows_pressure() const { return moment_per_pressure != 0.0 || !more_moment_per_pressure.empty(); }
+  double moment_of(double input) const;  ///< N m, under what it is told.
+  double input_of(double moment) const;  ///< What it is told under a moment.
 };
 
 /// N m by which `moment` exceeds the limits of `actuator`; negative: its distance to the nearer one.

@@ -140,11 +140,11 @@ void Executor::tell_limits(Plan& plan) const {
     if (!(over > tolerance::bounds)) continue;
     const double limit = moments_[a] > actuator.maximum ? actuator.maximum : actuator.minimum;
     const bool pressure = actuator.input() == ActuatorKind::pressure;
-    const double unit = (pressure ? 1e3 : 1.0) * actuator.moment_per_input();
+    const double unit = pressure ? 1e3 : 1.0;
     const std::string name = pressure ? " kPa" : ' ' + std::string(actuator.input_dimension().unit);
     plan.message += (plan.message.empty() ? "" : "; ") + std::string("actuator ") + std::to_string(a + 1) +
-                    " is held at " + shown(moments_[a] / unit) + name + ", beyond its limit of " +
-                    shown(limit / unit + 0.0) + name;
+                    " is held at " + shown(actuator.input_of(moments_[a]) / unit) + name + ", beyond its limit of " +
+                    shown(actuator.input_of(limit) / unit + 0.0) + name;
   }
   if (!plan.backbone.empty()) plan.certificate.bounds = most;
 }

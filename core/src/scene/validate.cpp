@@ -49,6 +49,34 @@ void validate_trajectory(const Scene& scene) {
   }
 }
 
+/// `path`: of the key.
+void validate_law(const ActuatorSpec& a, const std::string& path) {
+  require_finite(a.moment_per_pressure, path);
+  for (const double c : a.more_moment_per_pressure) require_finite(c, path);
+  if (a.kind == ActuatorKind::pressure && !a.knows_pressure()) {
+    throw SceneError(path.substr(0, path.rfind('.')), "an actuator of kind \"pressure\" has no 'moment_per_pressure'");
+  }
+  if (a.more_moment_per_pressure.empty()) return;
+  if (!std::isfinite(a.least_pressure) || !std::isfinite(a.most_pressure) || !(a.least_pressure < a.most_pressure)) {
+    throw SceneError(path,
+                     "a law of several coefficients holds between two pressures, expected limits of the pressure");
+  }
+  constexpr int samples = 200;
+  double last = a.moment_of(a.least_pressure);
+  double side = 0.0;
+  for (int i = 1; i <= samples; ++i) {
+    const double p = a.least_pressure + i * (a.most_pressure - a.least_pressure) / samples;
+    const double moment = a.moment_of(p);
+    if (side == 0.0) side = moment > last ? 1.0 : -1.0;
+    if (!(side * (moment - last) > 0.0)) {
+      throw SceneError(path,
+                       "the moment turns back at a pressure of " + shown(p) +
+                           " Pa, expected it to rise, or to fall, all the way between the limits of the pressure");
+    }
+    last = moment;
+  }
+}
+
 /// `path`: of the key. `length`: of the rod.
 void validate_offset(const ActuatorSpec& a, const std::string& path, double length) {
   if (a.kind != ActuatorKind::tendon) {
@@ -176,10 +204,7 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
     if (a.minimum == infinity || a.maximum == -infinity) {
       throw SceneError(path + ".limit", "no moment is within the limits");
     }
-    require_finite(a.moment_per_pressure, path + ".moment_per_pressure");
-    if (a.kind == ActuatorKind::pressure && a.moment_per_pressure == 0.0) {
-      throw SceneError(path, "an actuator of kind \"pressure\" has no 'moment_per_pressure'");
-    }
+    validate_law(a, path + ".moment_per_pressure");
     validate_offset(a, path + ".offset", length);
   }
 }
