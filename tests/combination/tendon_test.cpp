@@ -59,7 +59,7 @@ TEST(Tendons, PlansOfATaperedPairAreWhatExecutionFinds) {
     EXPECT_LT(found.model_error.value_or(infinity), 1e-8 * arm.rod.length());
     EXPECT_EQ(found.contacts.size(), 1u);
     for (std::size_t a = 0; a < found.moments.size(); ++a) {
-      EXPECT_GE(found.moments[a] / arm.rod.actuators[a].moment_per_input(), -1e-9) << "tendon " << a << " pushes";
+      EXPECT_GE(arm.rod.actuators[a].input_of(found.moments[a]), -1e-9) << "tendon " << a << " pushes";
     }
   }
 }

@@ -38,6 +38,16 @@ TEST(SearchValidate, WhatMakesNoSenseIsRefusedByItsKey) {
       {"brace", "rod.actuator[0].to", [](Scene& s) { s.rod.actuators[0].from = s.rod.actuators[0].to = 0.05; }},
       {"brace", "rod.actuator[0].min", [](Scene& s) { s.rod.actuators[0].minimum = 1.0; }},
       {"brace", "rod.actuator[0]", [](Scene& s) { s.rod.actuators[0].kind = ActuatorKind::pressure; }},
+      {"brace", "rod.actuator[0].moment_per_pressure",
+       [](Scene& s) { s.rod.actuators[0].more_moment_per_pressure = {1e-9}; }},
+      {"brace", "rod.actuator[0].moment_per_pressure",
+       [](Scene& s) {
+         ActuatorSpec& a = s.rod.actuators[0];
+         a.moment_per_pressure = 1e-6;
+         a.more_moment_per_pressure = {-1e-11};
+         a.least_pressure = 0.0;
+         a.most_pressure = 6e4;
+       }},
       {"brace", "rod.actuator[0].offset", [](Scene& s) { make_tendon(s, {}); }},
       {"brace", "rod.actuator[0].offset",
        [](Scene& s) {

@@ -51,8 +51,7 @@ std::vector<ShownActuator> shown_actuators(const Scene& scene, const Plan& plan)
       const double close = tolerance::bounds * (scale_of(scene).moment() + std::abs(moments[a]));
       const double over = excess(actuator, moments[a]);
       const char* where = over > close ? "beyond its limit" : over >= -close ? "at its limit" : "inside";
-      all.push_back({finger.name, a + 1, where, moments[a], actuator.minimum, actuator.maximum, actuator.input(),
-                     actuator.input_dimension().unit, actuator.moment_per_input()});
+      all.push_back({finger.name, a + 1, where, moments[a], actuator.minimum, actuator.maximum, actuator});
       const std::vector<double>& turns = finger.state.turns;
       if (a < turns.size()) all.back().shortening = turns[a] * actuator.largest_offset() + 0.0;
     }
@@ -85,9 +84,9 @@ void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
   bool any = false;
   for (const ShownActuator& a : shown_actuators(scene, plan)) {
     const bool pressure = a.is(ActuatorKind::pressure);
-    Json input{{"kind", to_string(a.told)},
+    Json input{{"kind", to_string(a.spec.input())},
                {"value", number(a.input())},
-               {"unit", a.unit},
+               {"unit", a.spec.input_dimension().unit},
                {"moment", number(a.moment)},
                {"where", a.where}};
     if (pressure) input["pressure"] = number(a.input());

@@ -190,6 +190,12 @@ std::string certificate_text(const Certificate& certificate) {
   grid.row({"  kind", certificate.stationarity_kind, "S", certificate.stationarity_kind == "S" ? "ok" : "FAILS"});
   entry("stability", certificate.stability, fmt::format("> {:g}", tolerance::stability),
         certificate.stability > tolerance::stability);
+  if (certificate.out_of_plane && certificate.guided_in_plane) {
+    grid.row({"out of plane", fmt::format("{:.3g}", *certificate.out_of_plane), "(guided)", ""});
+  } else if (certificate.out_of_plane) {
+    entry("out of plane", *certificate.out_of_plane, fmt::format(">= {:g}", -tolerance::out_of_plane),
+          *certificate.out_of_plane >= -tolerance::out_of_plane);
+  }
   const auto information = [&](const char* name, double value, const char* what) {
     if (std::isfinite(value)) grid.row({name, fmt::format("{:.3g}", value), what, ""});
   };

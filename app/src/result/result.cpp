@@ -20,19 +20,21 @@ namespace tendril::app {
 namespace {
 
 Json certificate_json(const Certificate& certificate) {
-  return {{"equilibrium", number(certificate.equilibrium)},
-          {"penetration", number(certificate.penetration)},
-          {"complementarity", number(certificate.complementarity)},
-          {"closest_point", number(certificate.closest_point)},
-          {"force_balance", number(certificate.balance)},
-          {"stationarity", number(certificate.stationarity)},
-          {"stationarity_kind", certificate.stationarity_kind},
-          {"bounds", number(certificate.bounds)},
-          {"stability", number(certificate.stability)},
-          {"moment_balance", number(certificate.moment_balance)},
-          {"contact_convexity", number(certificate.contact_convexity)},
-          {"quadrature", number(certificate.quadrature)},
-          {"failures", certificate.failures}};
+  Json json{{"equilibrium", number(certificate.equilibrium)},
+            {"penetration", number(certificate.penetration)},
+            {"complementarity", number(certificate.complementarity)},
+            {"closest_point", number(certificate.closest_point)},
+            {"force_balance", number(certificate.balance)},
+            {"stationarity", number(certificate.stationarity)},
+            {"stationarity_kind", certificate.stationarity_kind},
+            {"bounds", number(certificate.bounds)},
+            {"stability", number(certificate.stability)},
+            {"moment_balance", number(certificate.moment_balance)},
+            {"contact_convexity", number(certificate.contact_convexity)},
+            {"quadrature", number(certificate.quadrature)},
+            {"failures", certificate.failures}};
+  if (certificate.out_of_plane) json["out_of_plane"] = number(*certificate.out_of_plane);
+  return json;
 }
 
 Json solver_json(const Plan& plan) {

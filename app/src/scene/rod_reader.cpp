@@ -1,96 +1,10 @@
 #include "scene/rod_reader.hpp"
 
-#include <algorithm>
-#include <tuple>
-#include <utility>
+#include <cmath>
 
 namespace tendril::app {
 
 namespace {
-
-/// A quantity in the unit of what an actuator is told.
-template <class Set>
-Key<ActuatorDraft> input_quantity(std::string name, Range range, std::string description, Set set) {
-  Key<ActuatorDraft> key =
-      quantity<ActuatorDraft>(std::move(name), dimension::moment, range, "no limit", std::move(description), set);
-  key.read = [spec = key.spec, set](const Context& context, const Node& node, ActuatorDraft& draft) {
-    KeySpec own = spec;
-    own.dimension = ActuatorSpec{.kind = draft.kind}.input_dimension();
-    set(draft, read_quantity(context, node, own));
-  };
-  return key;
-}
-
-Key<ActuatorDraft> offset_key() {
-  Key<ActuatorDraft> key{{"offset", KeyType::offsets, dimension::length, "",
-                          "Distance of a tendon from the backbone, positive to the left: the same all along, at from "
-                          "and to with a straight line in between, or a table of arc lengths and distances."},
-                         {}};
-  key.read = [spec = key.spec](const Context& context, const Node& node, ActuatorDraft& draft) {
-    const auto* list = std::get_if<Node::List>(&node.value);
-    if (list == nullptr) {
-      draft.offset = {read_quantity(context, node, spec)};
-      return;
-    }
-    const std::string expected = "a length, two of them [at from, at to], or a table [[arc length, offset], ...]";
-    if (list->size() < 2) context.fail(node, expected);
-    const auto pair = [](const Node& item) { return std::get_if<Node::List>(&item.value); };
-    if (pair(list->front()) == nullptr) {
-      if (list->size() != 2) context.fail(node, expected);
-      for (const Node& item : *list) draft.offset.push_back(read_quantity(context, item, spec));
-      return;
-    }
-    for (const Node& item : *list) {
-      const Node::List* entry = pair(item);
-      if (entry == nullptr || entry->size() != 2) context.fail(item, "a pair [arc length, offset]");
-      const double s = read_quantity(context, entry->front(), spec);
-      draft.offset_table.push_back({s, read_quantity(context, entry->back(), spec)});
-    }
-  };
-  return key;
-}
-
-Key<ActuatorDraft> kind_key() {
-  Key<ActuatorDraft> key = text<ActuatorDraft>(
-      "kind", "moment", "What it is told: a moment, the tension of a tendon beside the backbone, or a pressure.",
-      [](ActuatorDraft& t, const std::string& word) {
-        for (const ActuatorKind kind : {ActuatorKind::moment, ActuatorKind::tendon, ActuatorKind::pressure}) {
-          if (word == to_string(kind)) t.kind = kind;
-        }
-      },
-      {"moment", "tendon", "pressure"});
-  key.first = true;
-  return key;
-}
-
-Table<ActuatorDraft> actuator_table() {
-  using T = ActuatorDraft;
-  return {
-      {kind_key(),
-       quantity<T>("from", dimension::length, not_negative, "0", "Arc length at which the actuator begins.",
-                   [](T& t, double v) { t.from = v; }),
-       quantity<T>("to", dimension::length, not_negative, "the rod's length", "Arc length at which the actuator ends.",
-                   [](T& t, double v) { t.to = v; }),
-       input_quantity(
-           "limit", not_negative,
-           "Largest moment in either direction, or pressure, or the largest tension (N) of a tendon; instead of min "
-           "and max. 0 removes the actuator.",
-           [](T& t, double v) { t.limit = v; }),
-       input_quantity("min", any,
-                      "Smallest moment (positive moments bend to the left), pressure or tension; a tendon without one "
-                      "may be slack.",
-                      [](T& t, double v) { t.minimum = v; }),
-       input_quantity("max", any, "Largest moment, pressure or tension.", [](T& t, double v) { t.maximum = v; }),
-       offset_key(),
-       quantity<T>("moment_per_pressure", dimension::moment_per_pressure, any, "",
-                   "Moment that a unit of pressure gives; negative if pressure bends to the right.",
-                   [](T& t, double v) { t.moment_per_pressure = v; }),
-       quantity<T>("min_pressure", dimension::pressure, any, "no limit",
-                   "Smallest pressure; with moment_per_pressure, instead of limits of the moment.",
-                   [](T& t, double v) { t.smallest_pressure = v; }),
-       quantity<T>("max_pressure", dimension::pressure, any, "no limit", "Largest pressure.",
-                   [](T& t, double v) { t.largest_pressure = v; })}};
-}
 
 /// What a rod is made of, in the table at `path`. `unstated`: where values come from that are not given; empty:
 /// defaults.
@@ -112,96 +26,6 @@ std::vector<Key<T>> rod_keys(const std::string& path, const std::string& unstate
   return keys;
 }
 
-/// The limits in what the actuator is told, as they stand in the scene.
-std::pair<double, double> written_limits(const Document& document, const std::string& path,
-                                         const ActuatorDraft& actuator) {
-  const bool tendon = actuator.kind == ActuatorKind::tendon;
-  if (actuator.limit) {
-    if (actuator.minimum || actuator.maximum) {
-      document.fail(document.find(path + "limit"),
-                    "found 'limit' beside 'min' or 'max', expected either limit or min and max");
-    }
-    return {tendon ? 0.0 : -*actuator.limit, *actuator.limit};
-  }
-  const std::pair limits{actuator.minimum.value_or(tendon ? 0.0 : -infinity), actuator.maximum.value_or(infinity)};
-  const auto [low, high] = limits;
-  if (tendon && low < 0.0) {
-    document.fail(document.find(path + "min"),
-                  fmt::format("found a tension of {} N, expected one that is not negative: a tendon only pulls", low));
-  }
-  if (low > high) {
-    const std::string_view unit = ActuatorSpec{.kind = actuator.kind}.input_dimension().unit;
-    document.fail(document.find(path + (actuator.minimum ? "min" : "max")),
-                  fmt::format("found min {} {} above max {} {}, expected min <= max", low, unit, high, unit));
-  }
-  return limits;
-}
-
-/// The limits of an actuator of kind "moment" whose pressure is limited.
-std::pair<double, double> pressure_limits(const Document& document, const std::string& path,
-                                          const ActuatorDraft& actuator) {
-  const std::string key = path + (actuator.smallest_pressure ? "min_pressure" : "max_pressure");
-  if (actuator.kind != ActuatorKind::moment) {
-    document.fail(document.find(key), "found a limit of the pressure beside 'kind', expected 'limit', 'min' or 'max'");
-  }
-  if (actuator.limit || actuator.minimum || actuator.maximum) {
-    document.fail(document.find(key), "found a limit of the pressure beside one of the moment, expected one of them");
-  }
-  if (actuator.moment_per_pressure == 0.0) {
-    document.fail(document.find(key), "found a limit of the pressure, expected 'moment_per_pressure' beside it");
-  }
-  const std::pair limits{actuator.smallest_pressure.value_or(-infinity), actuator.largest_pressure.value_or(infinity)};
-  if (limits.first > limits.second) document.fail(document.find(key), "found min_pressure above max_pressure");
-  return limits;
-}
-
-void finish_offset(const Document& document, const std::string& path, const ActuatorDraft& actuator,
-                   ActuatorSpec& spec) {
-  const bool given = !actuator.offset.empty() || !actuator.offset_table.empty();
-  if (given != (spec.kind == ActuatorKind::tendon)) {
-    document.fail(document.find(path + (given ? "offset" : "kind")),
-                  given ? "found an 'offset', expected kind = \"tendon\" beside it"
-                        : "found a tendon without an 'offset', expected its distance from the backbone, for instance "
-                          "offset = \"8 mm\"");
-  }
-  for (std::size_t i = 0; i < actuator.offset.size(); ++i) {
-    spec.offset.push_back({i == 0 ? spec.from : spec.to, actuator.offset[i]});
-  }
-  for (const Vec2& p : actuator.offset_table) spec.offset.push_back({p.x, p.y});
-}
-
-/// `path`: of its keys. `length`: of the rod.
-ActuatorSpec finish_actuator(const Document& document, const std::string& path, const ActuatorDraft& actuator,
-                             double length) {
-  ActuatorSpec spec;
-  spec.kind = actuator.kind;
-  spec.from = actuator.from.value_or(0.0);
-  spec.to = actuator.to.value_or(length);
-  spec.moment_per_pressure = actuator.moment_per_pressure;
-  if (spec.from >= spec.to) {
-    document.fail(document.find(path + (actuator.from ? "from" : "to")),
-                  fmt::format("found an actuator from {} m to {} m, expected from < to", spec.from, spec.to));
-  }
-  finish_offset(document, path, actuator, spec);
-  if (spec.kind == ActuatorKind::pressure && spec.moment_per_pressure == 0.0) {
-    document.fail(
-        document.find(path + "kind"),
-        "found an actuator of kind \"pressure\" without 'moment_per_pressure', expected the moment that a unit "
-        "of pressure gives");
-  }
-  if (spec.kind == ActuatorKind::tendon && spec.moment_per_pressure != 0.0) {
-    document.fail(document.find(path + "moment_per_pressure"),
-                  "found 'moment_per_pressure' of a tendon, expected it with kind \"pressure\" or \"moment\"");
-  }
-  const bool pressures = actuator.smallest_pressure || actuator.largest_pressure;
-  const auto [low, high] =
-      pressures ? pressure_limits(document, path, actuator) : written_limits(document, path, actuator);
-  // Limits of a moment stay moments, also where a pressure is known.
-  const double size = pressures || spec.kind != ActuatorKind::moment ? spec.moment_per_input() : 1.0;
-  if (size != 0.0) std::tie(spec.minimum, spec.maximum) = std::minmax({low * size, high * size});
-  return spec;
-}
-
 /// What a finger does not state is taken from `rod`.
 RodDraft with_inherited(const RodDraft& rod, const RodDraft& finger) {
   RodDraft whole = finger;
@@ -210,8 +34,9 @@ RodDraft with_inherited(const RodDraft& rod, const RodDraft& finger) {
   };
   const bool numbers = finger.bending_stiffness || finger.linear_density || finger.thickness;
   const bool round = finger.youngs_modulus || finger.density || finger.diameter || finger.inner_diameter;
+  const bool twist = finger.poisson_ratio || finger.torsional_stiffness || finger.out_of_plane_stiffness;
   const bool any = numbers || round || finger.file || finger.length || finger.rest_curvature;
-  if (finger.segments.empty() && !any) whole.segments = rod.segments;
+  if (finger.segments.empty() && !any && !twist) whole.segments = rod.segments;
   if (whole.segments.empty()) {
     // Values that say the same thing in another way are no part of what this finger is made of.
     if (!finger.file) inherit(whole.length, rod.length);
@@ -228,10 +53,47 @@ RodDraft with_inherited(const RodDraft& rod, const RodDraft& finger) {
       inherit(whole.inner_diameter, rod.inner_diameter);
     }
     if (!any) inherit(whole.file, rod.file);
+    if (!finger.torsional_stiffness) inherit(whole.poisson_ratio, rod.poisson_ratio);
+    if (!numbers && !round && !finger.file) {
+      if (!finger.poisson_ratio) inherit(whole.torsional_stiffness, rod.torsional_stiffness);
+      inherit(whole.out_of_plane_stiffness, rod.out_of_plane_stiffness);
+    }
   }
   if (finger.actuators.empty()) whole.actuators = rod.actuators;
   if (finger.loads.empty()) whole.loads = rod.loads;
   return whole;
+}
+
+double offset_at(const std::vector<OffsetPoint>& offset, double s) {
+  std::size_t i = 1;
+  while (i + 1 < offset.size() && offset[i].arc_length < s) ++i;
+  if (offset.size() == 1) return offset.front().offset;
+  const OffsetPoint& a = offset[i - 1];
+  const OffsetPoint& b = offset[i];
+  return a.offset + (s - a.arc_length) / (b.arc_length - a.arc_length) * (b.offset - a.offset);
+}
+
+/// Asks about a tendon that runs outside the body of its rod. `path`: of its offset.
+void warn_of_outside(const Context& context, const std::string& path, const RodSpec& rod, const ActuatorSpec& tendon) {
+  const BodyRadius radius = rod.body();
+  if (!radius || tendon.offset.empty()) return;
+  std::vector<double> places{tendon.from, tendon.to};
+  for (const OffsetPoint& p : tendon.offset) places.push_back(p.arc_length);
+  double end = 0.0;
+  for (const SegmentSpec& segment : rod.segments) {
+    end += segment.length;
+    if (end > tendon.from && end < tendon.to) places.push_back(end);
+  }
+  for (const double s : places) {
+    const double offset = std::abs(offset_at(tendon.offset, s));
+    const double inside = radius(s);
+    if (offset <= inside * (1.0 + 1e-9)) continue;
+    context.warnings.push_back(context.document.describe(context.document.find(path)) +
+                               fmt::format(": found a tendon {:.6g} m from the backbone at {:.6g} m, outside the body, "
+                                           "whose radius is {:.6g} m there",
+                                           offset, s, inside));
+    return;
+  }
 }
 
 }  // namespace
@@ -285,9 +147,17 @@ RodSpec finish_rod(const Context& context, const std::string& table, const RodDr
     refuse("inner_diameter", draft.inner_diameter.has_value());
     refuse("thickness", draft.thickness.has_value());
     refuse("file", draft.file.has_value());
+    refuse("poisson_ratio", draft.poisson_ratio.has_value());
+    refuse("torsional_stiffness", draft.torsional_stiffness.has_value());
+    refuse("out_of_plane_stiffness", draft.out_of_plane_stiffness.has_value());
     for (std::size_t i = 0; i < draft.segments.size(); ++i) {
       const std::vector<SegmentSpec> made =
           finish_section(context, fmt::format("{}.segment[{}]", table, i), '[' + kind + ".segment]", draft.segments[i]);
+      if (i > 0 && (made.front().torsional_stiffness > 0.0) != (rod.segments.front().torsional_stiffness > 0.0)) {
+        document.fail(document.find(fmt::format("{}.segment[{}]", table, i)),
+                      "the torsion of some segments is known and of others not, expected 'poisson_ratio' or "
+                      "'torsional_stiffness' in all of them or in none");
+      }
       rod.segments.insert(rod.segments.end(), made.begin(), made.end());
     }
   } else {
@@ -303,6 +173,7 @@ RodSpec finish_rod(const Context& context, const std::string& table, const RodDr
   for (std::size_t i = 0; i < draft.actuators.size(); ++i) {
     rod.actuators.push_back(
         finish_actuator(document, fmt::format("{}.actuator[{}].", table, i), draft.actuators[i], length));
+    warn_of_outside(context, fmt::format("{}.actuator[{}].offset", table, i), rod, rod.actuators.back());
   }
   for (std::size_t i = 0; i < draft.loads.size(); ++i) {
     rod.loads.push_back(finish_load(document, fmt::format("{}.load[{}].", table, i), draft.loads[i], length));

@@ -4,22 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "scene/actuator_reader.hpp"
 #include "scene/keys.hpp"
 #include "scene/section_reader.hpp"
 #include "tendril/scene.hpp"
 
 namespace tendril::app {
-
-/// [[rod.actuator]] as written, before the rod's length is known.
-struct ActuatorDraft {
-  std::optional<double> from, to;
-  std::optional<double> limit, minimum, maximum, smallest_pressure, largest_pressure;  ///< of what its kind is told
-  double moment_per_pressure = 0.0;
-  ActuatorKind kind = ActuatorKind::moment;
-  std::vector<double> offset{};      ///< at both ends, or one for all
-  std::vector<Vec2> offset_table{};  ///< (arc length, offset)
-  SourcePosition position{};
-};
 
 /// [rod] as written.
 struct RodDraft : SectionDraft {

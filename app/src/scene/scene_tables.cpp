@@ -223,6 +223,9 @@ Table<SceneDraft> scene_table() {
           },
           problems),
       point<T>("gravity", dimension::acceleration, "no gravity", "Gravity.", [](T& t, Vec2 v) { t.scene.gravity = v; }),
+      boolean<T>("guided_in_plane", "false",
+                 "The robot cannot leave its plane: a margin out of it is told and refuses no plan.",
+                 [](T& t, bool v) { t.scene.guided_in_plane = v; }),
       table<T>(
           "rod", "rod", "the rod", rod_table(), [](T & t) -> auto& { return t.rod; }, Need::required),
       table<T>(

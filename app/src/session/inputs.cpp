@@ -77,7 +77,7 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
       throw InputError(fmt::format(
           "{}: found a tension of {} N, expected one that is not negative: a tendon only pulls", where, value));
     }
-    moments.push_back(told ? value * actuator.moment_per_input() : value);
+    moments.push_back(told ? actuator.moment_of(value) : value);
   }
   return moments;
 }

@@ -44,6 +44,9 @@ struct SegmentSpec {
   std::vector<double> more_rest_curvature{};  ///< 1/m
   double thickness = 0.0;                     ///< m, diameter of the body where the segment begins, >= 0
   std::vector<double> more_thickness{};       ///< m
+  /// N m^2, > 0, where the segment begins; along it it goes with the bending stiffness. 0: not known.
+  double torsional_stiffness = 0.0;
+  double out_of_plane_stiffness = 0.0;  ///< N m^2, likewise, for bending out of the plane; 0: as in the plane
 };
 
 /// A dead load between two arc lengths of the rod, or at one of them where these are equal.
@@ -74,6 +77,11 @@ struct TENDRIL_API ActuatorSpec {
   double moment_per_pressure = 0.0;          ///< N m / Pa; 0: not given
   ActuatorKind kind = ActuatorKind::moment;  ///< as the scene has it
   std::vector<OffsetPoint> offset{};         ///< of a tendon, linear in between; one: the same all along
+  /// N m / Pa^2, N m / Pa^3, ...: what the moment has beyond the share that goes with the pressure. It rises, or falls,
+  /// all the way between the two pressures; beyond them it goes on along its tangents. Empty: nothing.
+  std::vector<double> more_moment_per_pressure{};
+  double least_pressure = -infinity;  ///< Pa
+  double most_pressure = infinity;    ///< Pa
 
   /// What it is told: also a pressure if it is known what moment that gives.
   ActuatorKind input() const;
@@ -81,8 +89,10 @@ struct TENDRIL_API ActuatorSpec {
   Dimension input_dimension() const;
   /// The offset of largest size, m.
   double largest_offset() const;
-  /// N m per SI unit of what it is told.
-  double moment_per_input() const;
+  /// Whether it is known what moment a pressure gives.
+  bool knows_pressure() const { return moment_per_pressure != 0.0 || !more_moment_per_pressure.empty(); }
+  double moment_of(double input) const;  ///< N m, under what it is told.
+  double input_of(double moment) const;  ///< What it is told under a moment.
 };
 
 /// N m by which `moment` exceeds the limits of `actuator`; negative: its distance to the nearer one.
@@ -254,6 +264,7 @@ struct Scene {
   std::vector<ObjectiveSpec> objectives;    ///< their sum is minimized
   SolverSpec solver;                        ///< who solves the programs
   SearchEffort effort = SearchEffort::normal;  ///< how far is looked for a better plan
+  bool guided_in_plane = false;                ///< the robot cannot leave its plane, whatever its torsion
   QuantityReader read_quantity;                ///< for numbers with units inside raw options; may be empty
   std::vector<LeftOut> left_out;               ///< what its files hold beyond this, and why it is not read
   std::vector<std::string> warnings;           ///< what its reader would ask about

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/deadline.hpp"
+#include "certificate/certifier.hpp"
 #include "certificate/clearance.hpp"
 #include "rod/self_overlap.hpp"
 #include "scene/make_rod.hpp"
@@ -144,11 +145,11 @@ void Executor::tell_limits(Plan& plan) const {
     if (!(over > tolerance::bounds)) continue;
     const double limit = moments_[a] > actuator.maximum ? actuator.maximum : actuator.minimum;
     const bool pressure = actuator.input() == ActuatorKind::pressure;
-    const double unit = (pressure ? 1e3 : 1.0) * actuator.moment_per_input();
+    const double unit = pressure ? 1e3 : 1.0;
     const std::string name = pressure ? " kPa" : ' ' + std::string(actuator.input_dimension().unit);
     plan.message += (plan.message.empty() ? "" : "; ") + std::string("actuator ") + std::to_string(a + 1) +
-                    " is held at " + shown(moments_[a] / unit) + name + ", beyond its limit of " +
-                    shown(limit / unit + 0.0) + name;
+                    " is held at " + shown(actuator.input_of(moments_[a]) / unit) + name + ", beyond its limit of " +
+                    shown(actuator.input_of(limit) / unit + 0.0) + name;
   }
   if (!plan.backbone.empty()) plan.certificate.bounds = most;
 }
@@ -269,9 +270,9 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   out.load = end.z[statics.size()];
   if (arrived) {
     const bool valid = plan.certificate.valid();
-    const bool unstable =
-        !valid && plan.certificate.failures.size() == 1 && !(plan.certificate.stability > tolerance::stability);
-    plan.status = valid ? PlanStatus::solved : unstable ? PlanStatus::unstable : PlanStatus::not_converged;
+    plan.status = valid                             ? PlanStatus::solved
+                  : only_unstable(plan.certificate) ? PlanStatus::unstable
+                                                    : PlanStatus::not_converged;
     if (!valid) plan.message = plan.certificate.failures.front();
   } else if (stopped) {
     plan.status = PlanStatus::interrupted;

@@ -84,6 +84,10 @@ Vec2 Rod::whole_load() const {
   return weight * gravity + force;
 }
 
+bool Rod::has_torsion() const {
+  return std::all_of(segments.begin(), segments.end(), [](const Segment& s) { return s.torsion > 0.0; });
+}
+
 bool Rod::is_thick() const {
   return std::any_of(segments.begin(), segments.end(),
                      [](const Segment& s) { return s.radius != 0.0 || !s.more_radius.empty(); });

@@ -23,6 +23,8 @@ struct TENDRIL_API Rod {
     double weight = 0.0;          ///< rho |g| L^3 / EI0 there
     double rest_curvature = 0.0;  ///< kappa0 L there
     double radius = 0.0;          ///< of the body there, units of L
+    double torsion = 0.0;         ///< GJ / EI all along it; 0: not known
+    double across = 1.0;          ///< stiffness out of the plane / EI all along it
     /// How they change from there on: coefficients of x, x^2, ..., x the share of the segment's length. Empty: not.
     std::vector<double> more_stiffness{}, more_weight{}, more_rest_curvature{}, more_radius{};
 
@@ -84,6 +86,7 @@ struct TENDRIL_API Rod {
   double payload = 0.0;                      ///< mass |g| L^2 / EI0
   Vec2 tip_force{};                          ///< dead force, times L^2 / EI0
   std::vector<Load> loads{};                 ///< along the rod
+  bool guided = false;                       ///< it cannot leave its plane
 
   /// Whether gravity does anything: it has a direction, and the rod or the tip has mass.
   bool has_gravity() const;
@@ -93,6 +96,8 @@ struct TENDRIL_API Rod {
   bool has_dead_loads() const;
   /// All that pulls at it: its weight, what hangs on it, and dead forces.
   Vec2 whole_load() const;
+  /// Whether its torsion is known all along.
+  bool has_torsion() const;
   /// Whether it has a body around its backbone.
   bool is_thick() const;
   /// It is nowhere thicker than that.

@@ -43,6 +43,10 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
     s.weight = scale.to_dimensionless(spec.linear_density * g, per_length);
     s.radius = scale.to_dimensionless(0.5 * spec.thickness, dimension::length);
     s.rest_curvature = scale.to_dimensionless(spec.rest_curvature, dimension::curvature);
+    s.torsion = round_to_12_digits(spec.torsional_stiffness / spec.bending_stiffness);
+    if (spec.out_of_plane_stiffness > 0.0) {
+      s.across = round_to_12_digits(spec.out_of_plane_stiffness / spec.bending_stiffness);
+    }
     const auto along = [](const std::vector<double>& more, std::vector<double>& out, auto dimensionless) {
       for (const double c : more) out.push_back(dimensionless(c));
     };
@@ -57,6 +61,7 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
     from = s.to;
   }
   rod.segments.back().to = 1.0;
+  rod.guided = scene.guided_in_plane;
   for (const ActuatorSpec& spec : scene.rod.actuators) {
     Rod::Actuator a;
     a.from = scale.to_dimensionless(spec.from, dimension::length);

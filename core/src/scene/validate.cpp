@@ -49,6 +49,7 @@ void validate_trajectory(const Scene& scene) {
   }
 }
 
+<<<<<<< HEAD
 /// Beyond this a coefficient is no friction but glue, or a percentage.
 constexpr double largest_friction = 10.0;
 
@@ -78,6 +79,33 @@ void validate_friction(const Scene& scene) {
     throw SceneError(path, "friction is looked at for problem \"pose\" only, found \"" +
                                std::string(to_string(scene.problem)) +
                                "\", expected friction_state = \"none\" beside it");
+=======
+/// `path`: of the key.
+void validate_law(const ActuatorSpec& a, const std::string& path) {
+  require_finite(a.moment_per_pressure, path);
+  for (const double c : a.more_moment_per_pressure) require_finite(c, path);
+  if (a.kind == ActuatorKind::pressure && !a.knows_pressure()) {
+    throw SceneError(path.substr(0, path.rfind('.')), "an actuator of kind \"pressure\" has no 'moment_per_pressure'");
+  }
+  if (a.more_moment_per_pressure.empty()) return;
+  if (!std::isfinite(a.least_pressure) || !std::isfinite(a.most_pressure) || !(a.least_pressure < a.most_pressure)) {
+    throw SceneError(path,
+                     "a law of several coefficients holds between two pressures, expected limits of the pressure");
+  }
+  constexpr int samples = 200;
+  double last = a.moment_of(a.least_pressure);
+  double side = 0.0;
+  for (int i = 1; i <= samples; ++i) {
+    const double p = a.least_pressure + i * (a.most_pressure - a.least_pressure) / samples;
+    const double moment = a.moment_of(p);
+    if (side == 0.0) side = moment > last ? 1.0 : -1.0;
+    if (!(side * (moment - last) > 0.0)) {
+      throw SceneError(path,
+                       "the moment turns back at a pressure of " + shown(p) +
+                           " Pa, expected it to rise, or to fall, all the way between the limits of the pressure");
+    }
+    last = moment;
+>>>>>>> actuators
   }
 }
 
@@ -168,6 +196,13 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
     require_finite(s.rest_curvature, path + ".rest_curvature");
     for (const double c : s.more_rest_curvature) require_finite(c, path + ".rest_curvature");
     require_not_negative(s.thickness, path + ".thickness", "the thickness", "m");
+    require_not_negative(s.torsional_stiffness, path + ".torsional_stiffness", "the torsional stiffness", "N m^2");
+    require_not_negative(s.out_of_plane_stiffness, path + ".out_of_plane_stiffness", "the stiffness out of the plane",
+                         "N m^2");
+    if ((s.torsional_stiffness > 0.0) != (rod.segments.front().torsional_stiffness > 0.0)) {
+      throw SceneError(path + ".torsional_stiffness",
+                       "the torsional stiffness must be known of all segments or of none");
+    }
     require_along(s.bending_stiffness, s.more_bending_stiffness, true, path + ".bending_stiffness",
                   "the bending stiffness", "N m^2");
     require_along(s.linear_density, s.more_linear_density, false, path + ".linear_density", "the linear density",
@@ -201,10 +236,7 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
     if (a.minimum == infinity || a.maximum == -infinity) {
       throw SceneError(path + ".limit", "no moment is within the limits");
     }
-    require_finite(a.moment_per_pressure, path + ".moment_per_pressure");
-    if (a.kind == ActuatorKind::pressure && a.moment_per_pressure == 0.0) {
-      throw SceneError(path, "an actuator of kind \"pressure\" has no 'moment_per_pressure'");
-    }
+    validate_law(a, path + ".moment_per_pressure");
     validate_offset(a, path + ".offset", length);
   }
 }
