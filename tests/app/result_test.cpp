@@ -95,6 +95,26 @@ TEST(PlanJson, KeepsTheContract) {
   }
 }
 
+TEST(PlanJson, TellsTheMarginOutOfThePlaneWhereItIsKnown) {
+  Plan plan = simple_plan();
+  EXPECT_FALSE(json::parse(plan_json(simple_scene(), plan, {}))["certificate"].contains("out_of_plane"));
+  EXPECT_FALSE(contains_text(plan_report(simple_scene(), plan, {}), "out of plane"));
+  const auto row = [&] {
+    const std::string report = plan_report(simple_scene(), plan, {});
+    const std::size_t at = report.find("out of plane");
+    return report.substr(at, report.find('\n', at) - at);
+  };
+  plan.certificate.out_of_plane = -0.25;
+  EXPECT_EQ(json::parse(plan_json(simple_scene(), plan, {}))["certificate"]["out_of_plane"], -0.25);
+  EXPECT_TRUE(contains_text(row(), "FAILS")) << row();
+  plan.certificate.guided_in_plane = true;
+  EXPECT_TRUE(contains_text(row(), "-0.25")) << row();
+  EXPECT_TRUE(contains_text(row(), "(guided)")) << row();
+  plan.certificate.guided_in_plane = false;
+  plan.certificate.out_of_plane = 0.5;
+  EXPECT_TRUE(contains_text(row(), "ok")) << row();
+}
+
 TEST(PlanJson, SaysThatTimeEndedTheSearchBesideTheStatus) {
   Plan plan = simple_plan();
   EXPECT_FALSE(json::parse(plan_json(simple_scene(), plan, {})).contains("search_cut"));

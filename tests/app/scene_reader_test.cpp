@@ -184,6 +184,12 @@ TEST(SceneReader, TurnsLimitsOfPressuresIntoLimitsOfMoments) {
   EXPECT_DOUBLE_EQ(actuator("2e-6").maximum, 6e-2);
   EXPECT_DOUBLE_EQ(actuator("-2e-6").minimum, -6e-2);
   EXPECT_DOUBLE_EQ(actuator("-2e-6").maximum, -2e-3);
+  const ActuatorSpec law = actuator("[\"-2 N mm/kPa\", 0, \"-1 N mm/kPa^3\", 0]");
+  EXPECT_EQ(law.more_moment_per_pressure.size(), 2U);
+  EXPECT_DOUBLE_EQ(law.minimum, -(6e-2 + 27.0));
+  EXPECT_DOUBLE_EQ(law.maximum, -3e-3);
+  EXPECT_EQ(law.least_pressure, 1e3);
+  EXPECT_EQ(law.most_pressure, 3e4);
 }
 
 TEST(SceneReader, SettingsReachTheEntryThatTheyNumber) {
@@ -230,6 +236,10 @@ std::vector<WrongValue> wrong_values(const KeySpec& key) {
       return {{"[[\"1 K\", 0]]", 2}, {"[[0]]", 1}, {"[]"}};
     case KeyType::targets:
       return {{"[[\"1 K\", 0]]", 2}, {"{x = [\"1 K\"], y = [0]}", 6}, {"{x = [0]}"}, {"3"}};
+    case KeyType::law:
+      return {{"\"1 K\""}, {"true"}, {"[]"}, {"[1, \"1 K\"]", 4}, {"[1, 1, 1, 1, 1, 1]"}, {low}};
+    case KeyType::offsets:
+      return {{"\"1 K\""}, {"true"}, {"[1]"}, {"[1, \"1 K\"]", 4}, {"[[0, 1], [1]]", 9}, {low}};
     case KeyType::table:
     case KeyType::tables:
     case KeyType::options:
@@ -344,6 +354,23 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"\"pose\"", "\"study\"",
                  "s.toml:2:11: found problem = \"study\", which is not available in this version"},
         BadScene{"limit = \"2.5 N mm\"", "max_pressure = 1", "expected 'moment_per_pressure' beside it"},
+        BadScene{"limit = \"2.5 N mm\"", "moment_per_pressure = [1, 1]",
+                 "found a law of several coefficients, expected limits of the pressure"},
+        BadScene{"limit = \"2.5 N mm\"", "moment_per_pressure = [1, \"1 N m/Pa\"]\nmin_pressure = 0\nmax_pressure = 1",
+                 "N m/Pa^2"},
+        BadScene{"limit = \"2.5 N mm\"", "kind = \"tendn\"", "did you mean 'tendon'?"},
+        BadScene{"limit = \"2.5 N mm\"", "kind = \"tendon\"", "found a tendon without an 'offset'"},
+        BadScene{"limit = \"2.5 N mm\"", "offset = \"1 mm\"", "found an 'offset', expected kind = \"tendon\""},
+        BadScene{"limit = \"2.5 N mm\"", "kind = \"pressure\"", "without 'moment_per_pressure'"},
+        BadScene{"limit = \"2.5 N mm\"", "limit = \"1 N mm\"\nkind = \"tendon\"\noffset = 1e-3", "expected a force"},
+        BadScene{"limit = \"2.5 N mm\"", "kind = \"tendon\"\noffset = 1e-3\nmin = -1", "found a tension of -1 N"},
+        BadScene{"limit = \"2.5 N mm\"", "kind = \"tendon\"\noffset = [1e-3]", "two of them [at from, at to]"},
+        BadScene{"limit = \"2.5 N mm\"", "kind = \"tendon\"\noffset = [[0, 1e-3], [1]]",
+                 "expected a pair [arc length, offset]"},
+        BadScene{"limit = \"2.5 N mm\"", "kind = \"tendon\"\noffset = 1e-3\nmoment_per_pressure = 1",
+                 "found 'moment_per_pressure' of a tendon"},
+        BadScene{"limit = \"2.5 N mm\"", "kind = \"pressure\"\nmoment_per_pressure = 1\nmax_pressure = 1",
+                 "found a limit of the pressure beside 'kind'"},
         BadScene{"limit = \"2.5 N mm\"", "limit = 1\nmoment_per_pressure = 1\nmax_pressure = 1",
                  "found a limit of the pressure beside one of the moment"},
         BadScene{"[start]", "[gripper]\nhalf_palm = 1\nobject_diameter = 1\npalm_distance_range = [1]\n[start]",

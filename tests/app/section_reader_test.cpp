@@ -100,6 +100,52 @@ TEST(SectionReader, ATableOfDiametersIsRoundSections) {
               1e-15);
 }
 
+TEST(SectionReader, TorsionGoesAlongTheRodAsItsBendingStiffness) {
+  const Read unknown("[rod]\nlength = 0.1\nbending_stiffness = 3\n");
+  EXPECT_EQ(unknown.segment().torsional_stiffness, 0.0);
+  EXPECT_EQ(unknown.segment().out_of_plane_stiffness, 0.0);
+  EXPECT_FALSE(unknown.scene.guided_in_plane);
+  const Read round(
+      "guided_in_plane = true\n[rod]\nlength = 0.1\nyoungs_modulus = 1e6\ndiameter = [0.01, 0.005]\npoisson_ratio = "
+      "0.5\n");
+  EXPECT_NEAR(round.segment().torsional_stiffness, round.segment().bending_stiffness / 1.5, 1e-18);
+  EXPECT_TRUE(round.scene.guided_in_plane);
+  const Read table("[rod]\nfile = \"section.csv\"\ntorsional_stiffness = 1e-4\nout_of_plane_stiffness = 8e-4\n",
+                   "s,EI\n0,4e-4\n0.04,2e-4\n0.1,3e-4\n");
+  ASSERT_EQ(table.message, "");
+  EXPECT_NEAR(table.segment(0).torsional_stiffness, 1e-4, 1e-18);
+  EXPECT_NEAR(table.segment(1).torsional_stiffness, 5e-5, 1e-18);
+  EXPECT_NEAR(table.segment(1).out_of_plane_stiffness, 4e-4, 1e-18);
+}
+
+TEST(SectionReader, FingersHaveTheTorsionOfTheRodUnlessTheyAreMadeOfOtherStuff) {
+  const auto torsion = [](const std::string& finger) {
+    const Read r(
+        "problem = \"grasp\"\n[rod]\nlength = 0.1\nbending_stiffness = 3\ntorsional_stiffness = 2\n"
+        "[gripper]\nhalf_palm = 0.02\nobject_diameter = 0.02\n[[finger]]\n" +
+        finger + "[[finger]]\n");
+    EXPECT_EQ(r.message, "");
+    return r.scene.fingers.at(0).rod.segments.at(0).torsional_stiffness;
+  };
+  EXPECT_EQ(torsion(""), 2.0);
+  EXPECT_EQ(torsion("torsional_stiffness = 1\n"), 1.0);
+  EXPECT_EQ(torsion("poisson_ratio = 0\n"), 3.0);
+  EXPECT_EQ(torsion("bending_stiffness = 6\n"), 0.0);
+}
+
+TEST(SectionReader, AsksAboutATendonOutsideTheBody) {
+  const auto warnings = [](const std::string& offset) {
+    return Read(
+               "[rod]\nlength = 0.1\nyoungs_modulus = 1e6\ndiameter = [0.01, 0.004]\n[[rod.actuator]]\nkind = "
+               "\"tendon\"\noffset = " +
+               offset + '\n')
+        .scene.warnings;
+  };
+  EXPECT_TRUE(warnings("[0.005, -0.002]").empty());
+  ASSERT_EQ(warnings("-0.003").size(), 1U);
+  EXPECT_TRUE(contains_text(warnings("-0.003")[0], "7:10: found a tendon 0.003 m from the backbone at 0.1 m"));
+}
+
 TEST(SectionReader, LoadsActAtAPlaceOrAreSpread) {
   const Read r(
       "[rod]\nlength = 0.2\nbending_stiffness = 1e-3\n[[rod.load]]\nat = \"50 mm\"\nforce = [0, \"-1 N\"]\nmass = \"5 "
@@ -151,6 +197,15 @@ TEST(SectionReader, RefusesWhatMakesNoSection) {
       {file, "2:8: found bending_stiffness 0 in row 2 of the table, expected more than 0", "s,EI\n0,1\n0.1,0\n"},
       {file, "2:8: the table has no bending_stiffness", "s,diameter\n0,0.01\n0.1,0.005\n"},
       {file, "2:8: the table has fewer than two rows", "s,EI\n0,1\n"},
+      {plain + "poisson_ratio = 0.6\n", "4:17: found a Poisson's ratio of 0.6, expected one above -1 and at most 0.5"},
+      {plain + "poisson_ratio = -1\n", "4:17: found a Poisson's ratio of -1"},
+      {plain + "poisson_ratio = 0.3\ntorsional_stiffness = 1\n", "5:23: found 'torsional_stiffness' beside"},
+      {plain + "out_of_plane_stiffness = 1\n", "4:26: found 'out_of_plane_stiffness' alone, expected 'torsional"},
+      {"[[rod.segment]]\nlength = 0.1\nbending_stiffness = 1\npoisson_ratio = 0.5\n[[rod.segment]]\nlength = "
+       "0.1\nbending_stiffness = 1\n",
+       "5:1: the torsion of some segments is known and of others not"},
+      {"[rod]\npoisson_ratio = 0.3\n[[rod.segment]]\nlength = 0.1\nbending_stiffness = 1\n",
+       "2:17: found 'poisson_ratio' beside [[rod.segment]]"},
       {spread + "force = [0, 1]\n", "4:1: the load has no place, expected 'at' beside 'force' or 'mass'"},
       {spread + "at = 0.05\n", "5:6: found 'at' alone, expected 'force' or 'mass'"},
       {spread + "at = 0.2\nmass = 1\n", "5:6: found a load at 0.2 m, expected at most the rod's length, 0.1 m"},

@@ -71,6 +71,7 @@ struct Case {
   const char* shapes = "circles";
   bool palm = false;
   const char* rod = "uniform";
+  bool profiles = false;
 };
 
 std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name; }
@@ -83,7 +84,7 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
   }
 
   static support::SamplePose::Setup setup_of(const Case& c) {
-    return {c.model, c.split, c.tip_contact, c.interior_contacts, c.shapes, c.palm, c.rod};
+    return {c.model, c.split, c.tip_contact, c.interior_contacts, c.shapes, c.palm, c.rod, c.profiles};
   }
 
   Eigen::VectorXd random_point(std::mt19937& random) {
@@ -142,6 +143,15 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
     return false;
   }
 
+  /// Lets contacts push off their normals. False: none does, or not where a knot moves with each.
+  bool rub() {
+    if (!GetParam().split || program->layout().forces == 0) return false;
+    Loads loads = program->loads();
+    for (std::size_t o = 0; o < spec.obstacles.size(); ++o) loads.friction.push_back(o % 2 == 0 ? 0.7 : -0.4);
+    program->set_loads(loads);
+    return true;
+  }
+
   support::SamplePose sample;
   PoseProgramSpec spec;
   std::unique_ptr<PoseProgram> program;
@@ -150,11 +160,18 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
 TEST_P(PoseDerivatives, FirstDerivativesAgreeWithDifferences) {
   std::mt19937 random(7);
   for (int trial = 0; trial < 5; ++trial) expect_first_derivatives(*program, random_point(random));
+  if (!rub()) return;
+  for (int trial = 0; trial < 3; ++trial) expect_first_derivatives(*program, random_point(random));
 }
 
 TEST_P(PoseDerivatives, HessianOfTheLagrangianAgreesWithDifferencesOfItsGradient) {
   std::mt19937 random(11);
   for (int trial = 0; trial < 5; ++trial) {
+    const Eigen::VectorXd x = random_point(random);
+    expect_hessian(*program, x, random);
+  }
+  if (!rub()) return;
+  for (int trial = 0; trial < 3; ++trial) {
     const Eigen::VectorXd x = random_point(random);
     expect_hessian(*program, x, random);
   }
@@ -230,6 +247,21 @@ std::vector<Case> cases() {
     all.push_back({split ? "legendre6_split_palm" : "legendre6_palm", legendre(6), split, true, 2, "hulls", true});
     all.push_back(
         {split ? "pcc3_split_palm" : "pcc3_palm", std::make_shared<Linear>(3), split, true, 0, "circles", true});
+  }
+  // Moments that vary along the rod: knots that move carry their pieces along the profiles.
+  for (const bool split : {false, true}) {
+    const auto add = [&](const char* name, const char* split_name, std::shared_ptr<CoordinateModel> model,
+                         const char* rod = "uniform") {
+      for (const int contacts : {0, 1, 2}) {
+        all.push_back({split ? split_name : name, model, split, contacts == 2, contacts, "circles", false, rod, true});
+      }
+    };
+    add("pcc3_profiles", "pcc3_split_profiles", std::make_shared<Linear>(3));
+    add("legendre6_profiles", "legendre6_split_profiles", legendre(6));
+    add("legendre6_profiles", "legendre6_split_profiles", legendre(6), "varied");
+    add("legendre5x2_profiles", "legendre5x2_split_profiles", legendre(5, 2));
+    add("sines_profiles", "sines_split_profiles", std::make_shared<Sines>());
+    add("sines_profiles", "sines_split_profiles", std::make_shared<Sines>(), "varied");
   }
   for (const char* rod : {"tapered", "loaded", "thick", "varied"}) {
     for (const bool split : {false, true}) {

@@ -89,17 +89,15 @@ double potential(const SamplePose& sample, PoseProgram& program, const Eigen::Ve
           if (f.arc_length > s) beyond += f.force;
         }
         const double bent = curvature[g] - segment.rest_curvature_at(s).value;
-        energy +=
-            width * rule.weights()[g] *
-            (0.5 * segment.stiffness_at(s).value * bent * bent - dot(beyond, {std::cos(angle[g]), std::sin(angle[g])}));
+        double moment = 0.0;
+        for (int a = 0; a < static_cast<int>(rod.actuators.size()); ++a) {
+          const int variable = program.moment_variable(a);
+          if (variable >= 0) moment += x[variable] * rod.actuators[static_cast<std::size_t>(a)].at(s);
+        }
+        energy += width * rule.weights()[g] *
+                  (0.5 * segment.stiffness_at(s).value * bent * bent - moment * curvature[g] -
+                   dot(beyond, {std::cos(angle[g]), std::sin(angle[g])}));
       }
-    }
-    // An actuator turns the pieces between its ends.
-    for (int a = 0; a < static_cast<int>(rod.actuators.size()); ++a) {
-      const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
-      const double middle = begin + 0.5 * length;
-      if (program.moment_variable(a) < 0 || middle < actuator.from || middle > actuator.to) continue;
-      energy -= x[program.moment_variable(a)] * (backbone.knot_angle(j + 1) - backbone.knot_angle(j));
     }
   }
   return energy;
@@ -111,6 +109,7 @@ struct Case {
   int inside;
   bool palm;
   const char* rod = "uniform";
+  bool profiles = false;
 };
 
 const Case cases[] = {{"free", true, false, 0, false},
@@ -124,13 +123,16 @@ const Case cases[] = {{"free", true, false, 0, false},
                       {"loaded", true, false, 1, true, "loaded"},
                       {"loaded in pieces", false, true, 2, false, "loaded"},
                       {"thick", false, true, 2, false, "thick"},
-                      {"thick, tapered and loaded", true, true, 2, true, "varied"}};
+                      {"thick, tapered and loaded", true, true, 2, true, "varied"},
+                      {"profiles", true, true, 2, false, "uniform", true},
+                      {"profiles in pieces, tapered and loaded", false, true, 2, true, "varied", true}};
 
 // h_e = -dPi/dq + sum of f J^T n, by differences of the energy itself.
 TEST(PoseValues, EquilibriumRowsAreTheSlopesOfTheEnergy) {
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
-    SamplePose sample({std::make_shared<LegendreBasis>(5, 2), c.split, c.tip, c.inside, "circles", c.palm, c.rod});
+    SamplePose sample(
+        {std::make_shared<LegendreBasis>(5, 2), c.split, c.tip, c.inside, "circles", c.palm, c.rod, c.profiles});
     PoseProgram program(sample.spec);
     const Eigen::VectorXd x = sample_point(program);
     const PoseProgram::Layout& at = program.layout();

@@ -125,6 +125,25 @@ TEST(ExecuteSections, APointLoadBendsWhatIsBeforeIt) {
   EXPECT_NEAR(a.result.tip_y, b.result.tip_y + 0.4 * std::sin(b.result.tip_angle), 1e-9);
 }
 
+// A tendon in the skin of a tapered rod, which is bent by it alone: EI kappa = T h(s), h and the diameter fall alike.
+TEST(ExecuteSections, ATendonInTheSkinOfATaperBendsItMoreTowardsTheTip) {
+  const double a = 0.5;
+  const double offset = 0.1;
+  const double tension = 3.0;
+  ForwardScene s = tapered(a, 0.0);
+  ActuatorSpec& tendon = s.scene.rod.actuators[0];
+  tendon.kind = ActuatorKind::tendon;
+  tendon.minimum = 0.0;
+  tendon.offset = {{0.0, offset}, {1.0, (1.0 - a) * offset}};
+  const Execution e = s.run({tension * offset});
+  ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
+  // Integrals of h / EI and of h^2 / EI, which go with (1 - a s)^-3 and (1 - a s)^-2.
+  const double end = 1.0 - a;
+  EXPECT_NEAR(e.result.tip_angle, tension * offset * (1.0 / (end * end) - 1.0) / (2.0 * a), 1e-9);
+  EXPECT_NEAR(e.result.turns[0] * offset, tension * offset * offset * (1.0 / end - 1.0) / a, 1e-9);
+  EXPECT_LT(e.result.certificate.moment_balance, 1e-8);
+}
+
 /// The braced arm in units of L and EI, around a rod with a body.
 ForwardScene braced(double obstacle_radius) {
   ForwardScene s;

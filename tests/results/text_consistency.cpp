@@ -137,6 +137,9 @@ void add_certificate(const Json& certificate, Lines& expected) {
     const double margin = certificate.at("stability").get<double>();
     expected.push_back(joined({"stability", format("%.3g", margin), "> 1e-06", margin > 1e-6 ? "ok" : "FAILS"}));
   }
+  if (certificate.contains("out_of_plane")) {
+    expected.push_back(joined({"out of plane", format("%.3g", certificate.at("out_of_plane").get<double>())}));
+  }
   for (const Json& failure : certificate.at("failures")) expected.push_back(failure.get<std::string>());
 }
 

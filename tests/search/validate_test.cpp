@@ -18,6 +18,13 @@ struct Wrong {
   std::function<void(Scene& scene)> change;
 };
 
+void make_tendon(Scene& made, std::vector<OffsetPoint> offset) {
+  ActuatorSpec& actuator = made.rod.actuators[0];
+  actuator.kind = ActuatorKind::tendon;
+  actuator.offset = std::move(offset);
+  actuator.minimum = 0.0;
+}
+
 TEST(SearchValidate, WhatMakesNoSenseIsRefusedByItsKey) {
   const double nan = std::nan("");
   const std::vector<Wrong> all{
@@ -30,6 +37,43 @@ TEST(SearchValidate, WhatMakesNoSenseIsRefusedByItsKey) {
       {"brace", "rod.actuator[0].to", [](Scene& s) { s.rod.actuators[0].to = 0.1 * (1.0 + 2e-9); }},
       {"brace", "rod.actuator[0].to", [](Scene& s) { s.rod.actuators[0].from = s.rod.actuators[0].to = 0.05; }},
       {"brace", "rod.actuator[0].min", [](Scene& s) { s.rod.actuators[0].minimum = 1.0; }},
+      {"brace", "rod.actuator[0]", [](Scene& s) { s.rod.actuators[0].kind = ActuatorKind::pressure; }},
+      {"brace", "rod.actuator[0].moment_per_pressure",
+       [](Scene& s) { s.rod.actuators[0].more_moment_per_pressure = {1e-9}; }},
+      {"brace", "rod.actuator[0].moment_per_pressure",
+       [](Scene& s) {
+         ActuatorSpec& a = s.rod.actuators[0];
+         a.moment_per_pressure = 1e-6;
+         a.more_moment_per_pressure = {-1e-11};
+         a.least_pressure = 0.0;
+         a.most_pressure = 6e4;
+       }},
+      {"brace", "rod.actuator[0].offset", [](Scene& s) { make_tendon(s, {}); }},
+      {"brace", "rod.actuator[0].offset",
+       [](Scene& s) {
+         make_tendon(s, {{0.0, 0.0}, {0.1, 0.0}});
+       }},
+      {"brace", "rod.actuator[0].offset",
+       [](Scene& s) {
+         make_tendon(s, {{0.0, 1e-3}, {0.09, 1e-3}});
+       }},
+      {"brace", "rod.actuator[0].offset",
+       [](Scene& s) {
+         make_tendon(s, {{0.01, 1e-3}, {0.1, 1e-3}});
+       }},
+      {"brace", "rod.actuator[0].offset",
+       [](Scene& s) {
+         make_tendon(s, {{0.0, 1e-3}, {0.06, 1e-3}, {0.05, 1e-3}, {0.1, 1e-3}});
+       }},
+      {"brace", "rod.actuator[0].offset",
+       [](Scene& s) {
+         s.rod.actuators[0].offset = {{0.0, 1e-3}};
+       }},
+      {"brace", "rod.actuator[0].min",
+       [](Scene& s) {
+         make_tendon(s, {{0.0, 1e-3}});
+         s.rod.actuators[0].minimum = -1e-3;
+       }},
       {"brace", "rod.actuator[0].limit",
        [](Scene& s) { s.rod.actuators[0].minimum = s.rod.actuators[0].maximum = infinity; }},
       {"brace", "rod.actuator[0].limit",

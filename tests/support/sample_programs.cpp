@@ -52,6 +52,10 @@ SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
     rod.segments[1].more_radius = {0.02, -0.035};
   }
   rod.actuators = {{0.0, 1.0, -3.0, 3.0}, {0.45, 1.0, -2.0, 2.0}, {0.0, 0.45, 0.0, 0.0}};
+  if (setup.profiles) {
+    rod.actuators[0].profile = {{0.0, 0.45, {1.0, -0.7, 0.4}}, {0.45, 1.0, {0.8, 0.9, -1.7, 1.1}}};
+    rod.actuators[1].profile = {{0.45, 1.0, {0.6, 0.5}}};
+  }
   rod.gravity = {0.28, -0.96};
   rod.payload = 0.4;
   rod.tip_force = {0.3, -0.2};

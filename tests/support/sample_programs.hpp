@@ -60,6 +60,7 @@ struct SamplePose {
     std::string shapes = "circles";  ///< of obstacles: "circles", "walls" or "hulls"
     bool palm = false;               ///< the base moves against one more obstacle
     std::string rod = "uniform";     ///< "uniform" by segments, "tapered", "loaded", "thick", or "varied": all of these
+    bool profiles = false;           ///< moments of actuators vary along the rod
   };
   explicit SamplePose(const Setup& setup);
   SamplePose(const SamplePose&) = delete;

@@ -140,9 +140,9 @@ TEST(Chain, HasPiecesWithThePropertiesOfTheirStretch) {
     EXPECT_EQ(chain.piece(j).stiffness, first ? 1.0 : 0.5);
     EXPECT_EQ(chain.piece(j).weight, first ? 2.0 : 1.0);
     EXPECT_EQ(chain.piece(j).rest_curvature, first ? 0.3 : -0.2);
-    EXPECT_TRUE(chain.actuated(0, j));
-    EXPECT_EQ(chain.actuated(1, j), !first);
-    EXPECT_EQ(chain.actuated(2, j), first);
+    EXPECT_EQ(chain.level(0, j), 1.0);
+    EXPECT_EQ(chain.level(1, j), first ? 0.0 : 1.0);
+    EXPECT_EQ(chain.level(2, j), first ? 1.0 : 0.0);
   }
   EXPECT_EQ(chain.piece_before_knot(0), 1);
   EXPECT_EQ(chain.piece_before_knot(1), 5);

@@ -122,6 +122,36 @@ TEST(Rod, IsCutWhereSegmentsAndActuatorsEnd) {
   EXPECT_EQ(rod.fixed_knots(), (std::vector<double>{0.0, 0.4, 1.0}));
 }
 
+TEST(Rod, IsCutWherePartsOfProfilesAndLoadsEnd) {
+  Rod rod;
+  rod.actuators = {{0.1, 0.9}};
+  rod.actuators[0].profile = {{0.1, 0.5, {1.0, -1.0}}, {0.5, 0.9, {0.6}}};
+  rod.loads = {{0.7, 0.7}, {0.2, 1.0}};
+  EXPECT_EQ(rod.fixed_knots(), (std::vector<double>{0.0, 0.1, 0.2, 0.5, 0.7, 0.9, 1.0}));
+}
+
+// int p ds / EI with EI = 1 + s by hand; it needs no knots of the one at ends of the other.
+TEST(Rod, AUnitOfAProfileTurnsSegmentsByWhatTheirStiffnessLetsIt) {
+  Rod rod;
+  rod.segments = {{0.0, 0.4, 1.0}, {0.4, 1.0, 1.4}};
+  rod.segments[0].more_stiffness = {0.4};
+  rod.segments[1].more_stiffness = {0.6};
+  const auto turn = [&](const Rod::Actuator& a) {
+    return a.compliance(rod.segments[0]) + a.compliance(rod.segments[1]);
+  };
+  Rod::Actuator actuator;
+  EXPECT_NEAR(turn(actuator), std::log(2.0), 1e-14);
+  actuator.profile = {{0.0, 1.0, {0.0, 1.0}}};
+  EXPECT_NEAR(turn(actuator), 1.0 - std::log(2.0), 1e-14);
+  actuator.from = 0.2;
+  actuator.to = 0.9;
+  actuator.profile = {{0.2, 0.7, {1.2, 1.0}}, {0.7, 0.9, {-3.4, -2.0}}};
+  EXPECT_NEAR(turn(actuator), 0.5 - 2.0 * 0.2, 1e-14);
+  rod.segments = {{0.0, 0.4, 1.0}, {0.4, 1.0, 0.5}};
+  // int p ds from 0.2 to 0.4, from 0.4 to 0.7 and on.
+  EXPECT_NEAR(turn(actuator), 0.26 + 2.0 * (0.465 - 0.72), 1e-14);
+}
+
 TEST(Rod, AtAJointTheLaterSegmentHolds) {
   Rod rod;
   rod.segments = {{0.0, 0.4, 1.0, 0.0, 0.0}, {0.4, 1.0, 2.0, 0.0, 0.0}};

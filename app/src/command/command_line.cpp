@@ -241,9 +241,12 @@ Command execute_command(CLI::App& app) {
     for (CLI::Option* other : given) option->excludes(other);
     given.push_back(option);
   };
-  inputs(files::InputKind::moments, "\"M, ...\"", "One per actuator, in N m or with units");
+  inputs(files::InputKind::moments, "\"M, ...\"",
+         "One per actuator, in N m or with units; lists between ';' are way points");
   inputs(files::InputKind::pressures, "\"P, ...\"", "One per actuator, in Pa or with units");
-  inputs(files::InputKind::each, "\"V, ...\"", "One per actuator: a pressure where the scene has moment_per_pressure");
+  inputs(files::InputKind::each, "\"V, ...\"",
+         "One per actuator, in the unit of its kind: a moment, a pressure where the scene has moment_per_pressure, a "
+         "tension");
   return {execute, [execute, parsed] {
             const ResultOptions& result = parsed->result;
             result.check(*execute);

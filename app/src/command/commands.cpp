@@ -74,6 +74,8 @@ int run_execute(const ExecuteArguments& arguments) {
   if (arguments.plan) {
     const files::ResultText earlier{read_input(*arguments.plan, "plan"), arguments.plan->string()};
     executed = execute_result(session, earlier, start);
+  } else if (are_way_points(arguments.inputs)) {
+    executed = session.execute(way_points_of(arguments.inputs, session), start);
   } else {
     executed = session.execute(moments_of(arguments.inputs, session), start);
   }

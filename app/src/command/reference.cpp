@@ -61,6 +61,10 @@ std::string value_of(const KeySpec& key) {
       return "list of points" + unit_of(key);
     case KeyType::targets:
       return "list of [x, y], or {x = [...], y = [...]}" + unit_of(key);
+    case KeyType::law:
+      return "number, or [of the pressure, of its square, ...]" + unit_of(key);
+    case KeyType::offsets:
+      return "number, [number, number], or [[s, number], ...]" + unit_of(key);
     case KeyType::table:
     case KeyType::tables:
     case KeyType::options:

@@ -13,8 +13,8 @@
 namespace tendril::app {
 
 std::vector<ShownFinger> fingers_of(const Scene& scene, const Plan& plan) {
-  const FingerPlan first{plan.coordinates, plan.moments, plan.contacts,  plan.backbone,
-                         plan.tip_x,       plan.tip_y,   plan.tip_angle, plan.self_overlap};
+  const FingerPlan first{plan.coordinates, plan.moments,   plan.contacts,     plan.backbone, plan.tip_x,
+                         plan.tip_y,       plan.tip_angle, plan.self_overlap, plan.turns};
   if (!plan.grasp || !plan.grasp->lower) {
     return {{"", plans_both_fingers(scene) ? finger_of(scene, FingerName::upper).rod : scene.rod, first}};
   }
@@ -51,9 +51,9 @@ std::vector<ShownActuator> shown_actuators(const Scene& scene, const Plan& plan)
       const double close = tolerance::bounds * (scale_of(scene).moment() + std::abs(moments[a]));
       const double over = excess(actuator, moments[a]);
       const char* where = over > close ? "beyond its limit" : over >= -close ? "at its limit" : "inside";
-      all.push_back(
-          {finger.name, a + 1, where, moments[a], actuator.minimum, actuator.maximum, actuator.moment_per_pressure});
-      if (const double per = actuator.moment_per_pressure; per != 0.0) all.back().pressure = moments[a] / per + 0.0;
+      all.push_back({finger.name, a + 1, where, moments[a], actuator.minimum, actuator.maximum, actuator});
+      const std::vector<double>& turns = finger.state.turns;
+      if (a < turns.size()) all.back().shortening = turns[a] * actuator.largest_offset() + 0.0;
     }
   }
   return all;
@@ -61,7 +61,9 @@ std::vector<ShownActuator> shown_actuators(const Scene& scene, const Plan& plan)
 
 std::vector<std::optional<double>> pressures_of(const Scene& scene, const Plan& plan) {
   std::vector<std::optional<double>> pressures;
-  for (const ShownActuator& a : shown_actuators(scene, plan)) pressures.push_back(a.pressure);
+  for (const ShownActuator& a : shown_actuators(scene, plan)) {
+    pressures.push_back(a.is(ActuatorKind::pressure) ? std::optional(a.input()) : std::nullopt);
+  }
   return pressures;
 }
 
@@ -81,16 +83,21 @@ void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
   Json inputs = Json::array();
   bool any = false;
   for (const ShownActuator& a : shown_actuators(scene, plan)) {
-    Json input{{"kind", a.pressure ? "pressure" : "moment"},
-               {"value", number(a.pressure.value_or(a.moment))},
-               {"unit", a.pressure ? "Pa" : "N m"},
+    const bool pressure = a.is(ActuatorKind::pressure);
+    Json input{{"kind", to_string(a.spec.input())},
+               {"value", number(a.input())},
+               {"unit", a.spec.input_dimension().unit},
                {"moment", number(a.moment)},
                {"where", a.where}};
-    if (a.pressure) input["pressure"] = number(*a.pressure);
+    if (pressure) input["pressure"] = number(a.input());
+    if (a.is(ActuatorKind::tendon)) {
+      input["tension"] = number(a.input());
+      input["shortening"] = number(a.shortening);
+    }
     if (!a.finger.empty()) input["finger"] = a.finger;
     inputs.push_back(std::move(input));
-    pressures.push_back(a.pressure ? number(*a.pressure) : Json(nullptr));
-    any = any || a.pressure;
+    pressures.push_back(pressure ? number(a.input()) : Json(nullptr));
+    any = any || pressure;
   }
   json["inputs"] = std::move(inputs);
   if (any || plan.grasp) json["pressures"] = std::move(pressures);

@@ -33,8 +33,13 @@ struct ShownActuator {
   std::size_t number = 0;  ///< of its rod, from 1
   const char* where = "";  ///< "inside", "at its limit", "beyond its limit", by the tolerance of the certificate
   double moment = 0.0, lowest = 0.0, highest = 0.0;  ///< N m
-  double per_pressure = 0.0;                         ///< N m / Pa; 0: not known
-  std::optional<double> pressure{};                  ///< Pa, if it is known what moment a pressure gives
+  ActuatorSpec spec{};
+  double shortening = 0.0;  ///< m, of a tendon
+
+  /// What it is told under a moment.
+  double input_of(double m) const { return spec.input_of(m) + 0.0; }
+  double input() const { return input_of(moment); }
+  bool is(ActuatorKind kind) const { return spec.input() == kind; }
 };
 std::vector<ShownActuator> shown_actuators(const Scene& scene, const Plan& plan);
 

@@ -48,25 +48,32 @@ std::string verification_text(const Plan& plan) {
 
 std::string moments_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
   const std::vector<ShownActuator> actuators = shown_actuators(scene, plan);
-  if (actuators.empty()) return "";
-  const auto table = [&](const char* head, const auto& shown, const auto& size) {
+  const auto table = [&](const char* head, const auto& is_in, const auto& shown, bool told) {
     Grid grid;
     for (const ShownActuator& a : actuators) {
-      const double unit = size(a);
-      if (unit == 0.0) continue;
-      if (grid.empty()) grid.row({head, "value", "from", "to", "where"});
-      const auto limit = [&](double v) { return std::isfinite(v) ? shown(v + 0.0) : std::string("no limit"); };
-      const auto [from, to] = std::minmax({a.lowest / unit, a.highest / unit});
-      grid.row({(a.finger.empty() ? "" : a.finger + " ") + std::to_string(a.number), shown(a.moment / unit + 0.0),
-                limit(from), limit(to), a.where});
+      if (!is_in(a)) continue;
+      const bool tendon = a.is(ActuatorKind::tendon);
+      std::vector<std::string> heads{head, "value", "from", "to", "where"};
+      if (tendon) heads.emplace_back("shortening");
+      if (grid.empty()) grid.row(std::move(heads));
+      const auto value = [&](double moment) { return told ? a.input_of(moment) : moment + 0.0; };
+      const auto limit = [&](double v) { return std::isfinite(v) ? shown(v) : std::string("no limit"); };
+      const auto [from, to] = std::minmax({value(a.lowest), value(a.highest)});
+      std::vector<std::string> cells{(a.finger.empty() ? "" : a.finger + " ") + std::to_string(a.number),
+                                     shown(value(a.moment)), limit(from), limit(to), a.where};
+      if (tendon) cells.push_back(units.lengths(a.shortening));
+      grid.row(std::move(cells));
     }
     return grid.empty() ? std::string() : '\n' + grid.text("");
   };
+  const auto of = [](ActuatorKind kind) { return [kind](const ShownActuator& a) { return a.is(kind); }; };
   return table(
-             "moment", [&](double v) { return units.moment(v); }, [](const ShownActuator&) { return 1.0; }) +
+             "moment", [](const ShownActuator& a) { return !a.is(ActuatorKind::tendon); },
+             [&](double v) { return units.moment(v); }, false) +
          table(
-             "pressure", [&](double v) { return units.pressure(v); },
-             [](const ShownActuator& a) { return a.per_pressure; });
+             "pressure", of(ActuatorKind::pressure), [&](double v) { return units.pressure(v); }, true) +
+         table(
+             "tension", of(ActuatorKind::tendon), [](double v) { return force(v); }, true);
 }
 
 /// Contacts in a row that stand for the stretch along which the rod lies on one obstacle are one line: from where to
@@ -112,6 +119,38 @@ std::string contacts_text(const Scene& scene, const Plan& plan, const DisplayUni
   return (grid.empty() ? "" : '\n' + grid.text("")) + (left.empty() ? "" : '\n' + line("not touched", left));
 }
 
+/// What friction can do to the plan, whatever its state: intervals over all states that were followed.
+std::string friction_text(const Plan& plan, const DisplayUnits& units) {
+  if (plan.friction.empty()) return "";
+  const auto interval = [&](const auto& value, const auto& text) {
+    const auto [low, high] = std::minmax_element(plan.friction.begin(), plan.friction.end(),
+                                                 [&](const auto& a, const auto& b) { return value(a) < value(b); });
+    return text(value(*low)) + " to " + text(value(*high));
+  };
+  const auto length = [&](double v) { return units.lengths(v); };
+  const auto x = [](const FrictionRange& r) { return r.tip_x; };
+  const auto y = [](const FrictionRange& r) { return r.tip_y; };
+  const auto turn = [](const FrictionRange& r) { return r.tip_angle; };
+  const auto margin = [](const FrictionRange& r) { return r.stability; };
+  const auto pure = [](double v) { return shown(v, 3); };
+  std::string text = "\nwhatever friction does, at these inputs\n";
+  text += line("tip x", interval(x, length)) + line("tip y", interval(y, length));
+  text += line("tip angle", interval(turn, [](double v) { return angle(v); }));
+  if (plan.friction.front().target_error) {
+    text += line("target error", interval([](const FrictionRange& r) { return r.target_error.value_or(0.0); }, length));
+  }
+  for (const PlannedContact& contact : plan.friction.front().contacts) {
+    const auto pressed = [&](const FrictionRange& r) {
+      const auto same = std::find_if(r.contacts.begin(), r.contacts.end(),
+                                     [&](const PlannedContact& c) { return c.obstacle == contact.obstacle; });
+      return same == r.contacts.end() ? 0.0 : same->force;
+    };
+    text +=
+        line("force", printable(contact.obstacle_name) + ": " + interval(pressed, [](double v) { return force(v); }));
+  }
+  return text + line("stability", interval(margin, pure));
+}
+
 /// The model lets a rod pass through itself; what cannot be made has to be said.
 std::string overlap_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
   std::string text;
@@ -151,6 +190,12 @@ std::string certificate_text(const Certificate& certificate) {
   grid.row({"  kind", certificate.stationarity_kind, "S", certificate.stationarity_kind == "S" ? "ok" : "FAILS"});
   entry("stability", certificate.stability, fmt::format("> {:g}", tolerance::stability),
         certificate.stability > tolerance::stability);
+  if (certificate.out_of_plane && certificate.guided_in_plane) {
+    grid.row({"out of plane", fmt::format("{:.3g}", *certificate.out_of_plane), "(guided)", ""});
+  } else if (certificate.out_of_plane) {
+    entry("out of plane", *certificate.out_of_plane, fmt::format(">= {:g}", -tolerance::out_of_plane),
+          *certificate.out_of_plane >= -tolerance::out_of_plane);
+  }
   const auto information = [&](const char* name, double value, const char* what) {
     if (std::isfinite(value)) grid.row({name, fmt::format("{:.3g}", value), what, ""});
   };
@@ -217,6 +262,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
   // Without a shape there is nothing to tell of it.
   const bool has_shape = !plan.backbone.empty();
   if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);
+  text += friction_text(plan, units);
   text += verification_text(plan);
   text += line("coordinates", fmt::format("{}, order {}, {} values{}", plan.coordinates_name, plan.order,
                                           plan.coordinates.size(), plan.split_at_contact ? ", split at contact" : ""));

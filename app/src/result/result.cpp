@@ -20,19 +20,21 @@ namespace tendril::app {
 namespace {
 
 Json certificate_json(const Certificate& certificate) {
-  return {{"equilibrium", number(certificate.equilibrium)},
-          {"penetration", number(certificate.penetration)},
-          {"complementarity", number(certificate.complementarity)},
-          {"closest_point", number(certificate.closest_point)},
-          {"force_balance", number(certificate.balance)},
-          {"stationarity", number(certificate.stationarity)},
-          {"stationarity_kind", certificate.stationarity_kind},
-          {"bounds", number(certificate.bounds)},
-          {"stability", number(certificate.stability)},
-          {"moment_balance", number(certificate.moment_balance)},
-          {"contact_convexity", number(certificate.contact_convexity)},
-          {"quadrature", number(certificate.quadrature)},
-          {"failures", certificate.failures}};
+  Json json{{"equilibrium", number(certificate.equilibrium)},
+            {"penetration", number(certificate.penetration)},
+            {"complementarity", number(certificate.complementarity)},
+            {"closest_point", number(certificate.closest_point)},
+            {"force_balance", number(certificate.balance)},
+            {"stationarity", number(certificate.stationarity)},
+            {"stationarity_kind", certificate.stationarity_kind},
+            {"bounds", number(certificate.bounds)},
+            {"stability", number(certificate.stability)},
+            {"moment_balance", number(certificate.moment_balance)},
+            {"contact_convexity", number(certificate.contact_convexity)},
+            {"quadrature", number(certificate.quadrature)},
+            {"failures", certificate.failures}};
+  if (certificate.out_of_plane) json["out_of_plane"] = number(*certificate.out_of_plane);
+  return json;
 }
 
 Json solver_json(const Plan& plan) {
@@ -129,7 +131,24 @@ Json contacts_json(const std::vector<PlannedContact>& contacts, const std::strin
                      {"force", number(contact.force)},
                      {"gap", number(contact.gap)}});
     if (!finger.empty()) array.back()["finger"] = finger;
+    if (contact.tangential != 0.0) {
+      array.back()["tangential_force"] = number(contact.tangential);
+      array.back()["state"] = "slip";
+    }
     if (contact.extended) array.back()["extended"] = true;
+  }
+  return array;
+}
+
+Json friction_json(const std::vector<FrictionRange>& states) {
+  Json array = Json::array();
+  for (const FrictionRange& state : states) {
+    array.push_back(
+        {{"ratios", numbers(state.ratios)},
+         {"tip", {{"x", number(state.tip_x)}, {"y", number(state.tip_y)}, {"angle", number(state.tip_angle)}}},
+         {"contacts", contacts_json(state.contacts)},
+         {"stability", number(state.stability)}});
+    if (state.target_error) array.back()["target_error"] = number(*state.target_error);
   }
   return array;
 }
@@ -207,6 +226,7 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   }
   add_grasp(json, scene, plan);
   json["certificate"] = certificate_json(plan.certificate);
+  if (!plan.friction.empty()) json["friction_range"] = friction_json(plan.friction);
   if (!plan.verification.empty()) {
     json["model_error"] = plan.model_error ? number(*plan.model_error) : Json(nullptr);
     json["local_model_error"] = plan.local_model_error ? number(*plan.local_model_error) : Json(nullptr);

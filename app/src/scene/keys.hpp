@@ -37,6 +37,7 @@ template <class Target>
 struct Key {
   KeySpec spec;
   std::function<void(const Context&, const Node&, Target&)> read;
+  bool first = false;  ///< read before the others of its table, which depend on it
 };
 
 /// The keys that a table may have.
@@ -87,12 +88,14 @@ void read_table(const Context& context, const Node& node, const std::string& nam
                                                                     : key.spec.description));
     }
   }
-  for (const Node::Entry& entry : *entries) {
-    const auto key = key_of(entry.key);
-    if (key == table.keys.end()) {
-      table.option(target, entry.key, to_raw_value(context.document, entry.node));
-    } else {
-      key->read(context, entry.node, target);
+  for (const bool first : {true, false}) {
+    for (const Node::Entry& entry : *entries) {
+      const auto key = key_of(entry.key);
+      if (key != table.keys.end()) {
+        if (key->first == first) key->read(context, entry.node, target);
+      } else if (!first) {
+        table.option(target, entry.key, to_raw_value(context.document, entry.node));
+      }
     }
   }
 }

@@ -1,31 +1,10 @@
 #include "scene/rod_reader.hpp"
 
+#include <cmath>
+
 namespace tendril::app {
 
 namespace {
-
-Table<ActuatorDraft> actuator_table() {
-  using T = ActuatorDraft;
-  return {
-      {quantity<T>("from", dimension::length, not_negative, "0", "Arc length at which the actuator begins.",
-                   [](T& t, double v) { t.from = v; }),
-       quantity<T>("to", dimension::length, not_negative, "the rod's length", "Arc length at which the actuator ends.",
-                   [](T& t, double v) { t.to = v; }),
-       quantity<T>("limit", dimension::moment, not_negative, "no limit",
-                   "Largest moment in either direction; instead of min and max. 0 removes the actuator.",
-                   [](T& t, double v) { t.limit = v; }),
-       quantity<T>("min", dimension::moment, any, "no limit", "Smallest moment (positive moments bend to the left).",
-                   [](T& t, double v) { t.minimum = v; }),
-       quantity<T>("max", dimension::moment, any, "no limit", "Largest moment.", [](T& t, double v) { t.maximum = v; }),
-       quantity<T>("moment_per_pressure", dimension::moment_per_pressure, any, "",
-                   "Moment that a unit of pressure gives; negative if pressure bends to the right.",
-                   [](T& t, double v) { t.moment_per_pressure = v; }),
-       quantity<T>("min_pressure", dimension::pressure, any, "no limit",
-                   "Smallest pressure; with moment_per_pressure, instead of limits of the moment.",
-                   [](T& t, double v) { t.smallest_pressure = v; }),
-       quantity<T>("max_pressure", dimension::pressure, any, "no limit", "Largest pressure.",
-                   [](T& t, double v) { t.largest_pressure = v; })}};
-}
 
 /// What a rod is made of, in the table at `path`. `unstated`: where values come from that are not given; empty:
 /// defaults.
@@ -37,7 +16,7 @@ std::vector<Key<T>> rod_keys(const std::string& path, const std::string& unstate
             "segment", path + ".segment", "A rod of several segments, from the base on; instead of the uniform values.",
             Table<SectionDraft>{section_keys<SectionDraft>("")}, [](T & t) -> auto& { return t.segments; }),
         tables<T>(
-            "actuator", path + ".actuator", "A moment between two arc lengths.", actuator_table(),
+            "actuator", path + ".actuator", "What bends the rod between two arc lengths.", actuator_table(),
             [](T & t) -> auto& { return t.actuators; }),
         tables<T>(
             "load", path + ".load", "A dead load at one place along the rod, or spread along it.", load_table(),
@@ -45,48 +24,6 @@ std::vector<Key<T>> rod_keys(const std::string& path, const std::string& unstate
     keys.push_back(std::move(list));
   }
   return keys;
-}
-
-/// `path`: of its keys. `length`: of the rod.
-ActuatorSpec finish_actuator(const Document& document, const std::string& path, const ActuatorDraft& actuator,
-                             double length) {
-  if (actuator.limit && (actuator.minimum || actuator.maximum)) {
-    document.fail(document.find(path + "limit"),
-                  "found 'limit' beside 'min' or 'max', expected either limit or min and max");
-  }
-  ActuatorSpec spec;
-  spec.from = actuator.from.value_or(0.0);
-  spec.to = actuator.to.value_or(length);
-  spec.moment_per_pressure = actuator.moment_per_pressure;
-  if (actuator.limit) {
-    spec.minimum = -*actuator.limit;
-    spec.maximum = *actuator.limit;
-  }
-  if (actuator.smallest_pressure || actuator.largest_pressure) {
-    const std::string key = path + (actuator.smallest_pressure ? "min_pressure" : "max_pressure");
-    if (actuator.limit || actuator.minimum || actuator.maximum) {
-      document.fail(document.find(key), "found a limit of the pressure beside one of the moment, expected one of them");
-    }
-    if (actuator.moment_per_pressure == 0.0) {
-      document.fail(document.find(key), "found a limit of the pressure, expected 'moment_per_pressure' beside it");
-    }
-    const double low = actuator.smallest_pressure.value_or(-infinity) * actuator.moment_per_pressure;
-    const double high = actuator.largest_pressure.value_or(infinity) * actuator.moment_per_pressure;
-    spec.minimum = actuator.moment_per_pressure > 0.0 ? low : high;
-    spec.maximum = actuator.moment_per_pressure > 0.0 ? high : low;
-    if (spec.minimum > spec.maximum) document.fail(document.find(key), "found min_pressure above max_pressure");
-  }
-  if (actuator.minimum) spec.minimum = *actuator.minimum;
-  if (actuator.maximum) spec.maximum = *actuator.maximum;
-  if (spec.minimum > spec.maximum) {
-    document.fail(document.find(path + "min"),
-                  fmt::format("found min {} N m above max {} N m, expected min <= max", spec.minimum, spec.maximum));
-  }
-  if (spec.from >= spec.to) {
-    document.fail(document.find(path + (actuator.from ? "from" : "to")),
-                  fmt::format("found an actuator from {} m to {} m, expected from < to", spec.from, spec.to));
-  }
-  return spec;
 }
 
 /// What a finger does not state is taken from `rod`.
@@ -97,8 +34,9 @@ RodDraft with_inherited(const RodDraft& rod, const RodDraft& finger) {
   };
   const bool numbers = finger.bending_stiffness || finger.linear_density || finger.thickness;
   const bool round = finger.youngs_modulus || finger.density || finger.diameter || finger.inner_diameter;
+  const bool twist = finger.poisson_ratio || finger.torsional_stiffness || finger.out_of_plane_stiffness;
   const bool any = numbers || round || finger.file || finger.length || finger.rest_curvature;
-  if (finger.segments.empty() && !any) whole.segments = rod.segments;
+  if (finger.segments.empty() && !any && !twist) whole.segments = rod.segments;
   if (whole.segments.empty()) {
     // Values that say the same thing in another way are no part of what this finger is made of.
     if (!finger.file) inherit(whole.length, rod.length);
@@ -115,10 +53,47 @@ RodDraft with_inherited(const RodDraft& rod, const RodDraft& finger) {
       inherit(whole.inner_diameter, rod.inner_diameter);
     }
     if (!any) inherit(whole.file, rod.file);
+    if (!finger.torsional_stiffness) inherit(whole.poisson_ratio, rod.poisson_ratio);
+    if (!numbers && !round && !finger.file) {
+      if (!finger.poisson_ratio) inherit(whole.torsional_stiffness, rod.torsional_stiffness);
+      inherit(whole.out_of_plane_stiffness, rod.out_of_plane_stiffness);
+    }
   }
   if (finger.actuators.empty()) whole.actuators = rod.actuators;
   if (finger.loads.empty()) whole.loads = rod.loads;
   return whole;
+}
+
+double offset_at(const std::vector<OffsetPoint>& offset, double s) {
+  std::size_t i = 1;
+  while (i + 1 < offset.size() && offset[i].arc_length < s) ++i;
+  if (offset.size() == 1) return offset.front().offset;
+  const OffsetPoint& a = offset[i - 1];
+  const OffsetPoint& b = offset[i];
+  return a.offset + (s - a.arc_length) / (b.arc_length - a.arc_length) * (b.offset - a.offset);
+}
+
+/// Asks about a tendon that runs outside the body of its rod. `path`: of its offset.
+void warn_of_outside(const Context& context, const std::string& path, const RodSpec& rod, const ActuatorSpec& tendon) {
+  const BodyRadius radius = rod.body();
+  if (!radius || tendon.offset.empty()) return;
+  std::vector<double> places{tendon.from, tendon.to};
+  for (const OffsetPoint& p : tendon.offset) places.push_back(p.arc_length);
+  double end = 0.0;
+  for (const SegmentSpec& segment : rod.segments) {
+    end += segment.length;
+    if (end > tendon.from && end < tendon.to) places.push_back(end);
+  }
+  for (const double s : places) {
+    const double offset = std::abs(offset_at(tendon.offset, s));
+    const double inside = radius(s);
+    if (offset <= inside * (1.0 + 1e-9)) continue;
+    context.warnings.push_back(context.document.describe(context.document.find(path)) +
+                               fmt::format(": found a tendon {:.6g} m from the backbone at {:.6g} m, outside the body, "
+                                           "whose radius is {:.6g} m there",
+                                           offset, s, inside));
+    return;
+  }
 }
 
 }  // namespace
@@ -172,9 +147,17 @@ RodSpec finish_rod(const Context& context, const std::string& table, const RodDr
     refuse("inner_diameter", draft.inner_diameter.has_value());
     refuse("thickness", draft.thickness.has_value());
     refuse("file", draft.file.has_value());
+    refuse("poisson_ratio", draft.poisson_ratio.has_value());
+    refuse("torsional_stiffness", draft.torsional_stiffness.has_value());
+    refuse("out_of_plane_stiffness", draft.out_of_plane_stiffness.has_value());
     for (std::size_t i = 0; i < draft.segments.size(); ++i) {
       const std::vector<SegmentSpec> made =
           finish_section(context, fmt::format("{}.segment[{}]", table, i), '[' + kind + ".segment]", draft.segments[i]);
+      if (i > 0 && (made.front().torsional_stiffness > 0.0) != (rod.segments.front().torsional_stiffness > 0.0)) {
+        document.fail(document.find(fmt::format("{}.segment[{}]", table, i)),
+                      "the torsion of some segments is known and of others not, expected 'poisson_ratio' or "
+                      "'torsional_stiffness' in all of them or in none");
+      }
       rod.segments.insert(rod.segments.end(), made.begin(), made.end());
     }
   } else {
@@ -190,6 +173,7 @@ RodSpec finish_rod(const Context& context, const std::string& table, const RodDr
   for (std::size_t i = 0; i < draft.actuators.size(); ++i) {
     rod.actuators.push_back(
         finish_actuator(document, fmt::format("{}.actuator[{}].", table, i), draft.actuators[i], length));
+    warn_of_outside(context, fmt::format("{}.actuator[{}].offset", table, i), rod, rod.actuators.back());
   }
   for (std::size_t i = 0; i < draft.loads.size(); ++i) {
     rod.loads.push_back(finish_load(document, fmt::format("{}.load[{}].", table, i), draft.loads[i], length));

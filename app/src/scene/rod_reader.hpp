@@ -4,18 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "scene/actuator_reader.hpp"
 #include "scene/keys.hpp"
 #include "scene/section_reader.hpp"
 #include "tendril/scene.hpp"
 
 namespace tendril::app {
-
-/// [[rod.actuator]] as written, before the rod's length is known.
-struct ActuatorDraft {
-  std::optional<double> from, to, limit, minimum, maximum, smallest_pressure, largest_pressure;
-  double moment_per_pressure = 0.0;
-  SourcePosition position{};
-};
 
 /// [rod] as written.
 struct RodDraft : SectionDraft {

@@ -170,8 +170,11 @@ StudySpec read_study(const Document& document, const Units& units) {
   const auto refuse = [&](const std::string& why) { document.fail(document.find("study.pressures"), why); };
   if (!study.moments.empty()) refuse("found 'pressures' beside 'moments', expected one of them");
   const std::vector<ActuatorSpec> actuators = finish_rod(context, "rod", draft.rod).actuators;
-  if (actuators.empty() || actuators.back().moment_per_pressure == 0.0) {
+  if (actuators.empty() || !actuators.back().knows_pressure()) {
     refuse("found 'pressures', expected 'moment_per_pressure' in the last [[rod.actuator]], or 'moments'");
+  }
+  if (!actuators.back().more_moment_per_pressure.empty()) {
+    refuse("found changes of a pressure whose moment does not go with it, expected 'moments'");
   }
   for (const double p : study.pressures) study.moments.push_back(p * actuators.back().moment_per_pressure);
   return study;

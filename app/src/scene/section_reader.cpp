@@ -249,6 +249,28 @@ std::vector<SegmentSpec> table_section(const Reading& r) {
   return segments;
 }
 
+/// What a rod resists twist and bending out of its plane with.
+void set_out_of_plane(const Reading& r, std::vector<SegmentSpec>& segments) {
+  const SectionDraft& d = r.draft;
+  r.refuse_beside("torsional_stiffness", d.torsional_stiffness && d.poisson_ratio, "poisson_ratio");
+  if (d.poisson_ratio && !(*d.poisson_ratio > -1.0 && *d.poisson_ratio <= 0.5)) {
+    r.fail("poisson_ratio",
+           fmt::format("found a Poisson's ratio of {}, expected one above -1 and at most 0.5", *d.poisson_ratio));
+  }
+  if (!d.poisson_ratio && !d.torsional_stiffness) {
+    if (!d.out_of_plane_stiffness) return;
+    r.fail("out_of_plane_stiffness",
+           "found 'out_of_plane_stiffness' alone, expected 'torsional_stiffness' or 'poisson_ratio' beside it");
+  }
+  const double base = segments.front().bending_stiffness;
+  for (SegmentSpec& s : segments) {
+    const double share = s.bending_stiffness / base;
+    s.torsional_stiffness =
+        d.poisson_ratio ? s.bending_stiffness / (1.0 + *d.poisson_ratio) : share * *d.torsional_stiffness;
+    if (d.out_of_plane_stiffness) s.out_of_plane_stiffness = share * *d.out_of_plane_stiffness;
+  }
+}
+
 }  // namespace
 
 Table<LoadDraft> load_table() {
@@ -310,9 +332,15 @@ RodLoadSpec finish_load(const Document& document, const std::string& path, const
 std::vector<SegmentSpec> finish_section(const Context& context, const std::string& path, const std::string& name,
                                         const SectionDraft& draft) {
   const Reading reading{context, path, name, draft};
-  if (draft.file) return table_section(reading);
-  if (!draft.length) reading.fail("", name + " has no 'length', expected " + expected_quantity(dimension::length));
-  return {plain_section(reading)};
+  std::vector<SegmentSpec> segments;
+  if (draft.file) {
+    segments = table_section(reading);
+  } else {
+    if (!draft.length) reading.fail("", name + " has no 'length', expected " + expected_quantity(dimension::length));
+    segments = {plain_section(reading)};
+  }
+  set_out_of_plane(reading, segments);
+  return segments;
 }
 
 }  // namespace tendril::app

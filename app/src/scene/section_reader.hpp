@@ -15,6 +15,7 @@ struct SectionDraft {
   /// A value where the stretch begins and where it ends.
   using Ends = std::array<double, 2>;
   std::optional<double> length, bending_stiffness, linear_density, rest_curvature, youngs_modulus, density;
+  std::optional<double> poisson_ratio, torsional_stiffness, out_of_plane_stiffness;
   std::optional<Ends> diameter, inner_diameter, thickness;
   std::optional<std::string> file;
   SourcePosition position{};
@@ -69,6 +70,16 @@ std::vector<Key<T>> section_keys(const std::string& unstated) {
               "Diameter of the body around the backbone, where 'diameter' is not given: obstacles are touched so far "
               "from it.",
               &SectionDraft::thickness),
+      quantity<T>("poisson_ratio", none, any, unstated.empty() ? "not known" : unstated,
+                  "Poisson's ratio of a round section: its torsional stiffness is EI / (1 + this). With it, or "
+                  "'torsional_stiffness', plans are judged out of their plane, too.",
+                  [](T& t, double v) { t.poisson_ratio = v; }),
+      quantity<T>("torsional_stiffness", dimension::stiffness, positive, unstated.empty() ? "not known" : unstated,
+                  "Torsional stiffness GJ at the base; along the rod it goes with EI.",
+                  [](T& t, double v) { t.torsional_stiffness = v; }),
+      quantity<T>("out_of_plane_stiffness", dimension::stiffness, positive, unstated.empty() ? "EI" : unstated,
+                  "Stiffness against bending out of the plane, at the base; likewise.",
+                  [](T& t, double v) { t.out_of_plane_stiffness = v; }),
       text<T>("file", "",
               "CSV file beside the scene with s and bending_stiffness or diameter, and perhaps linear_density and "
               "rest_curvature; linear between its rows.",

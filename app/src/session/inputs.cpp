@@ -37,9 +37,11 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
   const std::string option = inputs.shown.empty() ? option_of(inputs.kind) : inputs.shown;
   if (actuators.empty() && inputs.text.find_first_not_of(" \t") == std::string::npos) return {};
   if (inputs.kind == InputKind::none) {
-    throw InputError(fmt::format(
-        "execute needs what moves the scene's {} actuators, expected {}", actuators.size(),
-        inputs.shown.empty() ? "--moments \"M, ...\" or --plan RESULT.json, or --pressures \"P, ...\"" : inputs.shown));
+    constexpr const char* options =
+        "--moments \"M, ...\" or --plan RESULT.json, or --pressures \"P, ...\", or --inputs \"V, ...\" in the unit of "
+        "each";
+    throw InputError(fmt::format("execute needs what moves the scene's {} actuators, expected {}", actuators.size(),
+                                 inputs.shown.empty() ? options : inputs.shown));
   }
   std::vector<std::string> texts;
   for (std::size_t from = 0; from <= inputs.text.size();) {
@@ -49,27 +51,54 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
     texts.push_back(one.substr(0, one.find_last_not_of(" \t") + 1));
     from = comma + 1;
   }
+  if (texts.size() != actuators.size()) {
+    throw InputError(fmt::format("{}: found {} {}, expected one for each of the scene's {} actuators", option,
+                                 texts.size(), std::string(option_of(inputs.kind)).substr(2), actuators.size()));
+  }
   std::vector<double> moments;
   moments.reserve(texts.size());
   for (std::size_t a = 0; a < texts.size(); ++a) {
-    const double per_pressure = a < actuators.size() ? actuators[a].moment_per_pressure : 0.0;
+    const ActuatorSpec& actuator = actuators[a];
     const std::string where = fmt::format("{}, number {}", option, a + 1);
-    if (inputs.kind == InputKind::pressures && a < actuators.size() && per_pressure == 0.0) {
+    if (inputs.kind == InputKind::pressures && actuator.input() != ActuatorKind::pressure) {
       throw InputError(
           fmt::format("{}: the scene does not say what moment a pressure gives, expected "
                       "'moment_per_pressure' in [[rod.actuator]], or --moments",
                       where));
     }
-    const bool pressure = inputs.kind != InputKind::moments && per_pressure != 0.0;
+    if (inputs.kind == InputKind::moments && actuator.kind != ActuatorKind::moment) {
+      throw InputError(fmt::format("{}: found a moment for an actuator of kind \"{}\", expected --inputs", where,
+                                   to_string(actuator.kind)));
+    }
+    const bool told = inputs.kind != InputKind::moments;
     const double value =
-        read_number(texts[a], pressure ? dimension::pressure : dimension::moment, where, session.units());
-    moments.push_back(pressure ? value * per_pressure : value);
-  }
-  if (texts.size() != actuators.size()) {
-    throw InputError(fmt::format("{}: found {} {}, expected one for each of the scene's {} actuators", option,
-                                 texts.size(), option.substr(option.find_first_not_of('-')), actuators.size()));
+        read_number(texts[a], told ? actuator.input_dimension() : dimension::moment, where, session.units());
+    if (actuator.kind == ActuatorKind::tendon && value < 0.0) {
+      throw InputError(fmt::format(
+          "{}: found a tension of {} N, expected one that is not negative: a tendon only pulls", where, value));
+    }
+    moments.push_back(told ? actuator.moment_of(value) : value);
   }
   return moments;
+}
+
+std::vector<TrajectoryStep> way_points_of(const Inputs& inputs, const Session& session) {
+  std::vector<TrajectoryStep> steps;
+  const std::string option = inputs.shown.empty() ? option_of(inputs.kind) : inputs.shown;
+  if (session.scene().problem == ProblemKind::grasp) {
+    throw InputError(option +
+                     ": found several lists, but the fingers of a grasp are executed one by one, expected one");
+  }
+  for (std::size_t from = 0; from <= inputs.text.size();) {
+    const std::size_t end = std::min(inputs.text.find(';', from), inputs.text.size());
+    Inputs one = inputs;
+    one.text = inputs.text.substr(from, end - from);
+    one.shown = fmt::format("{}, way point {}", option, steps.size() + 1);
+    steps.emplace_back().plan.moments = moments_of(one, session);
+    steps.back().target = session.scene().target;
+    from = end + 1;
+  }
+  return steps;
 }
 
 std::variant<Execution, Trajectory> execute_result(Session& session, const files::ResultText& earlier,

@@ -151,7 +151,9 @@ std::string grasp_cells(const StudyResult& result, std::size_t index) {
 std::string grasp_study_report(const Scene& scene, const StudyResult& result) {
   const DisplayUnits units(scene);
   const bool sweep = std::any_of(result.cases.begin(), result.cases.end(), [](const StudyCase& c) { return c.moment; });
-  const double per_pressure = scene.rod.actuators.empty() ? 0.0 : scene.rod.actuators.back().moment_per_pressure;
+  // Changes of a moment are changes of a pressure where the two go together.
+  const bool linear = !scene.rod.actuators.empty() && scene.rod.actuators.back().more_moment_per_pressure.empty();
+  const double per_pressure = linear ? scene.rod.actuators.back().moment_per_pressure : 0.0;
   const auto changed = [&](double moment) {
     return units.moment(moment) + (per_pressure == 0.0 ? "" : " (" + units.pressure(moment / per_pressure + 0.0) + ")");
   };

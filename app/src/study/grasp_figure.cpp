@@ -108,7 +108,7 @@ class GraspStudyFigure {
     std::vector<Curve2> list;
     for (std::size_t s = 0; s < series_.size(); ++s) {
       for (std::size_t a = 0; a < (*series_[s].values.front())["moments"].size(); ++a) {
-        const bool pressures = scene_.rod.actuators[a].moment_per_pressure != 0.0;
+        const bool pressures = scene_.rod.actuators[a].knows_pressure();
         const std::string block = fmt::format("actuation {} {}", s + 1, a + 1);
         data_.block(block, pressures ? "diameter, pressure (kPa)" : "diameter, moment (N mm)");
         for (const Json* v : series_[s].values) {
@@ -119,7 +119,7 @@ class GraspStudyFigure {
                         static_cast<int>(a) + 1});
       }
     }
-    const bool pressures = scene_.rod.actuators.empty() || scene_.rod.actuators[0].moment_per_pressure != 0.0;
+    const bool pressures = scene_.rod.actuators.empty() || scene_.rod.actuators[0].knows_pressure();
     add_panel(
         fmt::format("set size noratio\nset xlabel 'diameter ({})'\nset ylabel '{}'\nset title '({}) actuation'\nset "
                     "xzeroaxis linewidth 1 linecolor rgb '#404040'\n",

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,11 @@ struct Certificate {
   std::string stationarity_kind = "none";  ///< "S", "M", "C" or "none"
   double moment_balance = infinity;        ///< strong form: a direct measure of model error
   double stability = -infinity;            ///< margin mu
-  double contact_convexity = infinity;     ///< smallest d_ss of interior contacts with force; infinity: none
-  double quadrature = infinity;            ///< largest change of any row when the rule is doubled
+  /// Margin of a rod that may leave its plane (model.md section 11); none: its torsion is not known.
+  std::optional<double> out_of_plane{};
+  bool guided_in_plane = false;         ///< it may not leave it, whatever that margin
+  double contact_convexity = infinity;  ///< smallest d_ss of interior contacts with force; infinity: none
+  double quadrature = infinity;         ///< largest change of any row when the rule is doubled
   /// One line for each requirement that is not met; empty: certified.
   std::vector<std::string> failures{"no point was judged"};
   /// Every requirement is met.

@@ -29,7 +29,8 @@ struct PlannedContact {
   double arc_length = 0.0;    ///< m
   Vec2 point{};               ///< m
   Vec2 normal{};              ///< unit vector out of the obstacle
-  double force = 0.0;         ///< N
+  double force = 0.0;         ///< N, along the normal
+  double tangential = 0.0;    ///< N, across it, in the direction in which arc lengths grow
   double gap = 0.0;           ///< m
   /// The rod lies along the obstacle here: one of a run of contacts that stands for the stretch, or, in a plan that is
   /// not solved for that reason, the point whose force would be spread.
@@ -84,6 +85,7 @@ struct FingerPlan {
   double tip_angle = 0.0;                ///< rad
   /// As Plan::self_overlap.
   std::optional<std::pair<double, double>> self_overlap;
+  std::vector<double> turns{};  ///< As Plan::turns.
 };
 
 /// What only a grasp has. The plan's rod and contacts are those of the upper finger.
@@ -98,6 +100,18 @@ struct GraspPlan {
   std::optional<GraspQuality> quality;  ///< of plans; an execution has none
 };
 
+/// Where a plan's moments hold the rod if contacts push so far off their normals. SI units.
+struct FrictionRange {
+  /// Tangential force for each unit of the normal one, per contact of the plan; 0 for those without force.
+  std::vector<double> ratios;
+  double tip_x = 0.0;                    ///< m
+  double tip_y = 0.0;                    ///< m
+  double tip_angle = 0.0;                ///< rad
+  std::optional<double> target_error;    ///< m
+  double stability = 0.0;                ///< margin; under friction of slipping contacts
+  std::vector<PlannedContact> contacts;  ///< the active ones
+};
+
 /// A plan in SI units, except where said.
 struct Plan {
   PlanStatus status = PlanStatus::failed;  ///< how it ended
@@ -108,15 +122,19 @@ struct Plan {
   bool split_at_contact = false;           ///< interior contacts have knots of their own
   std::vector<double> coordinates;         ///< dimensionless
   std::vector<double> moments;             ///< N m, one per actuator of the scene
-  double tip_x = 0.0;                      ///< m
-  double tip_y = 0.0;                      ///< m
-  double tip_angle = 0.0;                  ///< rad
-  std::optional<double> target_error;      ///< m
+  /// int p kappa ds along each actuator (rad): a tendon is shorter by this times its largest offset.
+  std::vector<double> turns;
+  double tip_x = 0.0;                  ///< m
+  double tip_y = 0.0;                  ///< m
+  double tip_angle = 0.0;              ///< rad
+  std::optional<double> target_error;  ///< m
   /// Distance of the tip to where executing the moments takes it (verify() in execute.hpp), m, loaded from the start.
   std::optional<double> model_error;
   /// The same, settled from the plan's own shape, m.
   std::optional<double> local_model_error;
-  std::string verification;                           ///< what execution found, in words; empty: not asked for
+  std::string verification;  ///< what execution found, in words; empty: not asked for
+  /// Without friction, then for every state of contacts that are about to slip; empty: there is no friction.
+  std::vector<FrictionRange> friction;
   std::optional<GraspPlan> grasp;                     ///< of a grasp
   double objective = 0.0;                             ///< dimensionless, without penalty
   std::vector<std::pair<std::string, double>> terms;  ///< weighted, dimensionless; they sum to the objective

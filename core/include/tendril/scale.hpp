@@ -23,6 +23,7 @@ inline constexpr Dimension curvature{-1, 0, "1/m"};   ///< 1/m
 inline constexpr Dimension force{0, 1, "N"};          ///< N
 inline constexpr Dimension moment{1, 1, "N m"};       ///< N m
 inline constexpr Dimension stiffness{2, 1, "N m^2"};  ///< N m^2
+inline constexpr Dimension pressure{-2, 1, "Pa"};     ///< Pa
 }  // namespace dimension
 
 /// The units of a dimensionless program: lengths in L, forces in EI0/L^2 (docs/model.md section 1).

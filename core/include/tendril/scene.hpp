@@ -44,6 +44,9 @@ struct SegmentSpec {
   std::vector<double> more_rest_curvature{};  ///< 1/m
   double thickness = 0.0;                     ///< m, diameter of the body where the segment begins, >= 0
   std::vector<double> more_thickness{};       ///< m
+  /// N m^2, > 0, where the segment begins; along it it goes with the bending stiffness. 0: not known.
+  double torsional_stiffness = 0.0;
+  double out_of_plane_stiffness = 0.0;  ///< N m^2, likewise, for bending out of the plane; 0: as in the plane
 };
 
 /// A dead load between two arc lengths of the rod, or at one of them where these are equal.
@@ -54,13 +57,42 @@ struct RodLoadSpec {
   double mass = 0.0;  ///< kg, >= 0, at one arc length only
 };
 
-/// A moment between two arc lengths of the rod, and its limits.
-struct ActuatorSpec {
-  double from = 0.0;                 ///< m
-  double to = 0.0;                   ///< m; the reader fills in the rod's length
-  double minimum = -infinity;        ///< N m
-  double maximum = infinity;         ///< N m
-  double moment_per_pressure = 0.0;  ///< N m / Pa; 0: not given
+/// What an actuator is told: a moment, the tension of a tendon, or a pressure.
+enum class ActuatorKind { moment, tendon, pressure };
+TENDRIL_API std::string_view to_string(ActuatorKind kind);  ///< The word that scenes use.
+
+/// Where a tendon runs beside the backbone.
+struct OffsetPoint {
+  double arc_length = 0.0;  ///< m
+  double offset = 0.0;      ///< m, positive: to the left
+};
+
+/// What bends the rod between two arc lengths, and its limits. Core knows moments only: that of a tendon is the tension
+/// times its largest offset, and along the rod it goes with the offset.
+struct TENDRIL_API ActuatorSpec {
+  double from = 0.0;                         ///< m
+  double to = 0.0;                           ///< m; the reader fills in the rod's length
+  double minimum = -infinity;                ///< N m
+  double maximum = infinity;                 ///< N m
+  double moment_per_pressure = 0.0;          ///< N m / Pa; 0: not given
+  ActuatorKind kind = ActuatorKind::moment;  ///< as the scene has it
+  std::vector<OffsetPoint> offset{};         ///< of a tendon, linear in between; one: the same all along
+  /// N m / Pa^2, N m / Pa^3, ...: what the moment has beyond the share that goes with the pressure. It rises, or falls,
+  /// all the way between the two pressures; beyond them it goes on along its tangents. Empty: nothing.
+  std::vector<double> more_moment_per_pressure{};
+  double least_pressure = -infinity;  ///< Pa
+  double most_pressure = infinity;    ///< Pa
+
+  /// What it is told: also a pressure if it is known what moment that gives.
+  ActuatorKind input() const;
+  /// Of what it is told.
+  Dimension input_dimension() const;
+  /// The offset of largest size, m.
+  double largest_offset() const;
+  /// Whether it is known what moment a pressure gives.
+  bool knows_pressure() const { return moment_per_pressure != 0.0 || !more_moment_per_pressure.empty(); }
+  double moment_of(double input) const;  ///< N m, under what it is told.
+  double input_of(double moment) const;  ///< What it is told under a moment.
 };
 
 /// N m by which `moment` exceeds the limits of `actuator`; negative: its distance to the nearer one.
@@ -88,6 +120,14 @@ struct ObstacleSpec {
   std::string name;      ///< "obstacle 1", ... if not given
   std::string shape;     ///< an obstacle component
   RawOptions options{};  ///< of the shape, not checked yet
+  /// Coefficient of friction of its contacts; absent: that of ContactSpec.
+  std::optional<double> friction{};
+};
+
+/// What becomes of the unknown state of friction (docs/model.md section 13).
+enum class FrictionState {
+  range,  ///< planned without, then followed over the cone of every contact
+  none    ///< left out
 };
 
 /// How contact with obstacles is planned.
@@ -100,6 +140,8 @@ struct ContactSpec {
   Treatment treatment = Treatment::penalty;  ///< of complementarity
   double beta = 1.0;                         ///< first penalty weight, dimensionless
   int check_points = 0;                      ///< fixed number, without exchange; 0: core chooses and exchanges
+  double friction = 0.0;                     ///< coefficient, of obstacles that have none of their own
+  FrictionState friction_state = FrictionState::range;  ///< what is looked at
 };
 
 /// The pose that the tip should have; either part may be absent.
@@ -222,6 +264,7 @@ struct Scene {
   std::vector<ObjectiveSpec> objectives;    ///< their sum is minimized
   SolverSpec solver;                        ///< who solves the programs
   SearchEffort effort = SearchEffort::normal;  ///< how far is looked for a better plan
+  bool guided_in_plane = false;                ///< the robot cannot leave its plane, whatever its torsion
   QuantityReader read_quantity;                ///< for numbers with units inside raw options; may be empty
   std::vector<LeftOut> left_out;               ///< what its files hold beyond this, and why it is not read
   std::vector<std::string> warnings;           ///< what its reader would ask about
@@ -233,6 +276,9 @@ struct Scene {
 TENDRIL_API bool needs_term(const ObjectiveSpec& objective);
 /// Whether the obstacles have to be made: not with contact mode "ignore".
 TENDRIL_API bool needs_obstacles(const Scene& scene);
+
+/// The coefficient of friction of obstacle `i`; 0 where friction is left out.
+TENDRIL_API double friction_of(const Scene& scene, std::size_t i);
 
 /// Refuses a scene that makes no sense (lengths, limits, ranges). Throws SceneError with the key's path. Call it before
 /// anything else.

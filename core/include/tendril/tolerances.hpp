@@ -12,6 +12,9 @@ inline constexpr double complementarity = 1e-9;  ///< min(gap, force)
 inline constexpr double closest_point = 1e-8;    ///< tangent . normal
 inline constexpr double stationarity = 1e-6;     ///< gradient of the Lagrangian of the tightened program
 inline constexpr double stability = 1e-6;        ///< least margin
+/// A rod whose margin out of its plane is below minus this buckles out of it. A rod that buckled under thrust alone may
+/// turn about its axis: 0 but for rounding.
+inline constexpr double out_of_plane = 1e-6;
 /// Least d_ss of a contact with force (docs/model.md section 7). A rod that lies straight along a flat side has 0 and
 /// some 1e-14 of rounding, which is no point contact either.
 inline constexpr double convexity = 1e-9;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "certificate/out_of_plane.hpp"
 #include "nlp/multipliers.hpp"
 #include "obstacle/shrunk.hpp"
 #include "program/stability.hpp"
@@ -16,6 +17,11 @@ std::string defect(const char* what, double value, double limit) {
   return what + (' ' + shown_with_exponent(value)) + " is above " + shown_with_exponent(limit, 1);
 }
 
+/// It buckles sideways.
+bool leaves_plane(const Certificate& c) {
+  return c.out_of_plane && !c.guided_in_plane && !(*c.out_of_plane >= -tolerance::out_of_plane);
+}
+
 /// Somewhere the rod lies along an obstacle instead of touching it at a point.
 bool spreads(const Certificate& c) { return !(c.contact_convexity > tolerance::convexity); }
 
@@ -27,6 +33,7 @@ struct Certifier::Data {
     for (const Obstacle* o : spec.obstacles) shrunk.emplace_back(*o);
     tables = program->chain().curve_tables();
     curve = std::make_unique<Curve>(tables);
+    if (spec.rod->has_torsion()) out_of_plane = std::make_unique<OutOfPlane>();
   }
 
   static PoseProgramSpec doubled(PoseProgramSpec s) {
@@ -84,6 +91,7 @@ struct Certifier::Data {
   std::unique_ptr<Curve> curve, from_palm;
 
   Stability stability;
+  std::unique_ptr<OutOfPlane> out_of_plane;  ///< null: torsion is not known
   // Memory that is used again.
   Eigen::VectorXd coarse, rows;  ///< of the judged program, and on the doubled rule
   std::vector<int> biactive;
@@ -213,6 +221,8 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
   }
   c.moment_balance = d.program->moment_defect(x, *d.curve);
   c.stability = spreads(c) ? -infinity : d.margin_to_both_sides(x);
+  if (d.out_of_plane) c.out_of_plane = d.out_of_plane->margin(*d.program, *d.curve);
+  c.guided_in_plane = d.spec.rod->guided;
 }
 
 Certificate worse_of(const Certificate& a, const Certificate& b) {
@@ -235,6 +245,10 @@ Certificate worse_of(const Certificate& a, const Certificate& b) {
   larger(c.quadrature, b.quadrature);
   smaller(c.stability, b.stability);
   smaller(c.contact_convexity, b.contact_convexity);
+  if (b.out_of_plane) {
+    c.out_of_plane = c.out_of_plane.value_or(infinity);
+    smaller(*c.out_of_plane, *b.out_of_plane);
+  }
   const auto weakness = [](const std::string& kind) { return kind == "S" ? 0 : kind == "M" ? 1 : kind == "C" ? 2 : 3; };
   if (weakness(b.stationarity_kind) > weakness(c.stationarity_kind)) c.stationarity_kind = b.stationarity_kind;
   c.failures.insert(c.failures.end(), b.failures.begin(), b.failures.end());
@@ -267,6 +281,13 @@ void list_failures(Certificate& c) {
   } else if (!(c.stability > tolerance::stability)) {
     c.failures.push_back("unstable: the stability margin is " + shown_with_exponent(c.stability, 4));
   }
+  if (leaves_plane(c)) {
+    c.failures.push_back("unstable out of its plane: the margin there is " + shown_with_exponent(*c.out_of_plane, 4));
+  }
+}
+
+bool only_unstable(const Certificate& c) {
+  return c.failures.size() == 1 && !spreads(c) && (!(c.stability > tolerance::stability) || leaves_plane(c));
 }
 
 std::vector<Certifier::Approach> Certifier::approaches(ConstVectorRef x, double level) {

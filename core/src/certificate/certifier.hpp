@@ -11,6 +11,9 @@ namespace tendril {
 /// Fills `failures` from the numbers: one line for each requirement that is not met.
 TENDRIL_API void list_failures(Certificate& certificate);
 
+/// Whether nothing but stability, in the plane or out of it, is missing.
+TENDRIL_API bool only_unstable(const Certificate& certificate);
+
 /// The worse of two judgements in every number, and the failures of both.
 TENDRIL_API Certificate worse_of(const Certificate& a, const Certificate& b);
 

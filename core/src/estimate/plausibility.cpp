@@ -23,7 +23,7 @@ double turn_of_moments(const Rod& rod, std::span<const double> moments) {
   for (const Rod::Segment& s : rod.segments) turn += s.rest_turn();
   for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
     for (const Rod::Segment& s : rod.segments) {
-      turn += moments[a] * s.compliance(rod.actuators[a].from, rod.actuators[a].to);
+      turn += moments[a] * rod.actuators[a].compliance(s);
     }
   }
   return turn;

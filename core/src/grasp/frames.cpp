@@ -128,13 +128,14 @@ FingerPlan lower_in_world(const Scene& scene, const Plan& plan) {
 }
 
 FingerPlan finger_state(const Plan& plan) {
-  return {plan.coordinates, plan.moments, plan.contacts,  plan.backbone,
-          plan.tip_x,       plan.tip_y,   plan.tip_angle, plan.self_overlap};
+  return {plan.coordinates, plan.moments,   plan.contacts,     plan.backbone, plan.tip_x,
+          plan.tip_y,       plan.tip_angle, plan.self_overlap, plan.turns};
 }
 
 void set_finger(Plan& plan, FingerPlan finger) {
   plan.coordinates = std::move(finger.coordinates);
   plan.moments = std::move(finger.moments);
+  plan.turns = std::move(finger.turns);
   plan.contacts = std::move(finger.contacts);
   plan.backbone = std::move(finger.backbone);
   plan.tip_x = finger.tip_x;

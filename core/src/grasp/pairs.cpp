@@ -238,6 +238,7 @@ Plan GraspPlanner::finger_plan(int which, Best& best) const {
   for (std::size_t a = 0; a < d.rod.actuators.size(); ++a) {
     const int variable = program.moment_variable(static_cast<int>(a));
     plan.moments.push_back(variable < 0 ? 0.0 : x[variable] * d.scale.moment());
+    plan.turns.push_back(program.turn_along(static_cast<int>(a)));
   }
   plan.contacts = planned_contacts(program, d.obstacle_names, d.scale);
   plan.backbone = sampled_backbone(program, d.scale.length);

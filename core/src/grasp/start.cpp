@@ -31,13 +31,9 @@ struct Finger {
     const Rod::Segment& segment = rod.segment_at(s);
     double moment = -force * x;
     for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
-      if (acts(a, s)) moment += moments[static_cast<Eigen::Index>(a)];
+      moment += rod.actuators[a].at(s) * moments[static_cast<Eigen::Index>(a)];
     }
     return segment.rest_curvature_at(s).value + moment / segment.stiffness_at(s).value;
-  }
-
-  bool acts(std::size_t actuator, double s) const {
-    return s > rod.actuators[actuator].from && s < rod.actuators[actuator].to;
   }
 
   Base base(const Eigen::VectorXd& moments) const {
@@ -55,7 +51,7 @@ struct Finger {
       const double stiffness = rod.segment_at(s).stiffness_at(s).value;
       Eigen::RowVectorXd own = Eigen::RowVectorXd::Zero(count);
       for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
-        if (acts(a, s)) own[static_cast<Eigen::Index>(a)] = 1.0 / stiffness;
+        own[static_cast<Eigen::Index>(a)] = rod.actuators[a].at(s) / stiffness;
       }
       const double half = at.angle - 0.5 * h * curvature(s, at.x, moments);
       const Eigen::RowVectorXd dhalf = dangle - 0.5 * h * (own - force / stiffness * dx);

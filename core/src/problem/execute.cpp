@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/deadline.hpp"
+#include "certificate/certifier.hpp"
 #include "certificate/clearance.hpp"
 #include "rod/self_overlap.hpp"
 #include "scene/make_rod.hpp"
@@ -36,6 +37,10 @@ class Executor {
     }
     if (!control.with_obstacles) return;
     if (obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
+    if (!control.friction.empty() && control.friction.size() != obstacles.size()) {
+      throw Error("expected " + std::to_string(obstacles.size()) + " ratios of friction, one per obstacle, found " +
+                  std::to_string(control.friction.size()));
+    }
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
       obstacles_.push_back(obstacles[i].get());
       const double distance = obstacles_.back()->at(rod_.base).distance - rod_.radius_at(0.0).value;
@@ -112,6 +117,7 @@ Execution Executor::run() {
                      "the start shape runs through the core of " + names_[*o] +
                          ", so it is on neither side of it: expected a start that passes on one side");
   }
+  if (control_.with_obstacles && !control_.friction.empty()) loading->rub(control_.friction);
   const bool arrived = loading->run();
   for (TrackedSnap& snap : loading->tracker().snaps()) out.snaps.push_back(to_si(snap, loading->path()));
   report(loading->tracker(), arrived, out);
@@ -138,11 +144,12 @@ void Executor::tell_limits(Plan& plan) const {
     most = std::max(most, over);
     if (!(over > tolerance::bounds)) continue;
     const double limit = moments_[a] > actuator.maximum ? actuator.maximum : actuator.minimum;
-    const double unit = actuator.moment_per_pressure != 0.0 ? 1e3 * actuator.moment_per_pressure : 1.0;
-    const char* name = actuator.moment_per_pressure != 0.0 ? " kPa" : " N m";
+    const bool pressure = actuator.input() == ActuatorKind::pressure;
+    const double unit = pressure ? 1e3 : 1.0;
+    const std::string name = pressure ? " kPa" : ' ' + std::string(actuator.input_dimension().unit);
     plan.message += (plan.message.empty() ? "" : "; ") + std::string("actuator ") + std::to_string(a + 1) +
-                    " is held at " + shown(moments_[a] / unit) + name + ", beyond its limit of " +
-                    shown(limit / unit + 0.0) + name;
+                    " is held at " + shown(actuator.input_of(moments_[a]) / unit) + name + ", beyond its limit of " +
+                    shown(actuator.input_of(limit) / unit + 0.0) + name;
   }
   if (!plan.backbone.empty()) plan.certificate.bounds = most;
 }
@@ -169,6 +176,8 @@ void Executor::report_shape(const PoseProgram& program, const Eigen::VectorXd& c
   if (scene_.target.position) plan.target_error = norm(Vec2{plan.tip_x, plan.tip_y} - *scene_.target.position);
   plan.backbone = sampled_backbone(program, scale_.length);
   plan.self_overlap = self_overlap(plan.backbone, scene_.rod.body());
+  plan.turns.clear();
+  for (std::size_t a = 0; a < moments_.size(); ++a) plan.turns.push_back(program.turn_along(static_cast<int>(a)));
 }
 
 void Executor::report(const Loading::Lying& lying, const LoadPath& path, Execution& out) {
@@ -261,9 +270,9 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   out.load = end.z[statics.size()];
   if (arrived) {
     const bool valid = plan.certificate.valid();
-    const bool unstable =
-        !valid && plan.certificate.failures.size() == 1 && !(plan.certificate.stability > tolerance::stability);
-    plan.status = valid ? PlanStatus::solved : unstable ? PlanStatus::unstable : PlanStatus::not_converged;
+    plan.status = valid                             ? PlanStatus::solved
+                  : only_unstable(plan.certificate) ? PlanStatus::unstable
+                                                    : PlanStatus::not_converged;
     if (!valid) plan.message = plan.certificate.failures.front();
   } else if (stopped) {
     plan.status = PlanStatus::interrupted;

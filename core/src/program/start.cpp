@@ -23,8 +23,7 @@ std::vector<double> holding_moments(const Rod& rod, const std::function<double(d
     const Rod::Segment& segment = rod.segment_at(middle);
     wanted[r] = segment.stiffness_at(middle).value * (curvature(middle) - segment.rest_curvature_at(middle).value);
     for (Eigen::Index a = 0; a < count; ++a) {
-      const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
-      if (middle > actuator.from && middle < actuator.to) spans(r, a) = 1.0;
+      spans(r, a) = rod.actuators[static_cast<std::size_t>(a)].at(middle);
     }
   }
   const Eigen::VectorXd u = spans.completeOrthogonalDecomposition().solve(wanted);

@@ -162,7 +162,7 @@ Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> 
     start_rate_.row(j) = start_rates[static_cast<std::size_t>(j)];
     length_rate_.row(j) = length_rates[static_cast<std::size_t>(j)];
   }
-  find_spans(rod);
+  find_profiles(rod);
   find_loads(rod);
 }
 
@@ -183,14 +183,22 @@ void Chain::find_loads(const Rod& rod) {
   }
 }
 
-void Chain::find_spans(const Rod& rod) {
-  const int count = piece_count();
-  spans_.setZero(static_cast<Eigen::Index>(rod.actuators.size()), count);
-  for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
-    for (int j = 0; j < count; ++j) {
+void Chain::find_profiles(const Rod& rod) {
+  const auto actuators = static_cast<Eigen::Index>(rod.actuators.size());
+  levels_.setZero(actuators, piece_count());
+  varying_.setConstant(actuators, piece_count(), -1);
+  for (Eigen::Index a = 0; a < actuators; ++a) {
+    const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
+    for (int j = 0; j < piece_count(); ++j) {
       const auto r = static_cast<std::size_t>(pieces_[static_cast<std::size_t>(j)].stretch);
       const double middle = 0.5 * (fixed_knots_[r] + fixed_knots_[r + 1]);
-      spans_(static_cast<Eigen::Index>(a), j) = middle > rod.actuators[a].from && middle < rod.actuators[a].to ? 1 : 0;
+      const ProfilePart* part = actuator.part_at(middle);
+      if (part == nullptr || part->constant()) {
+        levels_(a, j) = actuator.at(middle);
+      } else if (middle > actuator.from && middle < actuator.to) {
+        varying_(a, j) = static_cast<int>(parts_.size());
+        parts_.push_back(*part);
+      }
     }
   }
 }

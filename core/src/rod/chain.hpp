@@ -59,8 +59,7 @@ class TENDRIL_API TableStore {
 };
 
 /// The rod cut into pieces (model.md section 2): which pieces there are, how long they are as affine functions of the
-/// moving knots, and the tables that never change. Knots are fixed (ends of segments and actuators) or move with a
-/// contact.
+/// moving knots, and the tables that never change. Knots are fixed (Rod::fixed_knots()) or move with a contact.
 ///
 /// Coordinates: q = (q_1, ..., q_J), `functions()` numbers per piece.
 class TENDRIL_API Chain {
@@ -117,10 +116,17 @@ class TENDRIL_API Chain {
   /// Length of piece j for moving knots at `knots`; units of L.
   double length(int j, std::span<const double> knots) const;
 
-  /// Actuator a bends piece j (its span covers the piece).
-  bool actuated(int a, int j) const { return spans_(a, j) != 0; }
+  /// The profile of actuator a where it is the same all over piece j; 0 as well where it does not bend the piece.
+  double level(int a, int j) const { return levels_(a, j); }
+  /// The profile of actuator a where it varies over piece j, else null.
+  const ProfilePart* varying(int a, int j) const {
+    const int part = varying_(a, j);
+    return part < 0 ? nullptr : &parts_[static_cast<std::size_t>(part)];
+  }
   /// Number of actuators of the rod.
-  int actuator_count() const { return static_cast<int>(spans_.rows()); }
+  int actuator_count() const { return static_cast<int>(levels_.rows()); }
+  /// Whether the profile of any actuator varies over a piece.
+  bool has_varying_profiles() const { return !parts_.empty(); }
 
   /// The basis at the nodes of the rule.
   const BasisTable& table() const { return tables_->basis; }
@@ -141,7 +147,7 @@ class TENDRIL_API Chain {
   int piece_at(double s, std::span<const double> knots) const;
 
  private:
-  void find_spans(const Rod& rod);
+  void find_profiles(const Rod& rod);
   void find_loads(const Rod& rod);
 
   const CoordinateModel* model_;
@@ -153,7 +159,9 @@ class TENDRIL_API Chain {
   std::vector<int> knot_piece_;
   Eigen::VectorXd start0_, length0_;
   Eigen::MatrixXd start_rate_, length_rate_;
-  Eigen::MatrixXi spans_;
+  Eigen::MatrixXd levels_;   // actuators x pieces
+  Eigen::MatrixXi varying_;  // actuators x pieces: index into parts_, or -1
+  std::vector<ProfilePart> parts_{};
 };
 
 /// Number of Gauss nodes per smooth interval that resolves `functions` coordinates and a change of angle of `angle` per

@@ -31,10 +31,15 @@ double Places::moment_defect(int j, const Ramp& load, const Forces& forces, std:
   const double h = backbone_.length(j);
   const Eigen::Map<const Eigen::VectorXd> q(backbone_.coordinates(j), table.functions);
   const Rod::Segment* varying = p.bends_evenly ? nullptr : &chain_->segment(j);
-  double applied = varying != nullptr ? 0.0 : p.stiffness * p.rest_curvature;
-  for (int a = 0; a < chain_->actuator_count(); ++a) {
-    if (chain_->actuated(a, j)) applied += moments[static_cast<std::size_t>(a)];
-  }
+  const auto applied = [&](double s) {
+    double sum = varying != nullptr ? 0.0 : p.stiffness * p.rest_curvature;
+    for (int a = 0; a < chain_->actuator_count(); ++a) {
+      const ProfilePart* part = chain_->varying(a, j);
+      const double profile = part != nullptr ? part->at(s) : chain_->level(a, j);
+      if (profile != 0.0) sum += profile * moments[static_cast<std::size_t>(a)];
+    }
+    return sum;
+  };
   /// Force times length on the piece from what is behind it and from its weight.
   const auto loaded = [&](double sigma, double left) {
     Vec2 force = load.end + left * load.slope;
@@ -51,14 +56,17 @@ double Places::moment_defect(int j, const Ramp& load, const Forces& forces, std:
       if (!acts(k) || !(moving_[own(k)].sigma() > sigma)) continue;
       moment += cross(at(k).point - curve.position(j, sigma), on(k, forces).force);
     }
+    const double s = backbone_.start(j) + sigma * h;
     double stiffness = p.stiffness;
     if (varying != nullptr) {
-      const double s = backbone_.start(j) + sigma * h;
       stiffness = varying->stiffness_at(s).value;
       curvature -= varying->rest_curvature_at(s).value;
     }
-    worst = std::max(worst, std::abs(stiffness * curvature - applied - moment));
+    worst = std::max(worst, std::abs(stiffness * curvature - applied(s) - moment));
   };
+  for (const int k : knots_) {
+    if (acts(k)) beyond += on(k, forces).moment;
+  }
   check(1.0, table.slope_end.dot(q) / h, beyond);
   auto shear = node_buffer_.head(n);
   auto coefficients = push_along_.head(n);

@@ -102,6 +102,7 @@ class TENDRIL_API Places {
   /// Virtual displacements of all places along coordinates: dP/dq times `lambda`, after differentiate().
   void displace(const double* lambda);
   Vec2 displacement(int place) const { return at(place).displacement; }
+  double rotation(int knot) const { return psi_knot_[at(knot).piece + 1]; }  ///< Likewise, of the end of a piece.
   /// n . d(displacement), as row().
   void displacement_row(int place, Vec2 n, RowPart out) const;
 
@@ -112,8 +113,17 @@ class TENDRIL_API Places {
   double moment_defect(const Forces& forces, std::span<const double> moments, const Curve& curve);
   /// out += derivative by the coordinates of the forces' work at fixed forces.
   void pull_back(const Forces& forces, double* out);
-  /// out += moment * derivative by the coordinates of the angle over an actuator's span.
+  /// int p kappa ds along an actuator, p its profile. For reports: allocates.
+  double turn_along(int actuator) const;
+  /// out += moment * derivative by the coordinates of int p kappa ds: for p = 1 the angle
+  /// over its span.
   void pull_back_moment(int actuator, double moment, double* out) const;
+  /// Derivatives of the former by the arc lengths, which move the pieces along the profile: adds to `by_q_and_s`.
+  void add_moment_rates(int actuator, double moment, MatrixRef by_q_and_s);
+  /// Adds second derivatives of  lambda . (what pull_back_moment() adds):  by the moment and the arc lengths, by the
+  /// arc lengths twice.
+  void add_moment_second(int actuator, double moment, const double* lambda, VectorRef by_moment_and_s,
+                         MatrixRef by_s_twice);
   /// Adds second derivatives of the forces' work at fixed forces and, if there are `virtual_forces`, of these forces'
   /// work on the virtual displacements.
   void second_pull_back(const Forces& forces, const Forces* virtual_forces, SecondPart out);

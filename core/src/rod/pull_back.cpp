@@ -115,14 +115,6 @@ void Places::pull_back(const Forces& forces, double* out) {
   backbone_.spread(sums_, out);
 }
 
-void Places::pull_back_moment(int actuator, double moment, double* out) const {
-  const int n = chain_->functions();
-  for (int j = 0; j < chain_->piece_count(); ++j) {
-    if (!chain_->actuated(actuator, j)) continue;
-    for (int i = 0; i < n; ++i) out[j * n + i] += moment * chain_->table().end[i];
-  }
-}
-
 void Places::second_pull_back(const Forces& forces, const Forces* virtual_forces, SecondPart out) {
   double* z = node_buffer_.data();
   Sweep sweep(*this, forces);

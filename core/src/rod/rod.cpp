@@ -40,15 +40,17 @@ Rod::Jet Rod::Segment::radius_bounds() const {
   return bounds;
 }
 
-double Rod::Segment::compliance(double low, double high) const {
+double Rod::Segment::compliance(double low, double high, const ProfilePart* profile) const {
   const double start = std::max(low, from);
   const double length = std::min(high, to) - start;
   if (!(length > 0.0)) return 0.0;
-  if (more_stiffness.empty()) return length / stiffness;
+  if (more_stiffness.empty() && profile == nullptr) return length / stiffness;
   static const Quadrature rule(24);
   double sum = 0.0;
   for (int i = 0; i < rule.size(); ++i) {
-    sum += length * rule.weights()[i] / stiffness_at(start + length * rule.nodes()[i]).value;
+    const double s = start + length * rule.nodes()[i];
+    const double moment = profile == nullptr ? 1.0 : profile->at(s);
+    sum += length * rule.weights()[i] * moment / stiffness_at(s).value;
   }
   return sum;
 }
@@ -82,6 +84,10 @@ Vec2 Rod::whole_load() const {
   return weight * gravity + force;
 }
 
+bool Rod::has_torsion() const {
+  return std::all_of(segments.begin(), segments.end(), [](const Segment& s) { return s.torsion > 0.0; });
+}
+
 bool Rod::is_thick() const {
   return std::any_of(segments.begin(), segments.end(),
                      [](const Segment& s) { return s.radius != 0.0 || !s.more_radius.empty(); });
@@ -99,6 +105,7 @@ std::vector<double> Rod::fixed_knots() const {
   for (const Actuator& a : actuators) {
     ends.push_back(a.from);
     ends.push_back(a.to);
+    for (const ProfilePart& part : a.profile) ends.push_back(part.to);
   }
   for (const Load& l : loads) {
     ends.push_back(l.from);
@@ -111,6 +118,30 @@ std::vector<double> Rod::fixed_knots() const {
   }
   knots.push_back(1.0);
   return knots;
+}
+
+const ProfilePart* Rod::Actuator::part_at(double s) const {
+  for (const ProfilePart& part : profile) {
+    if (s < part.to) return &part;
+  }
+  return profile.empty() ? nullptr : &profile.back();
+}
+
+double Rod::Actuator::at(double s) const {
+  if (!(s > from && s < to)) return 0.0;
+  const ProfilePart* part = part_at(s);
+  return part == nullptr ? 1.0 : part->at(s);
+}
+
+double Rod::Actuator::compliance(const Segment& segment) const {
+  if (profile.empty()) return segment.compliance(from, to);
+  double sum = 0.0;
+  for (const ProfilePart& part : profile) sum += segment.compliance(part.from, part.to, &part);
+  return sum;
+}
+
+bool Rod::Actuator::varies() const {
+  return std::any_of(profile.begin(), profile.end(), [](const ProfilePart& part) { return !part.constant(); });
 }
 
 const Rod::Segment& Rod::segment_at(double s) const {

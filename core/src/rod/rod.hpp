@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "rod/profile.hpp"
 #include "tendril/export.hpp"
 #include "tendril/geometry.hpp"
 #include "tendril/numbers.hpp"
@@ -22,6 +23,8 @@ struct TENDRIL_API Rod {
     double weight = 0.0;          ///< rho |g| L^3 / EI0 there
     double rest_curvature = 0.0;  ///< kappa0 L there
     double radius = 0.0;          ///< of the body there, units of L
+    double torsion = 0.0;         ///< GJ / EI all along it; 0: not known
+    double across = 1.0;          ///< stiffness out of the plane / EI all along it
     /// How they change from there on: coefficients of x, x^2, ..., x the share of the segment's length. Empty: not.
     std::vector<double> more_stiffness{}, more_weight{}, more_rest_curvature{}, more_radius{};
 
@@ -39,8 +42,9 @@ struct TENDRIL_API Rod {
     Jet radius_bounds() const;
     /// int kappa0 ds: by how much the unloaded segment turns.
     double rest_turn() const { return up_to(to, rest_curvature, more_rest_curvature); }
-    /// int ds / EI over what it has in common with [low, high]: the turn by a unit of moment there.
-    double compliance(double low, double high) const;
+    /// int p ds / EI over what it has in common with [low, high]: the turn by a unit of moment there. `profile`: p,
+    /// without it 1.
+    double compliance(double low, double high, const ProfilePart* profile = nullptr) const;
     /// The moment that turns it as a constant curvature would, without other loads.
     double holding_moment(double low, double high, double curvature) const;
 
@@ -48,12 +52,21 @@ struct TENDRIL_API Rod {
     Jet at(double s, double start, const std::vector<double>& more) const;
     double up_to(double s, double start, const std::vector<double>& more) const;
   };
-  /// A moment between two arc lengths, with its limits.
-  struct Actuator {
-    double from = 0.0;           ///< arc length, units of L
-    double to = 1.0;             ///< arc length, units of L
-    double minimum = -infinity;  ///< of the moment, units of EI0/L
-    double maximum = infinity;   ///< of the moment, units of EI0/L
+  /// A moment between two arc lengths, with its limits: u p(s).
+  struct TENDRIL_API Actuator {
+    double from = 0.0;                   ///< arc length, units of L
+    double to = 1.0;                     ///< arc length, units of L
+    double minimum = -infinity;          ///< of u, units of EI0/L
+    double maximum = infinity;           ///< of u, units of EI0/L
+    std::vector<ProfilePart> profile{};  ///< p from `from` to `to`, in order, without gaps; empty: 1
+    /// The part of the profile that holds arc length s between `from` and `to`; null: there is none, p is 1.
+    const ProfilePart* part_at(double s) const;
+    /// p(s); 0 outside.
+    double at(double s) const;
+    /// The turn of a segment by a unit of u.
+    double compliance(const Segment& segment) const;
+    /// Whether p is not the same all over one of its parts.
+    bool varies() const;
     /// Whether it can do nothing.
     bool fixed_at_zero() const { return minimum == 0.0 && maximum == 0.0; }
   };
@@ -73,6 +86,7 @@ struct TENDRIL_API Rod {
   double payload = 0.0;                      ///< mass |g| L^2 / EI0
   Vec2 tip_force{};                          ///< dead force, times L^2 / EI0
   std::vector<Load> loads{};                 ///< along the rod
+  bool guided = false;                       ///< it cannot leave its plane
 
   /// Whether gravity does anything: it has a direction, and the rod or the tip has mass.
   bool has_gravity() const;
@@ -82,12 +96,15 @@ struct TENDRIL_API Rod {
   bool has_dead_loads() const;
   /// All that pulls at it: its weight, what hangs on it, and dead forces.
   Vec2 whole_load() const;
+  /// Whether its torsion is known all along.
+  bool has_torsion() const;
   /// Whether it has a body around its backbone.
   bool is_thick() const;
   /// It is nowhere thicker than that.
   double most_radius() const;
   Jet radius_at(double s) const { return segment_at(s).radius_at(s); }
-  /// Ends of segments, actuators and loads, ascending, 0 and 1 included: the knots that do not move.
+  /// Ends of segments, actuators, parts of their profiles and loads, ascending, 0 and 1 included: the knots that do not
+  /// move.
   std::vector<double> fixed_knots() const;
   /// The segment that holds arc length s: the later one at a joint, the last one beyond the end.
   const Segment& segment_at(double s) const;

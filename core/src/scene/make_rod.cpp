@@ -1,8 +1,31 @@
 #include "scene/make_rod.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace tendril {
+
+namespace {
+
+/// The offset of a tendon between its ends, over its largest one; none where it is the same all along.
+std::vector<ProfilePart> profile_of(const ActuatorSpec& spec, const Rod::Actuator& actuator, const Scale& scale) {
+  std::vector<ProfilePart> profile;
+  const double largest = spec.largest_offset();
+  for (std::size_t i = 0; i + 1 < spec.offset.size(); ++i) {
+    const auto arc_length = [&](std::size_t p) {
+      return std::clamp(scale.to_dimensionless(spec.offset[p].arc_length, dimension::length), actuator.from,
+                        actuator.to);
+    };
+    const double from = arc_length(i);
+    const double to = i + 2 == spec.offset.size() ? actuator.to : arc_length(i + 1);
+    const double first = round_to_12_digits(spec.offset[i].offset / largest);
+    const double last = round_to_12_digits(spec.offset[i + 1].offset / largest);
+    profile.push_back({from, to, {first, (last - first) / (to - from)}});
+  }
+  return profile;
+}
+
+}  // namespace
 
 Rod make_rod(const Scene& scene, const Scale& scale) {
   Rod rod;
@@ -20,6 +43,10 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
     s.weight = scale.to_dimensionless(spec.linear_density * g, per_length);
     s.radius = scale.to_dimensionless(0.5 * spec.thickness, dimension::length);
     s.rest_curvature = scale.to_dimensionless(spec.rest_curvature, dimension::curvature);
+    s.torsion = round_to_12_digits(spec.torsional_stiffness / spec.bending_stiffness);
+    if (spec.out_of_plane_stiffness > 0.0) {
+      s.across = round_to_12_digits(spec.out_of_plane_stiffness / spec.bending_stiffness);
+    }
     const auto along = [](const std::vector<double>& more, std::vector<double>& out, auto dimensionless) {
       for (const double c : more) out.push_back(dimensionless(c));
     };
@@ -34,13 +61,15 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
     from = s.to;
   }
   rod.segments.back().to = 1.0;
+  rod.guided = scene.guided_in_plane;
   for (const ActuatorSpec& spec : scene.rod.actuators) {
     Rod::Actuator a;
     a.from = scale.to_dimensionless(spec.from, dimension::length);
     a.to = std::min(1.0, scale.to_dimensionless(spec.to, dimension::length));
     a.minimum = scale.to_dimensionless(spec.minimum, dimension::moment);
     a.maximum = scale.to_dimensionless(spec.maximum, dimension::moment);
-    rod.actuators.push_back(a);
+    a.profile = profile_of(spec, a, scale);
+    rod.actuators.push_back(std::move(a));
   }
   rod.base = {scale.to_dimensionless(scene.rod.base_position.x, dimension::length),
               scale.to_dimensionless(scene.rod.base_position.y, dimension::length)};

@@ -1,7 +1,5 @@
 #include "tendril/scene.hpp"
 
-#include <algorithm>
-
 #include "tendril/plan.hpp"
 
 namespace tendril {
@@ -84,10 +82,6 @@ std::string_view to_string(PlanStatus status) {
       return "failed";
   }
   return "?";
-}
-
-double excess(const ActuatorSpec& actuator, double moment) {
-  return std::max(actuator.minimum - moment, moment - actuator.maximum);
 }
 
 BodyRadius RodSpec::body() const {

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "rod/rod.hpp"
 #include "tendril/scene.hpp"
 
 namespace tendril {
@@ -44,6 +46,99 @@ void validate_trajectory(const Scene& scene) {
   if (scene.trajectory.replan_every < 0) {
     throw SceneError("trajectory.replan_every", "expected 0 (only where needed) or more steps, found " +
                                                     std::to_string(scene.trajectory.replan_every));
+  }
+}
+
+<<<<<<< HEAD
+/// Beyond this a coefficient is no friction but glue, or a percentage.
+constexpr double largest_friction = 10.0;
+
+void require_friction(double value, const std::string& path) {
+  require_not_negative(value, path, "the coefficient of friction", "");
+  if (value > largest_friction) {
+    throw SceneError(path, "the coefficient of friction is " + shown(value) + ", expected 0 to " +
+                               shown(largest_friction) + " (most dry contacts have 0.1 to 1)");
+  }
+}
+
+void validate_friction(const Scene& scene) {
+  require_friction(scene.contact.friction, "contact.friction");
+  std::string path = scene.contact.friction > 0.0 ? "contact.friction" : "";
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const std::optional<double>& own = scene.obstacles[i].friction;
+    const std::string at = "obstacle[" + std::to_string(i) + "].friction";
+    if (own) require_friction(*own, at);
+    if (own.value_or(0.0) > 0.0 && path.empty()) path = at;
+  }
+  if (path.empty() || scene.contact.friction_state == FrictionState::none) return;
+  if (scene.contact.mode == ContactModeName::ignore || scene.contact.mode == ContactModeName::avoid) {
+    throw SceneError(path, "there is no friction where contact is not planned (contact mode \"" +
+                               std::string(to_string(scene.contact.mode)) + "\")");
+  }
+  if (scene.problem != ProblemKind::pose && scene.problem != ProblemKind::execute) {
+    throw SceneError(path, "friction is looked at for problem \"pose\" only, found \"" +
+                               std::string(to_string(scene.problem)) +
+                               "\", expected friction_state = \"none\" beside it");
+=======
+/// `path`: of the key.
+void validate_law(const ActuatorSpec& a, const std::string& path) {
+  require_finite(a.moment_per_pressure, path);
+  for (const double c : a.more_moment_per_pressure) require_finite(c, path);
+  if (a.kind == ActuatorKind::pressure && !a.knows_pressure()) {
+    throw SceneError(path.substr(0, path.rfind('.')), "an actuator of kind \"pressure\" has no 'moment_per_pressure'");
+  }
+  if (a.more_moment_per_pressure.empty()) return;
+  if (!std::isfinite(a.least_pressure) || !std::isfinite(a.most_pressure) || !(a.least_pressure < a.most_pressure)) {
+    throw SceneError(path,
+                     "a law of several coefficients holds between two pressures, expected limits of the pressure");
+  }
+  constexpr int samples = 200;
+  double last = a.moment_of(a.least_pressure);
+  double side = 0.0;
+  for (int i = 1; i <= samples; ++i) {
+    const double p = a.least_pressure + i * (a.most_pressure - a.least_pressure) / samples;
+    const double moment = a.moment_of(p);
+    if (side == 0.0) side = moment > last ? 1.0 : -1.0;
+    if (!(side * (moment - last) > 0.0)) {
+      throw SceneError(path,
+                       "the moment turns back at a pressure of " + shown(p) +
+                           " Pa, expected it to rise, or to fall, all the way between the limits of the pressure");
+    }
+    last = moment;
+>>>>>>> actuators
+  }
+}
+
+/// `path`: of the key. `length`: of the rod.
+void validate_offset(const ActuatorSpec& a, const std::string& path, double length) {
+  if (a.kind != ActuatorKind::tendon) {
+    if (!a.offset.empty()) throw SceneError(path, "an offset belongs to an actuator of kind \"tendon\"");
+    return;
+  }
+  for (std::size_t i = 0; i < a.offset.size(); ++i) {
+    require_finite(a.offset[i].arc_length, path);
+    require_finite(a.offset[i].offset, path);
+    // The same rounding as at the ends of actuators, and knots that are one are no part.
+    if (i > 0 && !(a.offset[i].arc_length > a.offset[i - 1].arc_length + length * knot_merge_distance)) {
+      throw SceneError(path, "the table of offsets must ascend, but " + shown(a.offset[i].arc_length) +
+                                 " m stands behind " + shown(a.offset[i - 1].arc_length) + " m");
+    }
+  }
+  if (a.largest_offset() == 0.0) {
+    throw SceneError(path,
+                     "a tendon bends the rod by its distance from the backbone, expected an offset that is not 0");
+  }
+  const double rounding = length * knot_merge_distance;
+  if (a.offset.size() > 1 && (std::abs(a.offset.front().arc_length - a.from) > rounding ||
+                              std::abs(a.offset.back().arc_length - a.to) > rounding)) {
+    throw SceneError(path, "the table of offsets reaches from " + shown(a.offset.front().arc_length) + " m to " +
+                               shown(a.offset.back().arc_length) + " m, expected from " + shown(a.from) + " m to " +
+                               shown(a.to) + " m as the tendon does");
+  }
+  const double low = std::min(a.minimum / a.largest_offset(), a.maximum / a.largest_offset());
+  if (low < 0.0) {
+    throw SceneError(path.substr(0, path.rfind('.')) + ".min",
+                     "a tendon only pulls, expected a tension that is not negative, found " + shown(low) + " N");
   }
 }
 
@@ -101,6 +196,13 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
     require_finite(s.rest_curvature, path + ".rest_curvature");
     for (const double c : s.more_rest_curvature) require_finite(c, path + ".rest_curvature");
     require_not_negative(s.thickness, path + ".thickness", "the thickness", "m");
+    require_not_negative(s.torsional_stiffness, path + ".torsional_stiffness", "the torsional stiffness", "N m^2");
+    require_not_negative(s.out_of_plane_stiffness, path + ".out_of_plane_stiffness", "the stiffness out of the plane",
+                         "N m^2");
+    if ((s.torsional_stiffness > 0.0) != (rod.segments.front().torsional_stiffness > 0.0)) {
+      throw SceneError(path + ".torsional_stiffness",
+                       "the torsional stiffness must be known of all segments or of none");
+    }
     require_along(s.bending_stiffness, s.more_bending_stiffness, true, path + ".bending_stiffness",
                   "the bending stiffness", "N m^2");
     require_along(s.linear_density, s.more_linear_density, false, path + ".linear_density", "the linear density",
@@ -134,7 +236,8 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
     if (a.minimum == infinity || a.maximum == -infinity) {
       throw SceneError(path + ".limit", "no moment is within the limits");
     }
-    require_finite(a.moment_per_pressure, path + ".moment_per_pressure");
+    validate_law(a, path + ".moment_per_pressure");
+    validate_offset(a, path + ".offset", length);
   }
 }
 
@@ -266,6 +369,7 @@ void validate(const Scene& scene) {
                      "expected 0 (chosen by the planner) to 10000, found " + std::to_string(c.check_points));
   }
   require_positive(c.beta, "contact.beta", "beta", "");
+  validate_friction(scene);
   if (c.mode == ContactModeName::require) {
     if (scene.obstacles.empty() && !scene.gripper)
       throw SceneError("contact.mode", "\"require\" needs an obstacle, but the scene has none");
@@ -292,6 +396,11 @@ void validate(const Scene& scene) {
 Scale scale_of(const Scene& scene) { return {scene.rod.length(), scene.rod.segments.front().bending_stiffness}; }
 
 bool needs_term(const ObjectiveSpec& objective) { return objective.weight != 0.0; }
+
+double friction_of(const Scene& scene, std::size_t i) {
+  if (scene.contact.friction_state == FrictionState::none) return 0.0;
+  return scene.obstacles[i].friction.value_or(scene.contact.friction);
+}
 
 bool needs_obstacles(const Scene& scene) {
   return !scene.obstacles.empty() && scene.contact.mode != ContactModeName::ignore;

@@ -7,6 +7,7 @@
 #include "search/contacts.hpp"
 #include "search/parameters.hpp"
 #include "search/planner.hpp"
+#include "search/sides.hpp"
 #include "search/task.hpp"
 #include "statics/loading.hpp"
 #include "tendril/error.hpp"
@@ -17,6 +18,14 @@ namespace {
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
 constexpr double shares_of_bend[] = {0.9, 0.75, 0.6, 0.5,
                                      0.4, 0.25, 0.1};  ///< of a rest that coordinates cannot follow
+
+/// Whether the rod passes every obstacle on the same side at two points of a program.
+bool stays_beside(const Task& task, const PoseProgram& program, const Eigen::VectorXd& from,
+                  const Eigen::VectorXd& to) {
+  const Sides before = sides_of(task, program.shape_of(from));
+  const Sides after = sides_of(task, program.shape_of(to));
+  return std::equal(before.begin(), before.end(), after.begin(), [](int a, int b) { return a * b >= 0; });
+}
 
 }  // namespace
 
@@ -151,7 +160,9 @@ void Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
     const bool broken = r.status == SolveStatus::failed || r.status == SolveStatus::unsupported ||
                         r.status == SolveStatus::not_finite || r.x.size() != feasible.size();
     if (broken) return;
-    if (usable(r, feasible) && finish(state, held, regions, checks, r.x)) return;
+    const bool done = usable(r, feasible) && finish(state, held, regions, checks, r.x);
+    // On its way a backend may pass through an obstacle. The plan that it finds then says nothing about where it began.
+    if (done && (d_.palm || stays_beside(d_, held, feasible, r.x))) return;
   }
   // What the backend cannot do with all variables it may do with the moments alone.
   Eigen::VectorXd x = feasible;

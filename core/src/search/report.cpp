@@ -95,9 +95,11 @@ void tell_point(const Task& task, PoseProgram& program, ConstVectorRef x, Plan& 
   }
   plan.coordinates.assign(x.data(), x.data() + program.layout().coordinates);
   plan.moments.resize(task.rod.actuators.size());
+  plan.turns.resize(task.rod.actuators.size());
   for (std::size_t a = 0; a < plan.moments.size(); ++a) {
     const int variable = program.moment_variable(static_cast<int>(a));
     plan.moments[a] = variable < 0 ? 0.0 : x[variable] * task.scale.moment();
+    plan.turns[a] = program.turn_along(static_cast<int>(a));
   }
   const Vec2 tip = program.backbone().tip();
   plan.tip_x = tip.x * task.scale.length;

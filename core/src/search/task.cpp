@@ -95,10 +95,11 @@ std::vector<double> Task::angles_near(double reference) const {
   double high = 0.5 * full_turn;
   for (const Rod::Actuator& a : rod.actuators) {
     for (const Rod::Segment& s : rod.segments) {
-      const double turn = s.compliance(a.from, a.to);
-      if (turn <= 0.0) continue;
-      low += a.minimum * turn;
-      high += a.maximum * turn;
+      const double turn = a.compliance(s);
+      if (turn == 0.0) continue;
+      const auto [least, most] = std::minmax({a.minimum * turn, a.maximum * turn});
+      low += least;
+      high += most;
     }
   }
   double rest = rod.base_angle;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "certificate/certifier.hpp"
 #include "search/parameters.hpp"
 #include "tendril/tolerances.hpp"
 
@@ -31,9 +32,7 @@ std::string told_infeasibility(const Ways& ways, const std::string& unit) {
 void judge_failure(const Ways& ways, const Grounds& grounds, Plan& plan) {
   if (grounds.chosen != nullptr) {
     const Certificate& c = grounds.chosen->certificate;
-    const bool only_unstable =
-        c.failures.size() == 1 && c.contact_convexity > tolerance::convexity && !(c.stability > tolerance::stability);
-    plan.status = only_unstable ? PlanStatus::unstable : PlanStatus::not_converged;
+    plan.status = only_unstable(c) ? PlanStatus::unstable : PlanStatus::not_converged;
     plan.message = c.failures.empty() ? "no plan" : c.failures.front();
     return;
   }

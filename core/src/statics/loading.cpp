@@ -29,8 +29,9 @@ LoadPath::Ends ends_from_rest(Rod& rod, double curvature, const std::vector<doub
     wanted[r] =
         segment.holding_moment(knots[static_cast<std::size_t>(r)], knots[static_cast<std::size_t>(r) + 1], curvature);
     for (Eigen::Index a = 0; a < count; ++a) {
+      // A profile that varies leaves no constant moment to be held by others: such an actuator starts without one.
       const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
-      if (middle > actuator.from && middle < actuator.to) spans(r, a) = 1.0;
+      if (!actuator.varies()) spans(r, a) = actuator.at(middle);
     }
   }
   LoadPath::Ends ends;
@@ -131,6 +132,11 @@ void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
   }
   if (overlaps_.empty()) return;
   std::erase_if(start_.contacts, [&](const PointContact& c) { return path_.distance_rate(c.setup.obstacle) != 0.0; });
+}
+
+void Loading::rub(const std::vector<double>& friction) {
+  for (std::size_t o = 0; o < friction.size(); ++o) path_.rub(o, friction[o]);
+  moves_ = true;
 }
 
 bool Loading::run() {

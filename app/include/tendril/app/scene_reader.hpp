@@ -23,6 +23,8 @@ enum class KeyType {
   ends,
   points,
   targets,
+  law,      ///< a number, or coefficients of a polynomial
+  offsets,  ///< a length, one at either end, or a table along the rod
   table,
   tables,
   options

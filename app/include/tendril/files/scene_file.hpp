@@ -51,7 +51,7 @@ enum class InputKind {
   none,       ///< nothing was said
   moments,    ///< N m
   pressures,  ///< Pa
-  each        ///< a pressure where the scene says what moment it gives, else a moment
+  each        ///< what each actuator is told: a pressure where the scene says what moment it gives, a tension, a moment
 };
 
 /// What moves the actuators when a scene is executed.
@@ -97,6 +97,8 @@ class TENDRIL_API SceneFile {
   Estimate estimate(const Run& run = {});
   /// `tendril execute`: what the rod does under `inputs`.
   Execution execute(const Inputs& inputs, const Run& run = {});
+  /// The same along several lists between semicolons, one after the other.
+  Trajectory execute_along(const Inputs& inputs, const Run& run = {});
   /// The same under the moments of an earlier result: of a plan, or of each step of a trajectory in turn.
   std::variant<Execution, Trajectory> execute(const ResultText& earlier, const Run& run = {});
 

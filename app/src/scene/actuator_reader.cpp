@@ -1,0 +1,237 @@
+#include "scene/actuator_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace tendril::app {
+
+namespace {
+
+/// A quantity in the unit of what an actuator is told.
+template <class Set>
+Key<ActuatorDraft> input_quantity(std::string name, Range range, std::string description, Set set) {
+  Key<ActuatorDraft> key =
+      quantity<ActuatorDraft>(std::move(name), dimension::moment, range, "no limit", std::move(description), set);
+  key.read = [spec = key.spec, set](const Context& context, const Node& node, ActuatorDraft& draft) {
+    KeySpec own = spec;
+    own.dimension = ActuatorSpec{.kind = draft.kind}.input_dimension();
+    set(draft, read_quantity(context, node, own));
+  };
+  return key;
+}
+
+Key<ActuatorDraft> offset_key() {
+  Key<ActuatorDraft> key{{"offset", KeyType::offsets, dimension::length, "",
+                          "Distance of a tendon from the backbone, positive to the left: the same all along, at from "
+                          "and to with a straight line in between, or a table of arc lengths and distances."},
+                         {}};
+  key.read = [spec = key.spec](const Context& context, const Node& node, ActuatorDraft& draft) {
+    const auto* list = std::get_if<Node::List>(&node.value);
+    if (list == nullptr) {
+      draft.offset = {read_quantity(context, node, spec)};
+      return;
+    }
+    const std::string expected = "a length, two of them [at from, at to], or a table [[arc length, offset], ...]";
+    if (list->size() < 2) context.fail(node, expected);
+    const auto pair = [](const Node& item) { return std::get_if<Node::List>(&item.value); };
+    if (pair(list->front()) == nullptr) {
+      if (list->size() != 2) context.fail(node, expected);
+      for (const Node& item : *list) draft.offset.push_back(read_quantity(context, item, spec));
+      return;
+    }
+    for (const Node& item : *list) {
+      const Node::List* entry = pair(item);
+      if (entry == nullptr || entry->size() != 2) context.fail(item, "a pair [arc length, offset]");
+      const double s = read_quantity(context, entry->front(), spec);
+      draft.offset_table.push_back({s, read_quantity(context, entry->back(), spec)});
+    }
+  };
+  return key;
+}
+
+/// The coefficients of a law of pressure.
+Key<ActuatorDraft> law_key() {
+  Key<ActuatorDraft> key{
+      {"moment_per_pressure", KeyType::law, dimension::moment_per_pressure, "",
+       "Moment that a unit of pressure gives; negative if pressure bends to the right. Or coefficients "
+       "of the pressure, its square, and so on, which need limits of the pressure."},
+      {}};
+  key.read = [spec = key.spec](const Context& context, const Node& node, ActuatorDraft& draft) {
+    const auto* list = std::get_if<Node::List>(&node.value);
+    if (list == nullptr) {
+      draft.moment_per_pressure = {read_quantity(context, node, spec)};
+      return;
+    }
+    constexpr std::array<std::string_view, 5> units{"N m/Pa", "N m/Pa^2", "N m/Pa^3", "N m/Pa^4", "N m/Pa^5"};
+    if (list->empty() || list->size() > units.size()) {
+      context.fail(node, "a moment per pressure, or a list of 1 to 5 coefficients of the pressure, its square, ...");
+    }
+    for (std::size_t i = 0; i < list->size(); ++i) {
+      KeySpec own = spec;
+      own.dimension = {0, 0, units.at(i)};
+      draft.moment_per_pressure.push_back(read_quantity(context, (*list)[i], own));
+    }
+    while (draft.moment_per_pressure.size() > 1 && draft.moment_per_pressure.back() == 0.0) {
+      draft.moment_per_pressure.pop_back();
+    }
+  };
+  return key;
+}
+
+Key<ActuatorDraft> kind_key() {
+  Key<ActuatorDraft> key = text<ActuatorDraft>(
+      "kind", "moment", "What it is told: a moment, the tension of a tendon beside the backbone, or a pressure.",
+      [](ActuatorDraft& t, const std::string& word) {
+        for (const ActuatorKind kind : {ActuatorKind::moment, ActuatorKind::tendon, ActuatorKind::pressure}) {
+          if (word == to_string(kind)) t.kind = kind;
+        }
+      },
+      {"moment", "tendon", "pressure"});
+  key.first = true;
+  return key;
+}
+
+/// The limits in what the actuator is told, as they stand in the scene.
+std::pair<double, double> written_limits(const Document& document, const std::string& path,
+                                         const ActuatorDraft& actuator) {
+  const bool tendon = actuator.kind == ActuatorKind::tendon;
+  if (actuator.limit) {
+    if (actuator.minimum || actuator.maximum) {
+      document.fail(document.find(path + "limit"),
+                    "found 'limit' beside 'min' or 'max', expected either limit or min and max");
+    }
+    return {tendon ? 0.0 : -*actuator.limit, *actuator.limit};
+  }
+  const std::pair limits{actuator.minimum.value_or(tendon ? 0.0 : -infinity), actuator.maximum.value_or(infinity)};
+  const auto [low, high] = limits;
+  if (tendon && low < 0.0) {
+    document.fail(document.find(path + "min"),
+                  fmt::format("found a tension of {} N, expected one that is not negative: a tendon only pulls", low));
+  }
+  if (low > high) {
+    const std::string_view unit = ActuatorSpec{.kind = actuator.kind}.input_dimension().unit;
+    document.fail(document.find(path + (actuator.minimum ? "min" : "max")),
+                  fmt::format("found min {} {} above max {} {}, expected min <= max", low, unit, high, unit));
+  }
+  return limits;
+}
+
+bool knows_pressure(const ActuatorDraft& actuator) {
+  return std::any_of(actuator.moment_per_pressure.begin(), actuator.moment_per_pressure.end(),
+                     [](double c) { return c != 0.0; });
+}
+
+/// The limits of an actuator of kind "moment" whose pressure is limited.
+std::pair<double, double> pressure_limits(const Document& document, const std::string& path,
+                                          const ActuatorDraft& actuator) {
+  const std::string key = path + (actuator.smallest_pressure ? "min_pressure" : "max_pressure");
+  if (actuator.kind != ActuatorKind::moment) {
+    document.fail(document.find(key), "found a limit of the pressure beside 'kind', expected 'limit', 'min' or 'max'");
+  }
+  if (actuator.limit || actuator.minimum || actuator.maximum) {
+    document.fail(document.find(key), "found a limit of the pressure beside one of the moment, expected one of them");
+  }
+  if (!knows_pressure(actuator)) {
+    document.fail(document.find(key), "found a limit of the pressure, expected 'moment_per_pressure' beside it");
+  }
+  const std::pair limits{actuator.smallest_pressure.value_or(-infinity), actuator.largest_pressure.value_or(infinity)};
+  if (limits.first > limits.second) document.fail(document.find(key), "found min_pressure above max_pressure");
+  return limits;
+}
+
+/// `low` and `high`: limits of the actuator, which are pressures if `of_pressure`.
+void finish_law(const Document& document, const std::string& path, const ActuatorDraft& actuator, double low,
+                double high, bool of_pressure, ActuatorSpec& spec) {
+  if (!knows_pressure(actuator)) return;
+  const std::vector<double>& law = actuator.moment_per_pressure;
+  spec.moment_per_pressure = law.front();
+  spec.more_moment_per_pressure.assign(law.begin() + 1, law.end());
+  if (law.size() == 1) return;
+  const SourcePosition at = document.find(path + "moment_per_pressure");
+  if (!of_pressure || !std::isfinite(low) || !std::isfinite(high)) {
+    document.fail(at, "found a law of several coefficients, expected limits of the pressure on both sides beside it");
+  }
+  spec.least_pressure = low;
+  spec.most_pressure = high;
+}
+
+void finish_offset(const Document& document, const std::string& path, const ActuatorDraft& actuator,
+                   ActuatorSpec& spec) {
+  const bool given = !actuator.offset.empty() || !actuator.offset_table.empty();
+  if (given != (spec.kind == ActuatorKind::tendon)) {
+    document.fail(document.find(path + (given ? "offset" : "kind")),
+                  given ? "found an 'offset', expected kind = \"tendon\" beside it"
+                        : "found a tendon without an 'offset', expected its distance from the backbone, for instance "
+                          "offset = \"8 mm\"");
+  }
+  for (std::size_t i = 0; i < actuator.offset.size(); ++i) {
+    spec.offset.push_back({i == 0 ? spec.from : spec.to, actuator.offset[i]});
+  }
+  for (const Vec2& p : actuator.offset_table) spec.offset.push_back({p.x, p.y});
+}
+
+}  // namespace
+
+Table<ActuatorDraft> actuator_table() {
+  using T = ActuatorDraft;
+  return {
+      {kind_key(),
+       quantity<T>("from", dimension::length, not_negative, "0", "Arc length at which the actuator begins.",
+                   [](T& t, double v) { t.from = v; }),
+       quantity<T>("to", dimension::length, not_negative, "the rod's length", "Arc length at which the actuator ends.",
+                   [](T& t, double v) { t.to = v; }),
+       input_quantity(
+           "limit", not_negative,
+           "Largest moment in either direction, or pressure, or the largest tension (N) of a tendon; instead of min "
+           "and max. 0 removes the actuator.",
+           [](T& t, double v) { t.limit = v; }),
+       input_quantity("min", any,
+                      "Smallest moment (positive moments bend to the left), pressure or tension; a tendon without one "
+                      "may be slack.",
+                      [](T& t, double v) { t.minimum = v; }),
+       input_quantity("max", any, "Largest moment, pressure or tension.", [](T& t, double v) { t.maximum = v; }),
+       offset_key(), law_key(),
+       quantity<T>("min_pressure", dimension::pressure, any, "no limit",
+                   "Smallest pressure; with moment_per_pressure, instead of limits of the moment.",
+                   [](T& t, double v) { t.smallest_pressure = v; }),
+       quantity<T>("max_pressure", dimension::pressure, any, "no limit", "Largest pressure.",
+                   [](T& t, double v) { t.largest_pressure = v; })}};
+}
+
+ActuatorSpec finish_actuator(const Document& document, const std::string& path, const ActuatorDraft& actuator,
+                             double length) {
+  ActuatorSpec spec;
+  spec.kind = actuator.kind;
+  spec.from = actuator.from.value_or(0.0);
+  spec.to = actuator.to.value_or(length);
+  if (spec.from >= spec.to) {
+    document.fail(document.find(path + (actuator.from ? "from" : "to")),
+                  fmt::format("found an actuator from {} m to {} m, expected from < to", spec.from, spec.to));
+  }
+  finish_offset(document, path, actuator, spec);
+  if (spec.kind == ActuatorKind::pressure && !knows_pressure(actuator)) {
+    document.fail(
+        document.find(path + "kind"),
+        "found an actuator of kind \"pressure\" without 'moment_per_pressure', expected the moment that a unit "
+        "of pressure gives");
+  }
+  if (spec.kind == ActuatorKind::tendon && knows_pressure(actuator)) {
+    document.fail(document.find(path + "moment_per_pressure"),
+                  "found 'moment_per_pressure' of a tendon, expected it with kind \"pressure\" or \"moment\"");
+  }
+  const bool pressures = actuator.smallest_pressure || actuator.largest_pressure;
+  const auto [low, high] =
+      pressures ? pressure_limits(document, path, actuator) : written_limits(document, path, actuator);
+  finish_law(document, path, actuator, low, high, pressures || spec.kind == ActuatorKind::pressure, spec);
+  // Limits of a moment stay moments, also where a pressure is known.
+  const bool inputs = pressures || spec.kind != ActuatorKind::moment;
+  if (spec.kind == ActuatorKind::tendon && spec.largest_offset() == 0.0) return spec;  // core tells it
+  const auto moment = [&](double limit) { return inputs ? spec.moment_of(limit) : limit; };
+  std::tie(spec.minimum, spec.maximum) = std::minmax({moment(low), moment(high)});
+  return spec;
+}
+
+}  // namespace tendril::app

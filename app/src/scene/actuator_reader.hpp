@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/keys.hpp"
+#include "tendril/scene.hpp"
+
+namespace tendril::app {
+
+/// [[rod.actuator]] as written, before the rod's length is known.
+struct ActuatorDraft {
+  std::optional<double> from, to;
+  std::optional<double> limit, minimum, maximum, smallest_pressure, largest_pressure;  ///< of what its kind is told
+  std::vector<double> moment_per_pressure{};  ///< of the pressure, its square, ...
+  ActuatorKind kind = ActuatorKind::moment;
+  std::vector<double> offset{};      ///< at both ends, or one for all
+  std::vector<Vec2> offset_table{};  ///< (arc length, offset)
+  SourcePosition position{};
+};
+
+Table<ActuatorDraft> actuator_table();
+
+/// `path`: of its keys. `length`: of the rod.
+ActuatorSpec finish_actuator(const Document& document, const std::string& path, const ActuatorDraft& actuator,
+                             double length);
+
+}  // namespace tendril::app

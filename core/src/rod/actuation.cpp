@@ -1,0 +1,70 @@
+// Work of actuators, u int p kappa ds, and its derivatives. Where the profile p is the same all over a piece only the
+// angles at its ends count; where it varies, knots that move carry the piece along p.
+
+#include "rod/places.hpp"
+
+namespace tendril {
+
+void Places::pull_back_moment(int actuator, double moment, double* out) const {
+  const int n = chain_->functions();
+  const BasisTable& table = chain_->table();
+  for (int j = 0; j < chain_->piece_count(); ++j) {
+    if (const double level = chain_->level(actuator, j); level != 0.0) {
+      for (int i = 0; i < n; ++i) out[j * n + i] += moment * level * table.end[i];
+      continue;
+    }
+    const ProfilePart* part = chain_->varying(actuator, j);
+    if (part == nullptr) continue;
+    for (int g = 0; g < table.nodes; ++g) {
+      const double s = backbone_.start(j) + backbone_.length(j) * table.sigma[g];
+      const double here = moment * table.weight[g] * part->at(s);
+      for (int i = 0; i < n; ++i) out[j * n + i] += here * table.slope(g, i);
+    }
+  }
+}
+
+double Places::turn_along(int actuator) const {
+  Eigen::VectorXd row = Eigen::VectorXd::Zero(chain_->coordinate_count());
+  pull_back_moment(actuator, 1.0, row.data());
+  return row.dot(Eigen::Map<const Eigen::VectorXd>(backbone_.coordinates(0), row.size()));
+}
+
+void Places::add_moment_rates(int actuator, double moment, MatrixRef by_q_and_s) {
+  const int n = chain_->functions();
+  const BasisTable& table = chain_->table();
+  for (int j = 0; j < chain_->piece_count(); ++j) {
+    const ProfilePart* part = chain_->varying(actuator, j);
+    if (part == nullptr) continue;
+    for (int g = 0; g < table.nodes; ++g) {
+      const double sigma = table.sigma[g];
+      const double here = moment * table.weight[g] * part->at(backbone_.start(j) + backbone_.length(j) * sigma, 1);
+      for (int l = 0; l < arc_lengths_; ++l) {
+        by_q_and_s.col(l).segment(j * n, n) += here * run(j, sigma, l) * table.slope.row(g).transpose();
+      }
+    }
+  }
+}
+
+void Places::add_moment_second(int actuator, double moment, const double* lambda, VectorRef by_moment_and_s,
+                               MatrixRef by_s_twice) {
+  const int n = chain_->functions();
+  const BasisTable& table = chain_->table();
+  for (int j = 0; j < chain_->piece_count(); ++j) {
+    const ProfilePart* part = chain_->varying(actuator, j);
+    if (part == nullptr) continue;
+    const Eigen::Map<const Eigen::VectorXd> along(lambda + j * n, n);
+    for (int g = 0; g < table.nodes; ++g) {
+      const double sigma = table.sigma[g];
+      const double s = backbone_.start(j) + backbone_.length(j) * sigma;
+      const double here = table.weight[g] * table.slope.row(g).dot(along);
+      for (int l = 0; l < arc_lengths_; ++l) {
+        by_moment_and_s[l] += here * part->at(s, 1) * run(j, sigma, l);
+        for (int k = 0; k < arc_lengths_; ++k) {
+          by_s_twice(l, k) += moment * here * part->at(s, 2) * run(j, sigma, l) * run(j, sigma, k);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace tendril
