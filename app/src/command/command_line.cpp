@@ -7,6 +7,7 @@
 
 #include "command/new_command.hpp"
 #include "command/reference.hpp"
+#include "live/live.hpp"
 #include "session/inputs.hpp"
 #include "tendril/app/commands.hpp"
 #include "tendril/app/input_error.hpp"
@@ -298,6 +299,23 @@ Command describe_command(CLI::App& app) {
   return {describe, [parsed] { return run_describe(parsed->scene.arguments(), parsed->json); }};
 }
 
+Command live_command(CLI::App& app) {
+  struct Parsed {
+    SceneOptions scene;
+    int port = 0;
+    bool no_browser = false;
+  };
+  CLI::App* live = app.add_subcommand(
+      "live", "A page on this machine: drag the target, obstacles and the base, and see the rod find its way");
+  const auto parsed = std::make_shared<Parsed>();
+  parsed->scene.add_to(*live);
+  live->add_option("--port", parsed->port, "Port of the loopback interface, by default any that is free")
+      ->type_name("N")
+      ->check(CLI::Range(1, 65535));
+  live->add_flag("--no-browser", parsed->no_browser, "Only print the address");
+  return {live, [parsed] { return run_live({parsed->scene.arguments(), parsed->port, !parsed->no_browser}); }};
+}
+
 Command view_command(CLI::App& app) {
   struct Parsed {
     std::string result, output;
@@ -370,7 +388,7 @@ int parse_and_run(int argc, const char* const* argv) {
   app.get_formatter()->column_width(34);
   const std::vector<Command> commands{
       plan_command(app),     execute_command(app), study_command(app, {argv + std::min(argc, 1), argv + argc}),
-      describe_command(app),    view_command(app),
+      describe_command(app), live_command(app),    view_command(app),
       plugins_command(app),  new_command(app),     reference_command(app)};
   try {
     app.parse(argc, argv);
