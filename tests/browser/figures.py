@@ -98,12 +98,25 @@ def check_plan(browser, page, result, downloads, dark):
     assert not browser.messages()
 
 
+def check_movie(browser, page, downloads):
+    browser.open_file(page)
+    browser.run("[...document.querySelectorAll('footer button')].find((b) => b.textContent === 'Movie').click()")
+    for _ in range(400):
+        files = [file for file in downloads.glob("tendril.*") if file.suffix in (".webm", ".mp4") and file.stat().st_size > 1000]
+        if files:
+            return
+        time.sleep(0.05)
+    raise AssertionError(f"no movie: {list(downloads.iterdir())} {browser.messages()}")
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         directory = pathlib.Path(name)
         trajectory = make(directory, "trajectory", "plan", "trajectory.toml")
         plan = make(directory, "plan", "plan", "brace.toml")
-        others = [make(directory, "grasp", "plan", "grasp_unequal.toml"), make(directory, "executed", "execute", "snap_through.toml", "--moments", "50 N mm"),
+        subprocess.run([command, "execute", f"{scenes}/snap_through.toml", "--moments", "100 N mm", "--output", directory / "up"], capture_output=True, check=True)
+        executed = make(directory, "executed", "execute", "snap_through.toml", "--moments", "-50 N mm", "--start", directory / "up/result.json")
+        others = [make(directory, "grasp", "plan", "grasp_unequal.toml"), executed,
                   make(directory, "study", "study", "grasp_distal_sweep.toml")]
         for page, _ in (trajectory, plan, *others):
             check_policy(page)
@@ -113,6 +126,8 @@ def main():
                     if not dark:
                         check_trajectory(browser, *trajectory)
                     check_plan(browser, *plan, directory, dark)
+                    if not dark:
+                        check_movie(browser, others[1][0], directory)
                     for page, _ in others:
                         browser.requests()
                         browser.open_file(page)

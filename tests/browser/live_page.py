@@ -158,10 +158,15 @@ def main():
                 print(f"{fast:.1f} ms from a change to its picture")
                 check_500_drags(browser, live)
                 assert not [m for m in browser.messages() if "400 (Bad Request)" not in m]
+                # A server that is gone is told, and the last plan stays.
+                last = shown(browser)
+                assert live.interrupt()[0] == 0
+                browser.run("live.change('target.position', [[95, 19]], true)")
+                browser.wait("return live.trouble.textContent.includes('tendril does not answer')")
+                assert shown(browser) == last
         except Missing as why:
             print(f"skipped: {why}")
             sys.exit(77)
-        assert live.interrupt()[0] == 0
 
 
 main()

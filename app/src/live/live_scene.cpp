@@ -19,7 +19,7 @@ namespace {
 std::string action_of(const Json& request) {
   const auto action = request.find("action");
   if (action == request.end() || !action->is_string()) throw InputError("action: expected plan, follow or execute");
-  const std::string word = action->get<std::string>();
+  std::string word = action->get<std::string>();
   if (word != "plan" && word != "follow" && word != "execute") {
     throw InputError("action: expected plan, follow or execute");
   }
@@ -99,51 +99,52 @@ LiveAnswer LiveScene::run(const Json& request) {
   stop_ = true;
   const std::lock_guard lock(running_);
   stop_ = ended_.load();
-  const LiveAnswer late{409, {{"error", "something newer was asked for"}}};
+  LiveAnswer late{409, {{"error", "something newer was asked for"}}};
   // One that came since then has set the flag, which was just taken back.
   if (newest_ != mine || ended_) return late;
   try {
     Session session(arguments_with(request));
     session.stop_by(stop_);
-    Json body = make(session, request);
+    Made made = make(session, request);
     if (newest_ != mine) return late;
     result_number_ = mine;
-    body["number"] = mine;
-    return {200, std::move(body)};
+    result_ = std::move(made.result);
+    if (made.plan) last_ = std::move(made.plan);
+    made.body["number"] = mine;
+    return {200, std::move(made.body)};
   } catch (const Error& error) {
     return newest_ != mine ? late : LiveAnswer{400, refused(error.what(), controls_)};
   }
 }
 
-Json LiveScene::make(Session& session, const Json& request) {
+LiveScene::Made LiveScene::make(Session& session, const Json& request) const {
   const std::string action = action_of(request);
   const auto begin = std::chrono::steady_clock::now();
   const Scene& scene = session.scene();
-  std::optional<Plan> found;
+  Made made;
   if (action == "execute") {
     std::optional<double> palm_distance;
     if (last_ && last_->grasp) palm_distance = last_->grasp->palm_distance;
     const Inputs inputs{InputKind::moments, inputs_of(request), "moments"};
     const Execution execution = session.execute(moments_of(inputs, session), std::nullopt, palm_distance);
-    result_ = execution_result(scene, execution, session.run_info());
+    made.result = execution_result(scene, execution, session.run_info());
   } else if (scene.problem == ProblemKind::trajectory) {
     const Trajectory trajectory = session.plan_trajectory();
-    result_ = Json::parse(trajectory_json(scene, trajectory, session.run_info()));
+    made.result = Json::parse(trajectory_json(scene, trajectory, session.run_info()));
   } else {
     const bool follow = action == "follow" && last_ && last_->status == PlanStatus::solved;
-    found = follow ? session.plan_from(&*last_, true) : session.plan(std::nullopt);
-    result_ = plan_result(scene, *found, session.run_info());
+    made.plan = follow ? session.plan_from(&*last_, true) : session.plan(std::nullopt);
+    made.result = plan_result(scene, *made.plan, session.run_info());
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  if (found) last_ = std::move(found);
-  Json body{{"drawing", drawing_of(result_, "the result", session.registry())}, {"seconds", seconds}};
+  made.body = {{"drawing", drawing_of(made.result, "the result", session.registry())}, {"seconds", seconds}};
   for (const char* key : {"modes", "moments"}) {
-    if (result_.contains(key)) body[key] = result_[key];
+    if (made.result.contains(key)) made.body[key] = made.result[key];
   }
   Json left_out = Json::array();
   for (const LeftOut& item : session.dropped()) left_out.push_back(item.what + ": " + item.why);
-  body["dropped"] = std::move(left_out);
-  return body;
+  made.body["dropped"] = std::move(left_out);
+  return made;
 }
 
 LiveAnswer LiveScene::scene_text(const Json& request) const {

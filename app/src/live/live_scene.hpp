@@ -34,7 +34,12 @@ class LiveScene {
 
  private:
   SceneArguments arguments_with(const Json& request) const;
-  Json make(Session& session, const Json& request);
+  /// What was made for a request: the answer, the result behind it, and the plan to follow from.
+  struct Made {
+    Json body, result;
+    std::optional<Plan> plan{};
+  };
+  Made make(Session& session, const Json& request) const;
 
   SceneArguments arguments_;
   std::vector<Control> controls_;

@@ -238,7 +238,7 @@ class LivePage {
     this.first = false;
     if (body.drawing.frames.length > 1 && this.action === "execute") this.viewer.go(body.drawing.frames.length - 1);
     this.viewer.notes.textContent = [...body.drawing.notes, ...body.dropped].join("; ");
-    this.busy.textContent = `${this.action === "execute" ? "executed" : "planned"} in ${(body.seconds * 1000).toPrecision(3)} ms`;
+    this.busy.textContent = `${this.action === "execute" ? "executed" : "planned"} in ${Tendril.quantity(body.seconds, "s", this.data.drawing.length_unit, 3)}`;
     const { element } = Tendril;
     this.ways.replaceChildren(...(body.modes || []).map((m) => element("tr", {}, element("td", {}, m.mode), element("td", { class: "outcome" }, m.outcome))));
     this.history.push(body.drawing.frames[this.viewer.index].contacts.reduce((sum, c) => sum + (c.force || 0), 0));
