@@ -216,6 +216,10 @@ TEST(View, RefusesWhatIsNoResult) {
   refused(R"({"schema": 1, "backbone": [[0, 0, 0, 0, "x"]], "contacts": []})", "found string at '/backbone/0/4'");
   refused(R"({"schema": 1, "backbone": [[0,0,0,0,0],[1,1,0,0,0]], "contacts": [], "thickness": [1]})",
           "expected a number for each point of the backbone");
+  refused(R"({"schema": 1, "backbone": [[0,0,0,0,0]], "contacts": [], "start_backbone": [[0]]})",
+          "expected five numbers");
+  refused(R"({"schema": 1, "backbone": [[0,0,0,0,0]], "contacts": [], "target": {"position": "x"}})",
+          "found string at '/target/position'");
   expect_refused(tendril({"view", directory / "none.json"}), "cannot open result");
   expect_refused(tendril({"view", directory / "r.json", "--output", directory / "p.pdf"}),
                  "expected a name that ends in .html");

@@ -49,6 +49,7 @@ def check_who(live):
         (415, live.ask(run, plan, Content_Type="application/x-www-form-urlencoded")),
         (400, live.ask(run, b"no JSON")),
         (400, live.ask(run, b"[" * 60000)),
+        (400, live.ask(run, b"[" * 30000 + b"]" * 30000)),
         (413, live.ask(run, {"action": "plan", "settings": {}, "more": "x" * 70000})),
     ]
     for i, (status, (found, headers, text)) in enumerate(expected):
@@ -64,6 +65,12 @@ def check_who(live):
     for address in {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)} - {"127.0.0.1"}:
         if not address.startswith("127."):
             assert socket.socket().connect_ex((address, live.port)) != 0, address
+
+
+def check_plain(live):
+    """Compressing an answer would take longer than the plan."""
+    _, headers, text = live.ask(f"/{live.token}/run", {"action": "plan", "settings": {}}, Accept_Encoding="gzip, deflate, br")
+    assert "Content-Encoding" not in headers and json.loads(text)["drawing"]["drawing"] == 1
 
 
 def check_settings(live):
@@ -193,6 +200,7 @@ def main():
     with tempfile.TemporaryDirectory() as name, LiveServer(command, brace) as live:
         check_who(live)
         time.sleep(1.0)
+        check_plain(live)
         check_settings(live)
         check_numbers(live, pathlib.Path(name))
         check_ports(live)

@@ -43,9 +43,9 @@ class Shorter {
   double places_, per_length_;
 };
 
-std::vector<BackbonePoint> backbone_of(const Reader& state) {
+std::vector<BackbonePoint> backbone_of(const Reader& state, const std::string& name = "backbone") {
   std::vector<BackbonePoint> backbone;
-  for (const Reader& entry : state.member("backbone").list()) {
+  for (const Reader& entry : state.member(name).list()) {
     const std::vector<double> p = entry.reals();
     if (p.size() != 5) entry.fail("five numbers: s, x, y, angle, curvature");
     backbone.push_back({p[0], p[1], p[2], p[3], p[4]});
@@ -124,11 +124,9 @@ class Draft {
     drawing["length"] = length_;
     drawing["length_unit"] = {{"name", unit.name}, {"size", unit.size}};
     drawing["obstacles"] = obstacles();
-    if (const auto gravity = result_.optional("gravity")) drawing["gravity"] = gravity->json();
-    if (const auto start = result_.optional("start_backbone"); start && !start->list().empty()) {
-      std::vector<Vec2> line;
-      for (const Reader& p : start->list()) line.push_back({p.reals().at(1), p.reals().at(2)});
-      drawing["start"] = shorter_.points(line);
+    if (const auto gravity = result_.optional("gravity")) drawing["gravity"] = {gravity->point().x, gravity->point().y};
+    if (result_.has("start_backbone")) {
+      drawing["start"] = shorter_.points(line_of(backbone_of(result_, "start_backbone")));
     }
     Json frames = Json::array();
     if (result_.has("cases")) {
@@ -209,13 +207,27 @@ class Draft {
       const auto arc_length = entry.optional("arc_length");
       if (!point || !normal || !arc_length) continue;
       Json contact;
-      for (const char* key : {"obstacle", "at_tip", "finger", "arc_length", "point", "normal", "force", "gap"}) {
-        if (const auto value = entry.optional(key)) contact[key] = value->json();
+      for (const char* key : {"obstacle", "finger"}) {
+        if (const auto value = entry.optional(key)) contact[key] = value->text();
       }
+      for (const char* key : {"arc_length", "force", "gap"}) {
+        if (const auto value = entry.optional(key)) contact[key] = value->real();
+      }
+      if (const auto at_tip = entry.optional("at_tip"); at_tip && at_tip->truth()) contact["at_tip"] = true;
+      contact["point"] = {point->point().x, point->point().y};
+      contact["normal"] = {normal->point().x, normal->point().y};
       const double depth = radius ? radius(arc_length->real()) : 0.0;
       contact["surface"] = shorter_.point(point->point() - depth * normal->point());
       frame["contacts"].push_back(std::move(contact));
     }
+  }
+
+  static Json target_of(const Reader& target) {
+    Json json = Json::object();
+    if (const auto position = target.optional("position"))
+      json["position"] = {position->point().x, position->point().y};
+    if (const auto angle = target.optional("angle")) json["angle"] = angle->real();
+    return json;
   }
 
   Json plan_frame(const Reader& plan, const std::string& label) const {
@@ -223,7 +235,7 @@ class Draft {
     for (const char* key : {"status", "message"}) {
       if (const auto value = plan.optional(key)) frame[key] = value->text();
     }
-    if (const auto target = plan.optional("target")) frame["target"] = target->json();
+    if (const auto target = plan.optional("target")) frame["target"] = target_of(*target);
     frame["rods"] = Json::array();
     frame["contacts"] = Json::array();
     if (const auto fingers = plan.optional("fingers")) {
@@ -302,7 +314,7 @@ class Draft {
       if (const auto value = one.optional(key)) frame[key] = value->text();
     }
     if (const auto target = one.optional("target"); target && target->json().is_array()) {
-      frame["target"] = {{"position", target->json()}};
+      frame["target"] = {{"position", {target->point().x, target->point().y}}};
     }
     if (mode && mode->text() == "ignore") frame["ignored"] = true;
     frame["rods"] = Json::array();

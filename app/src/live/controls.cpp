@@ -55,8 +55,16 @@ class Offer {
     }
     if (session_.scene().problem != ProblemKind::grasp && find("rod.base.position") == nullptr) {
       const Vec2 base = session_.scene().rod.base_position;
-      controls_.push_back({"rod.base.position", Control::Kind::points, "m", 1.0, {{base.x, base.y}}, true});
-      controls_.back().moves = "base";
+      const auto unit = session_.scene().units.find("m");
+      Control control{"rod.base.position", Control::Kind::points, "m"};
+      if (unit != session_.scene().units.end()) {
+        control.unit = unit->second.name;
+        control.size = unit->second.size;
+      }
+      control.value = Json::array({Json::array({base.x / control.size, base.y / control.size})});
+      control.one_point = true;
+      control.moves = "base";
+      controls_.push_back(std::move(control));
     }
     return std::move(controls_);
   }

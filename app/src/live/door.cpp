@@ -21,7 +21,9 @@ http::Answer plain(int status, const std::string& text) {
 http::Answer json(const LiveAnswer& made) {
   http::Answer answer;
   answer.status = made.status;
-  answer.type = "application/json";
+  // With the parameter the HTTP library does not know the type, and does not compress it: that took five times as long
+  // as a plan.
+  answer.type = "application/json; charset=utf-8";
   answer.body = made.body.dump(-1, ' ', false, Json::error_handler_t::replace);
   return answer;
 }
