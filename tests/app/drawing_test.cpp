@@ -151,6 +151,16 @@ TEST(Page, ShowsTheCasesOfAStudy) {
   EXPECT_EQ(frames[2]["target"]["position"], json({0.097, 0.02}));
 }
 
+TEST(Study, FigureGoesWhereItIsAskedFor) {
+  const TemporaryDirectory directory;
+  const CommandRun run = tendril({"study", scene_path("paradigms.toml"), "--set",
+                                  "study.targets=[[\"97 mm\", \"20 mm\"]]", "--figure", directory / "f.svg"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(directory.names(), (std::vector<std::string>{"f.dat", "f.gnuplot", "f.svg"}));
+  expect_refused(tendril({"study", scene_path("paradigms.toml"), "--figure", directory / "f.gif"}),
+                 "expected a name that ends in .svg, .png, .pdf or .html");
+}
+
 TEST(Page, ObstaclesThatArePlannedWithoutAreMarked) {
   const json drawing = drawn(page_of({"plan", scene_path("brace.toml"), "--set", "contact.mode=ignore"}));
   EXPECT_EQ(drawing["obstacles"][0]["ignored"], true);

@@ -28,7 +28,7 @@ class Browser:
                                         env={**os.environ, "HOME": self.profile.name})
         port = next(int(line.split()[-1].rstrip(".")) for line in self.process.stdout if "started successfully on port" in line)
         self.url = f"http://127.0.0.1:{port}/session"
-        arguments = ["--headless=new", "--disable-gpu", f"--window-size={width},{height}", "--hide-scrollbars", "--no-first-run",
+        arguments = ["--headless=new", "--disable-gpu", f"--window-size={width},{height}", "--hide-scrollbars", "--no-first-run", "--disable-dev-shm-usage",
                      "--disable-background-networking", f"--user-data-dir={self.profile.name}/profile"]
         if os.geteuid() == 0:
             arguments.append("--no-sandbox")

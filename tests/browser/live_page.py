@@ -106,6 +106,12 @@ def check_controls(browser):
     browser.run("[...document.querySelectorAll('.bar button')].find((b) => b.textContent === 'Execute').click()")
     settle(browser)
     assert browser.run("return live.trouble.textContent") == "" and "executed in" in browser.run("return live.busy.textContent")
+    planned = shown(browser)["tip y"]
+    browser.run("""
+        const field = live.input_rows.querySelector("input[type=number]");
+        field.value = "-1"; field.dispatchEvent(new Event("input"));""")
+    settle(browser)
+    assert shown(browser)["moment 1"] == -1e-3 and shown(browser)["tip y"] < planned, "a moment of the hand's own"
     browser.run("[...document.querySelectorAll('.bar button')].find((b) => b.textContent === 'Follow').click()")
     settle(browser)
 

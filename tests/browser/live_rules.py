@@ -97,7 +97,7 @@ def check_settings(live):
         assert status == 400 and part in body["error"], (settings, status, body)
         assert set(settings) & {"solver.plugin", "contact.mode", "target.position", "obstacle.0.radius"} == ({body["key"]} if "key" in body else set()), body
     for request in ({}, [], {"settings": {}}, {"settings": [], "action": "plan"}, {"settings": {}, "action": "remove"}, 5,
-                    {"settings": {}, "action": "execute", "moments": "1"}, {"settings": {}, "action": "execute", "moments": [1, 2]}):
+                    {"settings": {}, "action": "execute", "inputs": "1"}, {"settings": {}, "action": "execute", "inputs": [1, 2]}):
         assert live.ask(f"/{live.token}/run", request)[0] == 400, request
     assert live.run()[0] == 200, "it goes on"
 
@@ -118,13 +118,27 @@ def check_numbers(live, directory):
     kept = json.loads(json.loads(live.ask(f"/{live.token}/result", {"number": body["number"]})[2])["text"])
     assert kept["tip"] == result["tip"] and kept["status"] == "solved"
     # Executed, the planned moments lead to the planned tip; followed, a plan leads to the same plan.
-    _, executed = live.run(settings, "execute", moments=result["moments"])
+    _, executed = live.run(settings, "execute", inputs=[i["value"] for i in result["inputs"]])
     assert abs(number(executed["drawing"], "tip x") - result["tip"]["x"]) < 1e-7
     status, followed = live.run(settings, "follow")
     assert abs(number(followed["drawing"], "tip x") - result["tip"]["x"]) < 1e-7
     assert live.ask(f"/{live.token}/result", {"number": body["number"]})[0] == 409
     status, other = live.run({"coordinates.plugin": "pcc"})
     assert status == 200 and any("order" in item for item in other["dropped"]), other["dropped"]
+
+
+def check_kinds():
+    """A scene that is executed only, a grasp that is moved by pressures, a trajectory."""
+    with LiveServer(command, f"{scenes}/tentacle.toml") as live:
+        status, body = live.run(action="execute")
+        assert status == 200 and body["drawing"]["frames"][-1]["rods"][0]["body"], body
+    with LiveServer(command, f"{scenes}/grasp_60mm.toml") as live:
+        _, planned = live.run()
+        assert [i["unit"] for i in planned["inputs"]] == ["Pa", "Pa"]
+        status, body = live.run(action="execute", inputs=[i["value"] for i in planned["inputs"]])
+        assert status == 200 and abs(number(body["drawing"], "tip x") - number(planned["drawing"], "tip x")) < 1e-7
+    with LiveServer(command, f"{scenes}/trajectory.toml") as live:
+        assert len(live.run()[1]["drawing"]["frames"]) == 45
 
 
 def check_latest(command, directory):
@@ -135,7 +149,7 @@ def check_latest(command, directory):
         thread.start()
         time.sleep(0.3)
         begin = time.monotonic()
-        status, _ = live.run({}, "execute", moments=[0.0])
+        status, _ = live.run({}, "execute", inputs=[0.0])
         assert status == 200 and time.monotonic() - begin < 20.0
         thread.join()
         assert late[0][0] == 409, late
@@ -204,6 +218,7 @@ def main():
         check_settings(live)
         check_numbers(live, pathlib.Path(name))
         check_ports(live)
+        check_kinds()
         check_speed(live)
         check_idle(live)
         check_latest(command, pathlib.Path(name))

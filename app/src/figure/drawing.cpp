@@ -210,7 +210,7 @@ class Draft {
       for (const char* key : {"obstacle", "finger"}) {
         if (const auto value = entry.optional(key)) contact[key] = value->text();
       }
-      for (const char* key : {"arc_length", "force", "gap"}) {
+      for (const char* key : {"arc_length", "force", "tangential_force", "gap"}) {
         if (const auto value = entry.optional(key)) contact[key] = value->real();
       }
       if (const auto at_tip = entry.optional("at_tip"); at_tip && at_tip->truth()) contact["at_tip"] = true;

@@ -26,15 +26,19 @@ std::string action_of(const Json& request) {
   return word;
 }
 
-/// What moves the actuators, N m, as the command takes it.
-std::string inputs_of(const Json& request) {
-  const auto moments = request.find("moments");
+/// What moves the actuators, SI, each in what it is told, as the command takes it. None where the page does not know
+/// yet what that is: nothing moves.
+std::string inputs_of(const Json& request, std::size_t actuators) {
+  const auto values = request.find("inputs");
   std::string text;
-  if (moments == request.end()) return text;
-  if (!moments->is_array() || moments->size() > 1000) throw InputError("moments: expected a list of numbers");
-  for (const Json& moment : *moments) {
-    if (!moment.is_number()) throw InputError("moments: expected a list of numbers");
-    text += fmt::format("{}{}", text.empty() ? "" : ", ", moment.get<double>());
+  if (values == request.end()) {
+    for (std::size_t a = 0; a < actuators; ++a) text += a > 0 ? ", 0" : "0";
+    return text;
+  }
+  if (!values->is_array() || values->size() > 1000) throw InputError("inputs: expected a list of numbers");
+  for (const Json& value : *values) {
+    if (!value.is_number()) throw InputError("inputs: expected a list of numbers");
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", value.get<double>());
   }
   return text;
 }
@@ -73,14 +77,9 @@ LiveScene::LiveScene(const SceneArguments& arguments) : arguments_(arguments) {
     throw InputError(scene.file +
                      ": an estimate is made of measured points, so there is nothing to drag; expected another problem");
   }
-  session.describe();
+  if (scene.problem != ProblemKind::execute) session.describe();
   controls_ = controls_of(session);
-  Json actuators = Json::array();
-  for (const ActuatorSpec& a : actuators_of(scene)) {
-    actuators.push_back({{"minimum", number(a.minimum)}, {"maximum", number(a.maximum)}});
-  }
   beginning_ = {{"controls", controls_json(controls_)},
-                {"actuators", std::move(actuators)},
                 {"plans", scene.problem != ProblemKind::execute},
                 {"follows", scene.problem == ProblemKind::pose},
                 {"drawing", drawing_without_shape(scene)}};
@@ -125,7 +124,7 @@ LiveScene::Made LiveScene::make(Session& session, const Json& request) const {
   if (action == "execute") {
     std::optional<double> palm_distance;
     if (last_ && last_->grasp) palm_distance = last_->grasp->palm_distance;
-    const Inputs inputs{InputKind::moments, inputs_of(request), "moments"};
+    const Inputs inputs{InputKind::each, inputs_of(request, actuators_of(scene).size()), "inputs"};
     const Execution execution = session.execute(moments_of(inputs, session), std::nullopt, palm_distance);
     made.result = execution_result(scene, execution, session.run_info());
   } else if (scene.problem == ProblemKind::trajectory) {
@@ -138,7 +137,7 @@ LiveScene::Made LiveScene::make(Session& session, const Json& request) const {
   }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   made.body = {{"drawing", drawing_of(made.result, "the result", session.registry())}, {"seconds", seconds}};
-  for (const char* key : {"modes", "moments"}) {
+  for (const char* key : {"modes", "inputs"}) {
     if (made.result.contains(key)) made.body[key] = made.result[key];
   }
   Json left_out = Json::array();

@@ -505,6 +505,7 @@ const Tendril = (() => {
         if (!near(c.surface, 10)) continue;
         const lines = [`contact${c.obstacle ? ` with ${c.obstacle}` : ""}${c.at_tip ? " at the tip" : ""}`, point(c.surface)];
         if (c.force !== undefined) lines.push(`force ${quantity(c.force, "N", unit)}`);
+        if (c.tangential_force) lines.push(`along the surface ${quantity(c.tangential_force, "N", unit)}`);
         if (c.arc_length !== undefined) lines.push(`arc length ${quantity(c.arc_length, "m", unit)}`);
         if (c.gap !== undefined) lines.push(`gap ${quantity(c.gap, "m", unit)}`);
         return lines.join("\n");

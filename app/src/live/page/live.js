@@ -11,7 +11,7 @@ class LivePage {
     this.asked = 0;   // number of the request that was wanted last
     this.shown = 0;   // number of the one whose answer is shown
     this.pending = 0; // requests on their way
-    this.moments = data.actuators.map(() => 0);
+    this.inputs = null; // what the actuators are told, SI; not known before the first answer
     this.action = data.plans ? "plan" : "execute";
     this.history = [];
     this.rows = new Map();
@@ -34,7 +34,7 @@ class LivePage {
     const button = (text, title, act) => element("button", { type: "button", title, onclick: act }, text);
     this.actions = new Map([["plan", "Plan"], ["follow", "Follow"], ["execute", "Execute"]]
       .filter(([action]) => action === "execute" || (this.data.plans && (action === "plan" || this.data.follows)))
-      .map(([action, text]) => [action, button(text, { plan: "search from the scene's start, as tendril plan does", follow: "lead on from the plan that is shown", execute: "what the rod does under the moments below" }[action], () => this.set_action(action))]));
+      .map(([action, text]) => [action, button(text, { plan: "search from the scene's start, as tendril plan does", follow: "lead on from the plan that is shown", execute: "what the rod does under the inputs below" }[action], () => this.set_action(action))]));
     this.undo_button = button("Undo", "take the last change back (Ctrl Z)", () => this.undo());
     this.redo_button = button("Redo", "(Ctrl Shift Z)", () => this.redo());
     this.busy = element("p", { class: "notes busy", role: "status" });
@@ -43,11 +43,11 @@ class LivePage {
     this.strip = element("canvas", { class: "chart", "aria-label": "contact force over the last plans" });
     const controls = element("div", { class: "controls" });
     for (const control of this.data.controls) controls.append(this.row(control));
-    this.inputs = element("div", {}, element("h2", {}, "Moments to execute"),
-      ...this.data.actuators.map((actuator, i) => this.moment_row(actuator, i)));
+    this.input_rows = element("div", {});
+    this.input_box = element("div", {}, element("h2", {}, "Inputs to execute"), this.input_rows);
     const side = this.viewer.side;
     side.prepend(element("div", { class: "bar" }, ...this.actions.values(), this.undo_button, this.redo_button), this.busy, this.trouble,
-      this.inputs, element("h2", {}, "Scene"), controls);
+      this.input_box, element("h2", {}, "Scene"), controls);
     side.insertBefore(element("div", {}, element("h2", {}, "Ways of contact"), this.ways, element("h2", {}, "Force over the last plans"), this.strip), this.viewer.legend);
     this.record_button = button("Record", "record what happens on the screen, until it is pressed again", () => this.record());
     this.viewer.footer.append(this.record_button, button("Save scene", "as a scene file", () => this.save("scene", "scene.toml", { settings: this.settings })),
@@ -103,21 +103,29 @@ class LivePage {
     return [control.minimum !== null && control.minimum >= 0 ? control.minimum : -high, high];
   }
 
-  moment_row(actuator, i) {
+  // A slider and a field for what an actuator is told: a moment, a pressure, a tension.
+  input_row(input, i) {
     const { element } = Tendril;
-    const unit = this.data.drawing.length_unit;
-    const limit = Math.max(Math.abs(actuator.minimum ?? 0), Math.abs(actuator.maximum ?? 0)) || unit.size;
-    const fields = ["range", "number"].map((type) => element("input", { type, step: "any", min: type === "range" ? -limit / unit.size : undefined,
-      max: type === "range" ? limit / unit.size : undefined, value: 0, "aria-label": `moment ${i + 1}`, "data-moment": i }));
+    const length = this.data.drawing.length_unit;
+    const [unit, size, least] = { "N m": [`N ${length.name}`, length.size, 1], Pa: ["kPa", 1e3, 10] }[input.unit] || [input.unit, 1, 1];
+    const high = Math.max((3 * Math.abs(input.value)) / size, least);
+    const name = `${input.finger ? `${input.finger} ` : ""}${input.kind} ${i + 1}`;
+    const fields = ["range", "number"].map((type) => element("input", { type, step: "any", "aria-label": name, ...(type === "range" ? { min: input.unit === "N" ? 0 : -high, max: high } : {}) }));
     for (const field of fields) {
+      field.value = input.value / size;
       field.addEventListener("input", () => {
         if (field.value === "") return;
-        this.moments[i] = Number(field.value) * unit.size;
+        this.inputs[i] = Number(field.value) * size;
         for (const other of fields) if (other !== field) other.value = field.value;
         this.ask();
       });
     }
-    return element("label", { class: "row" }, element("span", { class: "name" }, `moment ${i + 1}`), ...fields, element("span", { class: "unit" }, `N ${unit.name}`));
+    return element("label", { class: "row" }, element("span", { class: "name" }, name), ...fields, element("span", { class: "unit" }, unit));
+  }
+
+  set_inputs(inputs) {
+    this.inputs = inputs.map((input) => input.value);
+    this.input_rows.replaceChildren(...inputs.map((input, i) => this.input_row(input, i)));
   }
 
   // Changes
@@ -153,17 +161,11 @@ class LivePage {
   }
 
   set_action(action, ask = true) {
-    if (action === "execute" && this.action !== "execute" && this.planned) this.set_moments(this.planned);
+    if (action === "execute" && this.action !== "execute" && this.planned) this.set_inputs(this.planned);
     this.action = action;
     for (const [name, node] of this.actions) node.setAttribute("aria-pressed", name === action);
-    this.inputs.hidden = action !== "execute";
+    this.input_box.hidden = action !== "execute";
     if (ask) this.ask();
-  }
-
-  set_moments(moments) {
-    this.moments = [...moments];
-    const size = this.data.drawing.length_unit.size;
-    for (const field of this.inputs.querySelectorAll("input")) field.value = this.moments[Number(field.dataset.moment)] / size;
   }
 
   show_settings() {
@@ -197,7 +199,7 @@ class LivePage {
     let body = null;
     try {
       const answer = await fetch("run", { method: "POST", headers: { "Content-Type": "application/json" },
-        body: JSON.stringify({ action: this.action, settings: this.settings, ...(this.action === "execute" ? { moments: this.moments } : {}) }) });
+        body: JSON.stringify({ action: this.action, settings: this.settings, ...(this.action === "execute" && this.inputs ? { inputs: this.inputs } : {}) }) });
       body = answer.status === 429 ? null : await answer.json();
       if (answer.status === 429) await new Promise((done) => setTimeout(done, 50));
       if (answer.status === 409) body = null;
@@ -232,7 +234,8 @@ class LivePage {
     document.documentElement.dataset.shown = number;
     if (body.error) return;
     this.number = body.number;
-    if (body.moments && this.action !== "execute") this.planned = body.moments;
+    if (body.inputs && this.action !== "execute") this.planned = body.inputs;
+    else if (body.inputs && !this.inputs) this.set_inputs(body.inputs);
     this.viewer.set_drawing(body.drawing);
     if (this.first) this.viewer.fit();
     this.first = false;
