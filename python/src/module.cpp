@@ -34,13 +34,15 @@ std::string estimate(SceneFile& scene) {
 }
 
 std::string execute(SceneFile& scene, const std::string& kind, const std::string& inputs,
-                    const std::optional<std::string>& start) {
+                    const std::optional<std::string>& start, bool along) {
   const auto of = kind == "moments"     ? files::InputKind::moments
                   : kind == "pressures" ? files::InputKind::pressures
                   : kind == "inputs"    ? files::InputKind::each
                                         : files::InputKind::none;
   return interruptible([&](const auto& stop) {
-    return scene.json(scene.execute(files::Inputs{of, inputs, kind}, {&stop, result_of(start, "start")}));
+    const files::Inputs told{of, inputs, kind};
+    const files::Run run{&stop, result_of(start, "start")};
+    return along ? scene.json(scene.execute_along(told, run)) : scene.json(scene.execute(told, run));
   });
 }
 

@@ -195,7 +195,8 @@ class Scene:
                 start: Earlier | None = None) -> Execution | Trajectory:
         """`tendril execute`: what the rod does under `moments` (N m), `pressures` (Pa) or `inputs` (each in the unit of its
         actuator: a pressure where the scene has moment_per_pressure, the tension of a tendon, a moment), one per
-        actuator, or under the moments of an earlier result, `plan`.
+        actuator, or under the moments of an earlier result, `plan`. A list of such lists is a way: each is executed
+        from where the one before it ends.
         """
         if isinstance(moments, (Result, Mapping)):
             moments, plan = None, moments
@@ -209,8 +210,13 @@ class Scene:
             return Trajectory.from_json(text) if path else Execution.from_json(text)
         kind = told[0] if told else "moments, pressures, inputs or plan"
         values = given[kind] if told else ()
-        text = ", ".join(_input_text(v, f"{kind}[{i}]") for i, v in enumerate(_entries(values, kind)))
-        return Execution.from_json(scene.execute(kind, text, _json_of(start, "start")))
+        lists = values.split(";") if isinstance(values, str) else list(_entries(values, kind))
+        told_values = values if isinstance(values, str) else lists
+        nested = any(hasattr(entry, "__iter__") and not isinstance(entry, str) for entry in lists)
+        if nested or (isinstance(values, str) and len(lists) > 1):
+            text = "; ".join(_inputs_text(entry, f"{kind}[{i}]") for i, entry in enumerate(lists))
+            return Trajectory.from_json(scene.execute(kind, text, _json_of(start, "start"), True))
+        return Execution.from_json(scene.execute(kind, _inputs_text(told_values, kind), _json_of(start, "start"), False))
 
     def describe(self) -> Description:
         """`tendril describe`: the assembled program, and what was left out of it and why. Plans nothing."""
@@ -291,6 +297,10 @@ def _entries(values: Any, name: str) -> Iterable[Any]:
     if hasattr(values, "__iter__") and (is_list(values) or not hasattr(values, "ndim")):
         return values
     return [values]
+
+
+def _inputs_text(values: Any, name: str) -> str:
+    return ", ".join(_input_text(v, f"{name}[{i}]") for i, v in enumerate(_entries(values, name)))
 
 
 def _input_text(value: Any, name: str) -> str:

@@ -105,7 +105,7 @@ TEST(BadExecution, IsRefused) {
   expect_refused(execute_brace({"--plan", directory / "none.json"}), "cannot open plan");
   expect_refused(execute_brace({"--plan", directory.write("a.json", "{")}), "is not JSON");
   expect_refused(execute_brace({"--moments", "0", "--figure", "f.jpg"}),
-                 "expected a name that ends in .svg, .png or .pdf");
+                 "expected a name that ends in .svg, .png, .pdf or .html");
   const std::string core = directory.write("core.toml", brace_with("0.5 rad", "0 rad"));
   expect_refused(tendril({"execute", core, "--moments", "0"}),
                  "core.toml:19:13: the start shape runs through the core");
@@ -120,7 +120,7 @@ TEST(BadArguments, AreRefused) {
   expect_refused(plan_brace({"--ordr", "3"}), "did you mean '--order'?");
   expect_refused(plan_brace({"--split", "--no-split"}), "excludes");
   expect_refused(plan_brace({"--set", "contact.max_force"}), "expected KEY=VALUE");
-  expect_refused(plan_brace({"--figure", "x.gif"}), "expected a name that ends in .svg, .png or .pdf");
+  expect_refused(plan_brace({"--figure", "x.gif"}), "expected a name that ends in .svg, .png, .pdf or .html");
   expect_refused(plan_brace({"--figure", ""}), "empty name");
 }
 

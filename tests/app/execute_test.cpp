@@ -63,6 +63,18 @@ TEST(Execute, ListsActiveContactsOnly) {
   EXPECT_TRUE(result["contacts"].empty());
 }
 
+TEST(Execute, WayPointsFollowOneAnother) {
+  const json way = json_of({"execute", scene_path("brace.toml"), "--moments", "6 N mm; 2.5 N mm"});
+  ASSERT_EQ(way["steps"].size(), 2U);
+  EXPECT_TRUE(way["steps"][0]["contacts"].empty());
+  const json alone = execute_brace("2.5 N mm");
+  ASSERT_EQ(way["steps"][1]["contacts"].size(), 1U);
+  EXPECT_EQ(way["steps"][1]["moments"], json::array({0.0025}));
+  EXPECT_NEAR(way["steps"][1]["tip"]["y"].get<double>(), alone["tip"]["y"].get<double>(), 1e-11);
+  expect_refused(tendril({"execute", scene_path("brace.toml"), "--moments", "6 N mm; 1, 2"}),
+                 "way point 2: found 2 moments");
+}
+
 constexpr const char* pressed = R"(
 title = "Pressed"
 [rod]

@@ -33,6 +33,8 @@ class QuickReport : public testing::Test {
     plugins::Registry registry(plugins::Catalog(plugins::search_places({})));
     ReportArguments arguments{root_ / "first", {}, std::nullopt};
     arguments.extent.quick = true;
+    // All of the extreme cases have a test of their own.
+    arguments.extent.only = "torque limit";
     arguments.extent.scenes = {TENDRIL_SCENES "/avoid.toml", TENDRIL_SCENES "/trajectory.toml"};
     ASSERT_TRUE(write_report(registry, arguments));
     arguments.directory = root_ / "second";

@@ -59,6 +59,8 @@ def test_execute(scenes, brace, tmp_path):
     same(brace.execute(plan=plan), command("execute", file, "--plan", tmp_path / "plan.json"))
     same(brace.execute(0.001, start=plan),
          command("execute", file, "--moments", "0.001", "--start", tmp_path / "plan.json"))
+    same(brace.execute([["2 N mm"], [0.0005]]), command("execute", file, "--moments", "2 N mm; 0.0005"))
+    same(brace.execute("2 N mm; 0.0005"), command("execute", file, "--moments", "2 N mm; 0.0005"))
     snap = scenes / "snap_through.toml"
     same(tendril.load(snap).execute([-0.05]), command("execute", snap, "--moments", "-0.05"))
 

@@ -7,6 +7,7 @@
 
 #include "command/new_command.hpp"
 #include "command/reference.hpp"
+#include "live/live.hpp"
 #include "session/inputs.hpp"
 #include "tendril/app/commands.hpp"
 #include "tendril/app/input_error.hpp"
@@ -111,7 +112,7 @@ struct ResultOptions {
     command.add_option("--start", start, "Earlier result to start from")->type_name("RESULT.json");
     command.add_option("--output", output, "Directory for result.json and figure.svg, .png, .gnuplot, .dat")
         ->type_name("DIR");
-    command.add_option("--figure", figure, std::string("Picture of the ") + what + ", .svg, .png or .pdf")
+    command.add_option("--figure", figure, std::string("Picture of the ") + what + ", .svg, .png, .pdf or .html")
         ->type_name("FILE");
     add_json(command, json);
   }
@@ -241,7 +242,8 @@ Command execute_command(CLI::App& app) {
     for (CLI::Option* other : given) option->excludes(other);
     given.push_back(option);
   };
-  inputs(files::InputKind::moments, "\"M, ...\"", "One per actuator, in N m or with units");
+  inputs(files::InputKind::moments, "\"M, ...\"",
+         "One per actuator, in N m or with units; lists between ';' are way points");
   inputs(files::InputKind::pressures, "\"P, ...\"", "One per actuator, in Pa or with units");
   inputs(files::InputKind::each, "\"V, ...\"",
          "One per actuator, in the unit of its kind: a moment, a pressure where the scene has moment_per_pressure, a "
@@ -262,7 +264,7 @@ Command study_command(CLI::App& app, std::vector<std::string> words) {
   struct Parsed {
     SceneOptions scene;
     StudyArguments arguments;
-    std::string output;
+    std::string output, figure;
   };
   CLI::App* study = app.add_subcommand(
       "study", "Every combination of the sweeps in [study]; exit code 0: all solved, 1: not all, 2: wrong input");
@@ -272,6 +274,7 @@ Command study_command(CLI::App& app, std::vector<std::string> words) {
   arguments.words = std::move(words);
   study->add_option("--output", parsed->output, "Directory for results; run again with it, an unfinished study goes on")
       ->type_name("DIR");
+  study->add_option("--figure", parsed->figure, "Picture of the study, .svg, .png, .pdf or .html")->type_name("FILE");
   study->add_option("--jobs", arguments.jobs, "Worker processes")->type_name("N")->check(CLI::Range(1, 1024));
   study->add_option("--shard", arguments.shard, "Only the i-th of N parts of the cases")->type_name("i/N");
   study->add_flag("--merge", arguments.merge, "Join the parts that are in the output directory");
@@ -279,8 +282,10 @@ Command study_command(CLI::App& app, std::vector<std::string> words) {
   add_json(*study, arguments.json);
   return {study, [study, parsed] {
             require_name(*study, "--output", parsed->output);
+            require_name(*study, "--figure", parsed->figure);
             parsed->arguments.scene = parsed->scene.arguments();
             parsed->arguments.output = optional_path(parsed->output);
+            parsed->arguments.figure = optional_path(parsed->figure);
             return run_study(parsed->arguments);
           }};
 }
@@ -295,6 +300,42 @@ Command describe_command(CLI::App& app) {
   parsed->scene.add_to(*describe);
   add_json(*describe, parsed->json);
   return {describe, [parsed] { return run_describe(parsed->scene.arguments(), parsed->json); }};
+}
+
+Command live_command(CLI::App& app) {
+  struct Parsed {
+    SceneOptions scene;
+    int port = 0;
+    bool no_browser = false;
+  };
+  CLI::App* live = app.add_subcommand(
+      "live", "A page on this machine: drag the target, obstacles and the base, and see the rod find its way");
+  const auto parsed = std::make_shared<Parsed>();
+  parsed->scene.add_to(*live);
+  live->add_option("--port", parsed->port, "Port of the loopback interface, by default any that is free")
+      ->type_name("N")
+      ->check(CLI::Range(1, 65535));
+  live->add_flag("--no-browser", parsed->no_browser, "Only print the address");
+  return {live, [parsed] { return run_live({parsed->scene.arguments(), parsed->port, !parsed->no_browser}); }};
+}
+
+Command view_command(CLI::App& app) {
+  struct Parsed {
+    std::string result, output;
+    std::vector<std::string> directories;
+  };
+  CLI::App* view = app.add_subcommand("view", "Write a page that shows a result: one file, which any browser opens");
+  const auto parsed = std::make_shared<Parsed>();
+  view->add_option("RESULT.json", parsed->result, "What plan, execute or study has written")->required();
+  view->add_option("--output", parsed->output, "The page, by default named like the result, in the current directory")
+      ->type_name("FILE.html");
+  SceneOptions::add_plugin_directory(*view, parsed->directories);
+  return {
+      view, [view, parsed] {
+        require_name(*view, "--output", parsed->output);
+        return run_view(
+            {parsed->result, optional_path(parsed->output), {parsed->directories.begin(), parsed->directories.end()}});
+      }};
 }
 
 Command plugins_command(CLI::App& app) {
@@ -350,8 +391,8 @@ int parse_and_run(int argc, const char* const* argv) {
   app.get_formatter()->column_width(34);
   const std::vector<Command> commands{
       plan_command(app),     execute_command(app), study_command(app, {argv + std::min(argc, 1), argv + argc}),
-      describe_command(app), plugins_command(app), new_command(app),
-      reference_command(app)};
+      describe_command(app), live_command(app),    view_command(app),
+      plugins_command(app),  new_command(app),     reference_command(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -7,6 +7,8 @@
 #include "command/estimate_command.hpp"
 #include "command/result_files.hpp"
 #include "command/trajectory_command.hpp"
+#include "figure/page.hpp"
+#include "result/json_reader.hpp"
 #include "session/inputs.hpp"
 #include "system/output.hpp"
 #include "system/tables.hpp"
@@ -59,9 +61,11 @@ int run_plan(const PlanArguments& arguments) {
   Plan plan = session.plan(start);
   if (arguments.verify) session.verify(plan, start);
   const RunInfo run = session.run_info();
-  give_result(arguments.places, forms_of(
-                                    session, plan, [&] { return plan_json(session.scene(), plan, run); },
-                                    [&] { return plan_report(session.scene(), plan, run); }));
+  give_result(arguments.places,
+              forms_of(
+                  session, plan, [&] { return plan_json(session.scene(), plan, run); },
+                  [&] { return plan_report(session.scene(), plan, run); }),
+              session);
   return plan.status == PlanStatus::solved && !(arguments.strict && plan.search_cut) ? 0 : 1;
 }
 
@@ -74,6 +78,8 @@ int run_execute(const ExecuteArguments& arguments) {
   if (arguments.plan) {
     const files::ResultText earlier{read_input(*arguments.plan, "plan"), arguments.plan->string()};
     executed = execute_result(session, earlier, start);
+  } else if (are_way_points(arguments.inputs)) {
+    executed = session.execute(way_points_of(arguments.inputs, session), start);
   } else {
     executed = session.execute(moments_of(arguments.inputs, session), start);
   }
@@ -85,7 +91,8 @@ int run_execute(const ExecuteArguments& arguments) {
   give_result(arguments.places,
               forms_of(
                   session, execution.result, [&] { return execution_json(session.scene(), execution, run); },
-                  [&] { return execution_report(session.scene(), execution, run); }));
+                  [&] { return execution_report(session.scene(), execution, run); }),
+              session);
   return execution.result.status == PlanStatus::solved ? 0 : 1;
 }
 
@@ -97,6 +104,19 @@ int run_describe(const SceneArguments& arguments, bool json) {
   const RunInfo run = session.run_info();
   print(json ? description_json(session.scene(), description, run)
              : description_report(session.scene(), description, run));
+  return 0;
+}
+
+int run_view(const ViewArguments& arguments) {
+  const std::string name = arguments.result.string();
+  std::filesystem::path page = arguments.output.value_or(arguments.result.filename().replace_extension(".html"));
+  if (picture_of(page) != Picture::page) {
+    throw InputError("found the page '" + page.string() + "', expected a name that ends in .html");
+  }
+  plugins::Registry registry(plugins::Catalog(plugins::search_places(arguments.plugin_directories)));
+  write_page(page, parse_result(read_input(arguments.result, "result", largest_result), name, "result"), name,
+             registry);
+  print("wrote " + printable(page.string()) + '\n');
   return 0;
 }
 

@@ -57,7 +57,7 @@ int run_estimate(Session& session, const PlanArguments& arguments) {
       draw(scene, estimate, files, stem, pictures);
     };
   }
-  give_result(arguments.places, forms);
+  give_result(arguments.places, forms, session);
   return estimate.status == EstimateStatus::solved ? 0 : 1;
 }
 

@@ -1,5 +1,6 @@
 #include "command/result_files.hpp"
 
+#include "figure/page.hpp"
 #include "system/output.hpp"
 #include "tendril/app/figure.hpp"
 #include "tendril/app/files.hpp"
@@ -27,7 +28,7 @@ void try_places(const ResultPlaces& places) {
   if (places.output) const StagedFiles trial(*places.output);
 }
 
-void give_result(const ResultPlaces& places, const ResultForms& forms) {
+void give_result(const ResultPlaces& places, const ResultForms& forms, Session& session) {
   const std::string json = places.json || places.output ? forms.json() : "";
   if (places.output) {
     {
@@ -41,7 +42,9 @@ void give_result(const ResultPlaces& places, const ResultForms& forms) {
       note(error.what());
     }
   }
-  if (places.figure) {
+  if (places.figure && picture_of(*places.figure) == Picture::page && forms.draw) {
+    write_page(*places.figure, Json::parse(forms.json()), "the result", session.registry());
+  } else if (places.figure) {
     draw(forms, places.figure->parent_path(), places.figure->stem().string(), {picture_of(*places.figure)});
   }
   print(places.json ? json : forms.report());

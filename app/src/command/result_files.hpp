@@ -20,6 +20,6 @@ struct ResultForms {
 /// What cannot be written had better be known before the work begins. Throws InputError.
 void try_places(const ResultPlaces& places);
 /// Writes and prints the result. Without its picture it is still a result: that is only noted.
-void give_result(const ResultPlaces& places, const ResultForms& forms);
+void give_result(const ResultPlaces& places, const ResultForms& forms, Session& session);
 
 }  // namespace tendril::app

@@ -40,11 +40,13 @@ int give_trajectory(Session& session, const Trajectory& trajectory, const Result
   if (trajectory.interrupted) {
     note(std::to_string(trajectory.steps.size()) + " steps were finished before the interruption");
   }
-  give_result(places, {[&] { return trajectory_json(session.scene(), trajectory, session.run_info()); },
-                       [&] { return trajectory_report(session.scene(), trajectory); },
-                       [&](StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
-                         draw(session, trajectory, files, stem, pictures);
-                       }});
+  give_result(places,
+              {[&] { return trajectory_json(session.scene(), trajectory, session.run_info()); },
+               [&] { return trajectory_report(session.scene(), trajectory); },
+               [&](StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
+                 draw(session, trajectory, files, stem, pictures);
+               }},
+              session);
   const bool cut = std::any_of(trajectory.steps.begin(), trajectory.steps.end(),
                                [](const TrajectoryStep& step) { return step.plan.search_cut; });
   return trajectory.solved() && !(strict && cut) ? 0 : 1;

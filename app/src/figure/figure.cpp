@@ -414,7 +414,8 @@ Picture picture_of(const std::filesystem::path& file) {
   if (extension == ".svg") return Picture::svg;
   if (extension == ".png") return Picture::png;
   if (extension == ".pdf") return Picture::pdf;
-  throw InputError("found the figure '" + name + "', expected a name that ends in .svg, .png or .pdf");
+  if (extension == ".html") return Picture::page;
+  throw InputError("found the figure '" + name + "', expected a name that ends in .svg, .png, .pdf or .html");
 }
 
 void draw_figure(const FigureScene& scene, const Plan& plan, StagedFiles& files, const std::string& stem,
@@ -433,16 +434,19 @@ void add_gripper(FigureScene& figure, const Scene& scene, const Plan& plan) {
   const Scene upper = plans_both_fingers(scene) ? finger_of(scene, FingerName::upper) : scene;
   figure.base = palm_to_world(*upper.gripper, {0.0, upper.gripper->half_palm});
   figure.base_angle = upper.gripper->angle + upper.gripper->finger_angle;
+  figure.obstacles = {object_shape(plan.grasp->object_center, plan.grasp->object_radius)};
+}
+
+FigureScene::Shape object_shape(Vec2 center, double radius) {
   FigureScene::Shape object;
   object.name = "object";
   constexpr int corners = 180;
+  object.outline.reserve(corners);
   for (int i = 0; i < corners; ++i) {
     const double turn = 2.0 * std::numbers::pi * i / corners;
-    object.outline.push_back(plan.grasp->object_center +
-                             plan.grasp->object_radius * Vec2{std::cos(turn), std::sin(turn)});
+    object.outline.push_back(center + radius * Vec2{std::cos(turn), std::sin(turn)});
   }
-  figure.obstacles.clear();
-  figure.obstacles.push_back(std::move(object));
+  return object;
 }
 
 }  // namespace tendril::app

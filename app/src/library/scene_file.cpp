@@ -82,6 +82,11 @@ Execution SceneFile::execute(const Inputs& inputs, const Run& run) {
   return opened_->session.execute(app::moments_of(inputs, opened_->session), opened_->start_of(run));
 }
 
+Trajectory SceneFile::execute_along(const Inputs& inputs, const Run& run) {
+  opened_->begin(run);
+  return opened_->session.execute(app::way_points_of(inputs, opened_->session), opened_->start_of(run));
+}
+
 std::variant<Execution, Trajectory> SceneFile::execute(const ResultText& earlier, const Run& run) {
   opened_->begin(run);
   return app::execute_result(opened_->session, earlier, opened_->start_of(run));

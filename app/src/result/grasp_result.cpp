@@ -106,6 +106,10 @@ void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
   json["palm_distance"] = number(grasp.palm_distance);
   json["net_force"] = numbers({grasp.net_force.x, grasp.net_force.y});
   Json quality{
+      {"palm",
+       {{"position", numbers({scene.gripper->position.x, scene.gripper->position.y})},
+        {"angle", number(scene.gripper->angle)},
+        {"half_palm", number(scene.gripper->half_palm)}}},
       {"object",
        {{"center", numbers({grasp.object_center.x, grasp.object_center.y})}, {"radius", number(grasp.object_radius)}}},
       {"axial_force", number(grasp.axial_force)},
@@ -133,6 +137,7 @@ void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
          {"contacts", contacts_json(state.contacts, finger.name)},
          {"coordinates", numbers(state.coordinates)},
          {"backbone", backbone_json(state.backbone)}});
+    add_thickness(fingers.back(), finger.rod, state.backbone);
     if (state.self_overlap)
       fingers.back()["self_overlap"] = {number(state.self_overlap->first), number(state.self_overlap->second)};
   }

@@ -119,6 +119,38 @@ std::string contacts_text(const Scene& scene, const Plan& plan, const DisplayUni
   return (grid.empty() ? "" : '\n' + grid.text("")) + (left.empty() ? "" : '\n' + line("not touched", left));
 }
 
+/// What friction can do to the plan, whatever its state: intervals over all states that were followed.
+std::string friction_text(const Plan& plan, const DisplayUnits& units) {
+  if (plan.friction.empty()) return "";
+  const auto interval = [&](const auto& value, const auto& text) {
+    const auto [low, high] = std::minmax_element(plan.friction.begin(), plan.friction.end(),
+                                                 [&](const auto& a, const auto& b) { return value(a) < value(b); });
+    return text(value(*low)) + " to " + text(value(*high));
+  };
+  const auto length = [&](double v) { return units.lengths(v); };
+  const auto x = [](const FrictionRange& r) { return r.tip_x; };
+  const auto y = [](const FrictionRange& r) { return r.tip_y; };
+  const auto turn = [](const FrictionRange& r) { return r.tip_angle; };
+  const auto margin = [](const FrictionRange& r) { return r.stability; };
+  const auto pure = [](double v) { return shown(v, 3); };
+  std::string text = "\nwhatever friction does, at these inputs\n";
+  text += line("tip x", interval(x, length)) + line("tip y", interval(y, length));
+  text += line("tip angle", interval(turn, [](double v) { return angle(v); }));
+  if (plan.friction.front().target_error) {
+    text += line("target error", interval([](const FrictionRange& r) { return r.target_error.value_or(0.0); }, length));
+  }
+  for (const PlannedContact& contact : plan.friction.front().contacts) {
+    const auto pressed = [&](const FrictionRange& r) {
+      const auto same = std::find_if(r.contacts.begin(), r.contacts.end(),
+                                     [&](const PlannedContact& c) { return c.obstacle == contact.obstacle; });
+      return same == r.contacts.end() ? 0.0 : same->force;
+    };
+    text +=
+        line("force", printable(contact.obstacle_name) + ": " + interval(pressed, [](double v) { return force(v); }));
+  }
+  return text + line("stability", interval(margin, pure));
+}
+
 /// The model lets a rod pass through itself; what cannot be made has to be said.
 std::string overlap_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
   std::string text;
@@ -230,6 +262,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
   // Without a shape there is nothing to tell of it.
   const bool has_shape = !plan.backbone.empty();
   if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);
+  text += friction_text(plan, units);
   text += verification_text(plan);
   text += line("coordinates", fmt::format("{}, order {}, {} values{}", plan.coordinates_name, plan.order,
                                           plan.coordinates.size(), plan.split_at_contact ? ", split at contact" : ""));

@@ -98,8 +98,6 @@ Json si_json(const RawValue& value, const QuantityReader& read) {
   return text;
 }
 
-}  // namespace
-
 Json obstacles_json(const Scene& scene) {
   Json array = Json::array();
   for (const ObstacleSpec& obstacle : scene.obstacles) {
@@ -109,6 +107,8 @@ Json obstacles_json(const Scene& scene) {
   }
   return array;
 }
+
+}  // namespace
 
 Json number(double value) { return std::isfinite(value) ? Json(value + 0.0) : Json(nullptr); }
 
@@ -131,7 +131,24 @@ Json contacts_json(const std::vector<PlannedContact>& contacts, const std::strin
                      {"force", number(contact.force)},
                      {"gap", number(contact.gap)}});
     if (!finger.empty()) array.back()["finger"] = finger;
+    if (contact.tangential != 0.0) {
+      array.back()["tangential_force"] = number(contact.tangential);
+      array.back()["state"] = "slip";
+    }
     if (contact.extended) array.back()["extended"] = true;
+  }
+  return array;
+}
+
+Json friction_json(const std::vector<FrictionRange>& states) {
+  Json array = Json::array();
+  for (const FrictionRange& state : states) {
+    array.push_back(
+        {{"ratios", numbers(state.ratios)},
+         {"tip", {{"x", number(state.tip_x)}, {"y", number(state.tip_y)}, {"angle", number(state.tip_angle)}}},
+         {"contacts", contacts_json(state.contacts)},
+         {"stability", number(state.stability)}});
+    if (state.target_error) array.back()["target_error"] = number(*state.target_error);
   }
   return array;
 }
@@ -141,6 +158,28 @@ Json backbone_json(const std::vector<BackbonePoint>& points) {
   array.reserve(points.size());
   for (const BackbonePoint& p : points) array.push_back(numbers({p.s, p.x, p.y, p.angle, p.curvature}));
   return array;
+}
+
+void add_thickness(Json& json, const RodSpec& rod, const std::vector<BackbonePoint>& backbone) {
+  const BodyRadius radius = rod.body();
+  if (!radius) return;
+  Json::array_t array;
+  array.reserve(backbone.size());
+  for (const BackbonePoint& p : backbone) array.push_back(number(2.0 * radius(p.s)));
+  json["thickness"] = std::move(array);
+}
+
+Json target_json(const TargetSpec& target) {
+  Json json = Json::object();
+  if (target.position) json["position"] = numbers({target.position->x, target.position->y});
+  if (target.angle) json["angle"] = number(*target.angle);
+  return json;
+}
+
+void add_surroundings(Json& json, const Scene& scene) {
+  json["obstacles"] = obstacles_json(scene);
+  json["contact_mode"] = to_string(scene.contact.mode);
+  if (scene.gravity) json["gravity"] = numbers({scene.gravity->x, scene.gravity->y});
 }
 
 Json left_out_json(const std::vector<LeftOut>& items) {
@@ -200,6 +239,7 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   json["tip"] = {{"x", has_shape ? number(plan.tip_x) : Json(nullptr)},
                  {"y", has_shape ? number(plan.tip_y) : Json(nullptr)},
                  {"angle", has_shape ? number(plan.tip_angle) : Json(nullptr)}};
+  if (Json target = target_json(scene.target); !target.empty()) json["target"] = std::move(target);
   json["target_error"] = plan.target_error ? number(*plan.target_error) : Json(nullptr);
   json["moments"] = numbers(all_moments(plan));
   json["contacts"] = Json::array();
@@ -209,6 +249,7 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   }
   add_grasp(json, scene, plan);
   json["certificate"] = certificate_json(plan.certificate);
+  if (!plan.friction.empty()) json["friction_range"] = friction_json(plan.friction);
   if (!plan.verification.empty()) {
     json["model_error"] = plan.model_error ? number(*plan.model_error) : Json(nullptr);
     json["local_model_error"] = plan.local_model_error ? number(*plan.local_model_error) : Json(nullptr);
@@ -244,6 +285,7 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
                      {"certify", number(plan.seconds_certify)}};
   if (plan.self_overlap) json["self_overlap"] = {number(plan.self_overlap->first), number(plan.self_overlap->second)};
   json["backbone"] = backbone_json(plan.backbone);
+  add_thickness(json, fingers_of(scene, plan).front().rod, plan.backbone);
   return json;
 }
 
@@ -251,9 +293,9 @@ Json plan_object(const Scene& scene, const Plan& plan) { return plan_object(scen
 
 namespace {
 
-/// What stands once in a result: the obstacles, and what the command did around the planner.
+/// What stands once in a result: what is around the rod, and what the command did around the planner.
 void add_run(Json& json, const Scene& scene, const RunInfo& run) {
-  json["obstacles"] = obstacles_json(scene);
+  add_surroundings(json, scene);
   json["seconds"]["read"] = number(run.seconds_read);
   json["seconds"]["open"] = number(run.seconds_open);
   json["plugins"] = components_json(run.components);
@@ -270,13 +312,22 @@ Json state_json(const std::vector<BackbonePoint>& shape, const std::vector<Plann
 
 }  // namespace
 
-std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) {
+Json plan_result(const Scene& scene, const Plan& plan, const RunInfo& run) {
   Json json = plan_object(scene, plan);
+  if (!plan.start_backbone.empty()) json["start_backbone"] = backbone_json(plan.start_backbone);
   add_run(json, scene, run);
-  return written(json);
+  return json;
+}
+
+std::string plan_json(const Scene& scene, const Plan& plan, const RunInfo& run) {
+  return written(plan_result(scene, plan, run));
 }
 
 std::string execution_json(const Scene& scene, const Execution& execution, const RunInfo& run) {
+  return written(execution_result(scene, execution, run));
+}
+
+Json execution_result(const Scene& scene, const Execution& execution, const RunInfo& run) {
   Json json = plan_object(scene, ProblemKind::execute, execution.result);
   add_run(json, scene, run);
   json["load"] = {
@@ -292,7 +343,7 @@ std::string execution_json(const Scene& scene, const Execution& execution, const
                      {"after", state_json(snap.after, snap.contacts_after)}});
   }
   json["snaps"] = std::move(snaps);
-  return written(json);
+  return json;
 }
 
 std::string description_json(const Scene& scene, const Description& description, const RunInfo& run) {

@@ -20,8 +20,15 @@ Json backbone_json(const std::vector<BackbonePoint>& points);
 
 /// A plan as it stands in every result, without what the command did around it.
 Json plan_object(const Scene& scene, const Plan& plan);
-/// The scene's obstacles, their sizes in SI.
-Json obstacles_json(const Scene& scene);
+/// What plan_json() and execution_json() write.
+Json plan_result(const Scene& scene, const Plan& plan, const RunInfo& run);
+Json execution_result(const Scene& scene, const Execution& execution, const RunInfo& run);
+/// The parts of a target that are there.
+Json target_json(const TargetSpec& target);
+/// Adds the diameters of a body at the points of a backbone, if there is a body.
+void add_thickness(Json& json, const RodSpec& rod, const std::vector<BackbonePoint>& backbone);
+/// Adds what a rod of the scene meets: its obstacles, their sizes in SI, how contact with them is planned, gravity.
+void add_surroundings(Json& json, const Scene& scene);
 Json left_out_json(const std::vector<LeftOut>& items);
 Json components_json(const std::vector<UsedComponent>& components);
 Json versions_json();

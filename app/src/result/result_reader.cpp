@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <utility>
 
+#include "result/json_reader.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/result.hpp"
@@ -13,70 +12,6 @@
 namespace tendril::app {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-/// Reads members of a JSON value that anybody may have written.
-class Reader {
- public:
-  Reader(const Json& json, std::string file, std::string path)
-      : json_(json), file_(std::move(file)), path_(std::move(path)) {}
-
-  [[noreturn]] void fail(const std::string& expected) const {
-    throw InputError(fmt::format("{}: found {} at '{}', expected {}", file_, json_.type_name(),
-                                 path_.empty() ? "/" : path_, expected));
-  }
-  Reader member(const std::string& name) const {
-    const auto found = json_.is_object() ? json_.find(name) : json_.end();
-    if (!json_.is_object() || found == json_.end()) {
-      throw InputError(
-          fmt::format("{}: '{}/{}' is missing, expected a result of 'tendril plan --json'", file_, path_, name));
-    }
-    return {*found, file_, path_ + '/' + name};
-  }
-  bool has(const std::string& name) const { return json_.is_object() && json_.contains(name); }
-  double real() const {
-    if (!json_.is_number()) fail("a number");
-    const double value = json_.get<double>();
-    if (!std::isfinite(value)) fail("a finite number");
-    return value;
-  }
-  int whole(int minimum, int maximum) const {
-    const double value = real();
-    if (value < minimum || value > maximum || value != std::floor(value))
-      fail(fmt::format("a whole number from {} to {}", minimum, maximum));
-    return static_cast<int>(value);
-  }
-  bool truth() const {
-    if (!json_.is_boolean()) fail("true or false");
-    return json_.get<bool>();
-  }
-  std::string text() const {
-    if (!json_.is_string()) fail("text");
-    return json_.get<std::string>();
-  }
-  std::vector<Reader> list() const {
-    if (!json_.is_array()) fail("a list");
-    std::vector<Reader> entries;
-    for (std::size_t i = 0; i < json_.size(); ++i) entries.push_back({json_[i], file_, fmt::format("{}/{}", path_, i)});
-    return entries;
-  }
-  std::vector<double> reals() const {
-    std::vector<double> values;
-    for (const Reader& entry : list()) values.push_back(entry.real());
-    return values;
-  }
-  Vec2 point() const {
-    const std::vector<double> values = reals();
-    if (values.size() != 2) fail("a list of two numbers");
-    return {values[0], values[1]};
-  }
-
- private:
-  const Json& json_;
-  std::string file_;
-  std::string path_;
-};
 
 /// Obstacles that contacts of the scene's results may name.
 std::vector<std::string> obstacle_names(const Scene& scene) {
@@ -163,6 +98,16 @@ void read_fingers(const Reader& root, const Scene& scene, const std::string& fil
 
 }  // namespace
 
+Json parse_result(const std::string& text, const std::string& file, const std::string& what) {
+  Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded())
+    throw InputError(what + " '" + file + "' is not JSON, expected a result of 'tendril plan --json'");
+  if (const int schema = Reader(json, file, "").member("schema").whole(0, 1'000'000); schema != 1) {
+    throw InputError(fmt::format("{}: found schema {}, expected 1", file, schema));
+  }
+  return json;
+}
+
 std::vector<TrajectoryStep> parse_steps(const std::string& text, const std::string& file, const Scene& scene) {
   const Json json = Json::parse(text, nullptr, false);
   const Reader root(json, file, "");
@@ -186,13 +131,8 @@ Plan read_start(const std::filesystem::path& path, const Scene& scene, const std
 }
 
 Plan parse_start(const std::string& text, const std::string& file, const Scene& scene, const std::string& what) {
-  const Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded())
-    throw InputError(what + " '" + file + "' is not JSON, expected a result of 'tendril plan --json'");
+  const Json json = parse_result(text, file, what);
   const Reader root(json, file, "");
-  if (const int schema = root.member("schema").whole(0, 1'000'000); schema != 1) {
-    throw InputError(fmt::format("{}: found schema {}, expected 1", file, schema));
-  }
   Plan plan;
   const Reader coordinates = root.member("coordinates");
   plan.coordinates_name = coordinates.member("name").text();

@@ -21,13 +21,6 @@ Json effort_json(const Effort& effort) {
             {"hessians", effort.evaluations.hessians}}}};
 }
 
-Json target_json(const TargetSpec& target) {
-  Json json = Json::object();
-  if (target.position) json["position"] = numbers({target.position->x, target.position->y});
-  if (target.angle) json["angle"] = number(*target.angle);
-  return json;
-}
-
 Effort sum_of(const Trajectory& trajectory, Effort TrajectoryStep::*part) {
   Effort sum;
   for (const TrajectoryStep& step : trajectory.steps) sum += step.*part;
@@ -115,7 +108,7 @@ std::string trajectory_json(const Scene& scene, const Trajectory& trajectory, co
   json["title"] = scene.title;
   json["problem"] = to_string(scene.problem);
   json.update(trajectory_object(scene, trajectory));
-  json["obstacles"] = obstacles_json(scene);
+  add_surroundings(json, scene);
   json["plugins"] = components_json(run.components);
   json["versions"] = versions_json();
   return written(json);

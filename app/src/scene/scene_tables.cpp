@@ -11,7 +11,9 @@ Table<ObstacleSpec> obstacle_table() {
   return {{text<T>("name", "obstacle 1, ...", "Name in reports.", [](T& t, const std::string& v) { t.name = v; }),
            text<T>(
                "shape", "", "the name of an obstacle shape, such as \"circle\"",
-               [](T& t, const std::string& v) { t.shape = v; }, {}, Need::required)},
+               [](T& t, const std::string& v) { t.shape = v; }, {}, Need::required),
+           quantity<T>("friction", none, not_negative, "that of [contact]", "Coefficient of friction of its contacts.",
+                       [](T& t, double v) { t.friction = v; })},
           [](T& t, const std::string& name, RawValue value) { t.options[name] = std::move(value); }};
 }
 
@@ -59,6 +61,14 @@ Table<ContactSpec> contact_table() {
                    {"penalty", "slack", "scholtes", "fischer_burmeister"}),
            quantity<T>("beta", none, positive, "1", "First weight of the complementarity penalty, dimensionless.",
                        [](T& t, double v) { t.beta = v; }),
+           quantity<T>("friction", none, not_negative, "0", "Coefficient of friction of all contacts.",
+                       [](T& t, double v) { t.friction = v; }),
+           text<T>("friction_state", "range",
+                   "Where contacts rub: \"range\" plans without friction and then follows every state that it allows.",
+                   [](T& t, const std::string& v) {
+                     t.friction_state = v == "none" ? FrictionState::none : FrictionState::range;
+                   },
+                   {"range", "none"}),
            integer<T>("check_points", 0, "0",
                       "A fixed number of clearance points, without refinement; 0: chosen and refined.",
                       [](T& t, int v) { t.check_points = v; })}};

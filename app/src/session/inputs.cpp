@@ -79,9 +79,28 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
   }
   if (texts.size() != actuators.size()) {
     throw InputError(fmt::format("{}: found {} {}, expected one for each of the scene's {} actuators", option,
-                                 texts.size(), option.substr(option.find_first_not_of('-')), actuators.size()));
+                                 texts.size(), std::string(option_of(inputs.kind)).substr(2), actuators.size()));
   }
   return moments;
+}
+
+std::vector<TrajectoryStep> way_points_of(const Inputs& inputs, const Session& session) {
+  std::vector<TrajectoryStep> steps;
+  const std::string option = inputs.shown.empty() ? option_of(inputs.kind) : inputs.shown;
+  if (session.scene().problem == ProblemKind::grasp) {
+    throw InputError(option +
+                     ": found several lists, but the fingers of a grasp are executed one by one, expected one");
+  }
+  for (std::size_t from = 0; from <= inputs.text.size();) {
+    const std::size_t end = std::min(inputs.text.find(';', from), inputs.text.size());
+    Inputs one = inputs;
+    one.text = inputs.text.substr(from, end - from);
+    one.shown = fmt::format("{}, way point {}", option, steps.size() + 1);
+    steps.emplace_back().plan.moments = moments_of(one, session);
+    steps.back().target = session.scene().target;
+    from = end + 1;
+  }
+  return steps;
 }
 
 std::variant<Execution, Trajectory> execute_result(Session& session, const files::ResultText& earlier,

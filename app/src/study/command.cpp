@@ -6,6 +6,7 @@
 #include <chrono>
 #include <set>
 
+#include "figure/page.hpp"
 #include "study/case.hpp"
 #include "study/journal.hpp"
 #include "study/result.hpp"
@@ -210,11 +211,18 @@ int finish(Session& session, const StudyArguments& arguments, const StudySpec& s
     // Results without their picture are still results.
     try {
       StagedFiles files(*arguments.output);
-      draw_study(session, result, files);
+      draw_study(session, result, files, "figure", {Picture::svg, Picture::png});
       files.publish();
     } catch (const InputError& error) {
       note(error.what());
     }
+  }
+  if (arguments.figure && picture_of(*arguments.figure) == Picture::page) {
+    write_page(*arguments.figure, Json::parse(json), "the study", session.registry());
+  } else if (arguments.figure) {
+    StagedFiles files(arguments.figure->parent_path());
+    draw_study(session, result, files, arguments.figure->stem().string(), {picture_of(*arguments.figure)});
+    files.publish();
   }
   print(arguments.json ? json : report);
   return all_solved(result) ? 0 : 1;
@@ -234,6 +242,11 @@ int run_study(const StudyArguments& arguments) {
   }
   if (arguments.merge && !arguments.shard.empty()) {
     throw InputError("--merge joins all shards, expected no --shard beside it");
+  }
+  if (arguments.figure) {
+    // What cannot be written had better be known before the work begins.
+    picture_of(*arguments.figure);
+    const StagedFiles trial(arguments.figure->parent_path());
   }
   if (arguments.scene.scene == standard_input) share_standard_input();
   const std::uint64_t fingerprint = fingerprint_of(arguments.scene);

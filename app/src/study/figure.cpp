@@ -107,9 +107,10 @@ std::string series_color(std::size_t i) {
   return colors[i % std::size(colors)];
 }
 
-void draw_study(Session& session, const StudyResult& result, StagedFiles& files) {
+void draw_study(Session& session, const StudyResult& result, StagedFiles& files, const std::string& stem,
+                const std::vector<Picture>& pictures) {
   const Scene& scene = session.scene();
-  if (scene.problem == ProblemKind::grasp) return draw_grasp_study(scene, result, files);
+  if (scene.problem == ProblemKind::grasp) return draw_grasp_study(scene, result, files, stem, pictures);
   std::size_t columns = 1;
   while (columns < result.groups.size() && result.groups[columns].limit == result.groups[0].limit) ++columns;
   const std::size_t rows = result.groups.size() / columns;
@@ -139,7 +140,7 @@ void draw_study(Session& session, const StudyResult& result, StagedFiles& files)
     ++seen;
     add_case(panels[group / columns][group % columns], result.cases[i], result.values[i]);
   }
-  draw_panels(scene.title, panels, bars_of(scene, result, columns), files, "figure", {Picture::svg, Picture::png});
+  draw_panels(scene.title, panels, bars_of(scene, result, columns), files, stem, pictures);
 }
 
 }  // namespace tendril::app

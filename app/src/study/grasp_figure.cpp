@@ -54,8 +54,12 @@ double value_of(const Json& list, std::size_t i) {
 /// Panels side by side, and the data behind them.
 class GraspStudyFigure {
  public:
-  GraspStudyFigure(const Scene& scene, const StudyResult& result)
-      : scene_(scene), unit_(unit_for(scene.rod.length())), series_(series_of(result)), data_(unit_) {
+  GraspStudyFigure(const Scene& scene, const StudyResult& result, std::string file)
+      : scene_(scene),
+        unit_(unit_for(scene.rod.length())),
+        series_(series_of(result)),
+        data_(unit_),
+        file_(std::move(file)) {
     if (series_.empty()) throw InputError("no figure: no case came to a grasp");
     if (std::any_of(result.cases.begin(), result.cases.end(), [](const StudyCase& c) { return c.moment; })) {
       add_forces("axial_force", "axial",
@@ -70,7 +74,7 @@ class GraspStudyFigure {
     }
   }
 
-  void write(StagedFiles& files) const {
+  void write(StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) const {
     const std::string draw =
         fmt::format("set multiplot layout 1,{}{}\n", count_,
                     scene_.title.empty() ? "" : " title " + gnuplot_string(scene_.title) + " noenhanced") +
@@ -78,8 +82,7 @@ class GraspStudyFigure {
         "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\nset key outside bottom center horizontal "
         "Left reverse samplen 2 maxcols 2 height 1.5\n" +
         panels_ + "unset multiplot\n";
-    render({data_.text(), "", draw, "reset\n" + draw, 520 * count_, 620}, files, "figure",
-           {Picture::svg, Picture::png});
+    render({data_.text(), "", draw, "reset\n" + draw, 520 * count_, 620}, files, stem, pictures);
   }
 
  private:
@@ -171,15 +174,16 @@ class GraspStudyFigure {
   LengthUnit unit_;
   std::vector<Series> series_;
   DataFile data_;
-  std::string file_ = gnuplot_file("figure.dat");
+  std::string file_;
   std::string panels_;
   int count_ = 0;
 };
 
 }  // namespace
 
-void draw_grasp_study(const Scene& scene, const StudyResult& result, StagedFiles& files) {
-  GraspStudyFigure(scene, result).write(files);
+void draw_grasp_study(const Scene& scene, const StudyResult& result, StagedFiles& files, const std::string& stem,
+                      const std::vector<Picture>& pictures) {
+  GraspStudyFigure(scene, result, gnuplot_file(stem + ".dat")).write(files, stem, pictures);
 }
 
 }  // namespace tendril::app

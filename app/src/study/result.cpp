@@ -187,6 +187,7 @@ std::string study_json(const Scene& scene, const StudyResult& result) {
          {"arrived_from_start", group.arrived}});
   }
   head["groups"] = std::move(groups);
+  add_surroundings(head, scene);
   head["versions"] = versions_json();
   // The records go in as they stand, one on each line.
   std::string text = written(head);

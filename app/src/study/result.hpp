@@ -6,6 +6,7 @@
 
 #include "result/result_object.hpp"
 #include "study/journal.hpp"
+#include "tendril/app/figure.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/session.hpp"
 
@@ -60,6 +61,7 @@ std::string series_color(std::size_t i);
 
 /// The panels of all groups: a row for each limit, a column for each mode, and means below. Throws InputError as
 /// draw_figure() does.
-void draw_study(Session& session, const StudyResult& result, StagedFiles& files);
+void draw_study(Session& session, const StudyResult& result, StagedFiles& files, const std::string& stem,
+                const std::vector<Picture>& pictures);
 
 }  // namespace tendril::app

@@ -37,23 +37,25 @@ class Descriptor {
   int number_;
 };
 
-constexpr const char* too_large = " is larger than 4 MiB, the most that is read";
+std::string too_large(std::size_t largest) {
+  return " is larger than " + std::to_string(largest >> 20U) + " MiB, the most that is read";
+}
 
 /// Tells a process where the standard input of the one that started it stands.
 constexpr const char* shared_input = "TENDRIL_STANDARD_INPUT";
 
 /// Everything that an open file holds; the size of a device or a pipe is not known beforehand, so the limit is kept
 /// while reading.
-std::string read_all(int file, const std::string& name) {
+std::string read_all(int file, const std::string& name, std::size_t largest = largest_input) {
   std::string text;
   std::string block(std::size_t{1} << 16, '\0');
   while (true) {
-    const ssize_t count = ::read(file, block.data(), std::min(block.size(), largest_input + 1 - text.size()));
+    const ssize_t count = ::read(file, block.data(), std::min(block.size(), largest + 1 - text.size()));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) throw InputError("cannot read " + name + ": " + reason(errno));
     if (count == 0) return text;
     text.append(block, 0, static_cast<std::size_t>(count));
-    if (text.size() > largest_input) throw InputError(name + too_large);
+    if (text.size() > largest) throw InputError(name + too_large(largest));
   }
 }
 
@@ -83,7 +85,7 @@ void synchronize_entries(const std::vector<fs::path>& made) {
   for (const fs::path& path : made) synchronize(path.has_parent_path() ? path.parent_path() : fs::path("."));
 }
 
-std::string read_input(const fs::path& path, const std::string& what) {
+std::string read_input(const fs::path& path, const std::string& what, std::size_t largest) {
   const std::string name = what + " '" + path.string() + "'";
   // Opening a pipe would wait for somebody to write into it.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
@@ -94,10 +96,10 @@ std::string read_input(const fs::path& path, const std::string& what) {
   if (S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode)) {
     throw InputError("cannot read " + name + ": it is a pipe, expected a file");
   }
-  if (S_ISREG(status.st_mode) && static_cast<std::size_t>(status.st_size) > largest_input) {
-    throw InputError(name + too_large);
+  if (S_ISREG(status.st_mode) && static_cast<std::size_t>(status.st_size) > largest) {
+    throw InputError(name + too_large(largest));
   }
-  return read_all(file.get(), name);
+  return read_all(file.get(), name, largest);
 }
 
 std::string read_scene_input(const fs::path& path) {

@@ -21,6 +21,9 @@ struct ExecuteControl {
   /// An earlier result to start from: its shape, moments and contacts under all of the scene's other loads; only the
   /// moments then change linearly. Null: the scene's constant-curvature start without loads, all of which then grow.
   const Plan* start = nullptr;
+  /// One number per obstacle: the tangential part of its contact forces, along the rod, for each unit of the normal
+  /// part; it grows from 0 along the path. Empty: there is none. The path ends where the rod gives way.
+  std::vector<double> friction{};
   /// False: as if the scene had no obstacle.
   bool with_obstacles = true;
 };

@@ -29,7 +29,8 @@ struct PlannedContact {
   double arc_length = 0.0;    ///< m
   Vec2 point{};               ///< m
   Vec2 normal{};              ///< unit vector out of the obstacle
-  double force = 0.0;         ///< N
+  double force = 0.0;         ///< N, along the normal
+  double tangential = 0.0;    ///< N, across it, in the direction in which arc lengths grow
   double gap = 0.0;           ///< m
   /// The rod lies along the obstacle here: one of a run of contacts that stands for the stretch, or, in a plan that is
   /// not solved for that reason, the point whose force would be spread.
@@ -99,6 +100,18 @@ struct GraspPlan {
   std::optional<GraspQuality> quality;  ///< of plans; an execution has none
 };
 
+/// Where a plan's moments hold the rod if contacts push so far off their normals. SI units.
+struct FrictionRange {
+  /// Tangential force for each unit of the normal one, per contact of the plan; 0 for those without force.
+  std::vector<double> ratios;
+  double tip_x = 0.0;                    ///< m
+  double tip_y = 0.0;                    ///< m
+  double tip_angle = 0.0;                ///< rad
+  std::optional<double> target_error;    ///< m
+  double stability = 0.0;                ///< margin; under friction of slipping contacts
+  std::vector<PlannedContact> contacts;  ///< the active ones
+};
+
 /// A plan in SI units, except where said.
 struct Plan {
   PlanStatus status = PlanStatus::failed;  ///< how it ended
@@ -119,7 +132,9 @@ struct Plan {
   std::optional<double> model_error;
   /// The same, settled from the plan's own shape, m.
   std::optional<double> local_model_error;
-  std::string verification;                           ///< what execution found, in words; empty: not asked for
+  std::string verification;  ///< what execution found, in words; empty: not asked for
+  /// Without friction, then for every state of contacts that are about to slip; empty: there is no friction.
+  std::vector<FrictionRange> friction;
   std::optional<GraspPlan> grasp;                     ///< of a grasp
   double objective = 0.0;                             ///< dimensionless, without penalty
   std::vector<std::pair<std::string, double>> terms;  ///< weighted, dimensionless; they sum to the objective

@@ -120,6 +120,14 @@ struct ObstacleSpec {
   std::string name;      ///< "obstacle 1", ... if not given
   std::string shape;     ///< an obstacle component
   RawOptions options{};  ///< of the shape, not checked yet
+  /// Coefficient of friction of its contacts; absent: that of ContactSpec.
+  std::optional<double> friction{};
+};
+
+/// What becomes of the unknown state of friction (docs/model.md section 13).
+enum class FrictionState {
+  range,  ///< planned without, then followed over the cone of every contact
+  none    ///< left out
 };
 
 /// How contact with obstacles is planned.
@@ -132,6 +140,8 @@ struct ContactSpec {
   Treatment treatment = Treatment::penalty;  ///< of complementarity
   double beta = 1.0;                         ///< first penalty weight, dimensionless
   int check_points = 0;                      ///< fixed number, without exchange; 0: core chooses and exchanges
+  double friction = 0.0;                     ///< coefficient, of obstacles that have none of their own
+  FrictionState friction_state = FrictionState::range;  ///< what is looked at
 };
 
 /// The pose that the tip should have; either part may be absent.
@@ -266,6 +276,9 @@ struct Scene {
 TENDRIL_API bool needs_term(const ObjectiveSpec& objective);
 /// Whether the obstacles have to be made: not with contact mode "ignore".
 TENDRIL_API bool needs_obstacles(const Scene& scene);
+
+/// The coefficient of friction of obstacle `i`; 0 where friction is left out.
+TENDRIL_API double friction_of(const Scene& scene, std::size_t i);
 
 /// Refuses a scene that makes no sense (lengths, limits, ranges). Throws SceneError with the key's path. Call it before
 /// anything else.

@@ -37,6 +37,10 @@ class Executor {
     }
     if (!control.with_obstacles) return;
     if (obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
+    if (!control.friction.empty() && control.friction.size() != obstacles.size()) {
+      throw Error("expected " + std::to_string(obstacles.size()) + " ratios of friction, one per obstacle, found " +
+                  std::to_string(control.friction.size()));
+    }
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
       obstacles_.push_back(obstacles[i].get());
       const double distance = obstacles_.back()->at(rod_.base).distance - rod_.radius_at(0.0).value;
@@ -113,6 +117,7 @@ Execution Executor::run() {
                      "the start shape runs through the core of " + names_[*o] +
                          ", so it is on neither side of it: expected a start that passes on one side");
   }
+  if (control_.with_obstacles && !control_.friction.empty()) loading->rub(control_.friction);
   const bool arrived = loading->run();
   for (TrackedSnap& snap : loading->tracker().snaps()) out.snaps.push_back(to_si(snap, loading->path()));
   report(loading->tracker(), arrived, out);

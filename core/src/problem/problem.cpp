@@ -7,6 +7,7 @@
 #include "base/clock.hpp"
 #include "grasp/force_limit.hpp"
 #include "grasp/frames.hpp"
+#include "problem/friction.hpp"
 #include "scene/make_rod.hpp"
 #include "scene/plan_report.hpp"
 #include "search/blame.hpp"
@@ -299,6 +300,7 @@ Plan Problem::plan(const PlanControl& control) {
   for (const PoseProgramTerm& term : task_->terms) term.fault->clear();
   Plan plan = task_->palm ? plan_grasp(*task_, control) : plan_to_target(*task_, control);
   blame_terms(*task_, plan);
+  if (!task_->palm) find_friction_range(*task_, plan, control.stop);
   plan.seconds_assemble = task_->seconds_assemble;
   plan.seconds_solve = now() - begin - plan.seconds_certify;
   if (!task_->palm) plan.start_backbone = outline(task_->scene_start(), task_->rod, task_->scale.length);

@@ -15,11 +15,11 @@ class BalanceRows : public RowBlock {
     if (derivatives) rows.setZero();
     for (int k = 0; k < d_.layout.forces; ++k) {
       const PoseProgram::ContactState& c = d_.contacts[static_cast<std::size_t>(k)];
-      const double share = dot(c.surface.normal, axis);
+      const double share = dot(c.push, axis);
       values[0] += c.force * share;
       if (!derivatives) continue;
       const Vec2 tau = turned(c.surface.normal);
-      rows.row(0) += d_.contact_row(k, c.force * c.surface.curvature * dot(tau, axis) * tau);
+      rows.row(0) += d_.contact_row(k, c.force * c.surface.curvature * dot(turned(c.push), axis) * tau);
       rows(0, d_.layout.first_force + k) += share;
     }
   }

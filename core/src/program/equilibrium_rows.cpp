@@ -36,16 +36,32 @@ class EquilibriumRows : public RowBlock {
       d_.add_force_work(k, d_.places.displacement(d_.contact_places[i]));
       const int dx = d_.base.displacement(k);
       const Symmetric2 of_distance = distance_hessian(c.surface);
-      d_.base.add_symmetric(at.point.x, dx, c.force * of_distance.xx);
-      d_.base.add_symmetric(at.point.x, dx + 1, c.force * of_distance.xy);
-      d_.base.add_symmetric(at.point.y, dx, c.force * of_distance.xy);
-      d_.base.add_symmetric(at.point.y, dx + 1, c.force * of_distance.yy);
-      d_.base.add_symmetric(dx, at.force, c.surface.normal.x);
-      d_.base.add_symmetric(dx + 1, at.force, c.surface.normal.y);
+      const auto turns = [&](int point, Vec2 normal) {
+        const Vec2 push = c.force * (normal + c.lean * turned(normal));
+        d_.base.add_symmetric(point, dx, push.x);
+        d_.base.add_symmetric(point, dx + 1, push.y);
+      };
+      turns(at.point.x, {of_distance.xx, of_distance.xy});
+      turns(at.point.y, {of_distance.xy, of_distance.yy});
+      d_.base.add_symmetric(dx, at.force, c.push.x);
+      d_.base.add_symmetric(dx + 1, at.force, c.push.y);
+      if (c.lean != 0.0) add_couple_second(k, hessian);
     }
   }
 
  private:
+  /// The couple of a tangential force works along the rotation of its place, which at a knot that moves with the
+  /// contact depends on the coordinates alone.
+  void add_couple_second(int k, Eigen::MatrixXd& hessian) {
+    const auto i = static_cast<std::size_t>(k);
+    const PoseProgram::ContactState& c = d_.contacts[i];
+    const double rotation = d_.places.rotation(d_.contact_places[i]);
+    d_.add_along(k, -c.force * c.lean * c.radius.bend * rotation, hessian);
+    const int force = d_.layout.first_force + k;
+    d_.add_slope_along(k, -c.lean * c.radius.slope * rotation, hessian.col(force));
+    d_.add_slope_along(k, -c.lean * c.radius.slope * rotation, hessian.row(force));
+  }
+
   void add_moments_second(ConstVectorRef lambda, Eigen::MatrixXd& hessian) {
     const int first = d_.layout.first_arc_length;
     const int count = d_.layout.arc_lengths;
@@ -76,21 +92,36 @@ class EquilibriumRows : public RowBlock {
     // Contact forces act along normals that turn with the contact point.
     for (int k = 0; k < at.forces; ++k) {
       const PoseProgram::ContactState& c = d_.contacts[static_cast<std::size_t>(k)];
-      rows.col(at.first_force + k) = d_.contact_row(k, c.surface.normal).head(at.coordinates);
+      rows.col(at.first_force + k) = d_.contact_row(k, c.push).head(at.coordinates);
+      if (c.lean != 0.0) differentiate_couple(k, rows);
       // Along a surface it is that which bends the normal, else the rod itself turns it.
       const bool turns_with_rod = d_.spec.contacts[static_cast<std::size_t>(k)].obstacle < 0;
       const double factor = turns_with_rod ? c.force : c.force * c.surface.curvature;
       if (factor == 0.0) continue;
-      along_ = d_.contact_row(k, turned(c.surface.normal));
+      along_ = d_.contact_row(k, turned(c.push));
       if (turns_with_rod) {
         turning_ = d_.base.row(d_.base.index.contacts[static_cast<std::size_t>(k)].point.angle);
-      } else {
+      } else if (c.lean == 0.0) {
         turning_ = along_;
+      } else {
+        turning_ = d_.contact_row(k, turned(c.surface.normal));
       }
       for (int column = 0; column < d_.variables; ++column) {
         const double scaled = factor * turning_[column];
         if (scaled != 0.0) rows.col(column) += scaled * along_.head(at.coordinates);
       }
+    }
+  }
+
+  void differentiate_couple(int k, MatrixRef rows) {
+    const PoseProgram::Layout& at = d_.layout;
+    const PoseProgram::ContactState& c = d_.contacts[static_cast<std::size_t>(k)];
+    turning_ = d_.base.row(d_.base.index.contacts[static_cast<std::size_t>(k)].point.angle);
+    rows.col(at.first_force + k) += d_.couple(k) * turning_.head(at.coordinates);
+    along_.setZero();
+    d_.add_slope_along(k, -c.force * c.lean * c.radius.slope, along_);
+    for (int l = at.first_arc_length; l < at.first_arc_length + at.arc_lengths; ++l) {
+      rows.col(l) += along_[l] * turning_.head(at.coordinates);
     }
   }
 

@@ -198,6 +198,28 @@ double PoseProgram::moment_defect(ConstVectorRef x, const Curve& curve) {
   return d.places.moment_defect(d.forces, d.moments, curve);
 }
 
+void PoseProgram::sliding_force(int contact, VectorRef out) const {
+  const Data& d = *data_;
+  const ContactState& c = d.contacts[static_cast<std::size_t>(contact)];
+  const auto turning = d.base.row(d.base.index.contacts[static_cast<std::size_t>(contact)].point.angle);
+  const int n = d.layout.coordinates;
+  const double along = c.surface.curvature * dot(turned(c.surface.normal), c.tangent);
+  out = d.contact_row(contact, along * turned(c.push)).head(n);
+  out += (dot(turned(c.tangent), c.push) - c.lean * c.radius.slope) * turning.head(n).transpose();
+  const double couple = d.couple(contact);
+  if (couple == 0.0) return;
+  Eigen::VectorXd bending = Eigen::VectorXd::Zero(d.variables);
+  const int place = d.contact_places[static_cast<std::size_t>(contact)];
+  d.places.add_curvature_row(place, convex_side(d, contact), couple,
+                             {bending.data(), bending.data() + d.layout.first_arc_length});
+  out += bending.head(n);
+}
+
+bool PoseProgram::has_friction() const {
+  return std::any_of(data_->contacts.begin(), data_->contacts.end(),
+                     [](const ContactState& c) { return c.lean != 0.0 && c.force != 0.0; });
+}
+
 double PoseProgram::contact_convexity(int contact) const {
   if (data_->spec.contacts[static_cast<std::size_t>(contact)].at_tip) return infinity;
   return convexity(*data_, contact, convex_side(*data_, contact));

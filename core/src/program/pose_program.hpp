@@ -46,6 +46,9 @@ struct Loads {
   Vec2 tip_force{};              ///< as Rod::tip_force
   std::vector<double> shrink{};  ///< of each obstacle: its surface lies this much farther inward (units of L)
   double dead = 1.0;             ///< share of Rod::loads
+  /// Of each obstacle: the tangential part of its contact forces, along the rod, for each unit of the normal part
+  /// (w of model.md section 13). Empty: there is none.
+  std::vector<double> friction{};
 };
 
 /// What is known about a contact's complementarity g f = 0.
@@ -195,6 +198,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     Vec2 tangent{};           ///< unit vector along the rod
     double angle = 0.0;       ///< of the rod, rad
     double force = 0.0;       ///< units of EI0/L^2
+    Vec2 push{};              ///< per unit of it: the surface's normal, and the tangential part that goes with it
+    double lean = 0.0;        ///< that part, along the turned normal
     SurfacePoint surface{};   ///< the obstacle there, seen from the rod's body: its distance is the gap
     Rod::Jet radius{};        ///< of the body
   };
@@ -223,6 +228,11 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   /// The same for a contact inside the rod, with its derivatives by all variables (variable_count() entries) at the
   /// point whose derivatives were computed last.
   double contact_convexity(int contact, VectorRef gradient) const;
+  /// How the generalized force of a unit force at contact k changes as the contact slides along the rod: coordinates()
+  /// entries, at the point whose derivatives were computed last.
+  void sliding_force(int contact, VectorRef out) const;
+  /// Something at the point computed last pushes otherwise than along its normal.
+  bool has_friction() const;
 
  protected:
   void do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out) override;

@@ -105,7 +105,13 @@ void PoseState::move(ConstVectorRef x) {
     const int obstacle = spec.contacts[k].obstacle;
     c.surface = obstacle < 0 ? SurfacePoint{0.0, turned(c.tangent)} : surface(obstacle, c.point);
     if (obstacle >= 0 && chain.is_thick()) c.surface.distance -= (c.radius = places.radius(place)).value;
-    forces.on[static_cast<std::size_t>(place)].force = c.force * c.surface.normal;
+    const Vec2 tau = turned(c.surface.normal);
+    c.lean = loads.friction.empty() || obstacle < 0 ? 0.0 : loads.friction[static_cast<std::size_t>(obstacle)];
+    if (dot(tau, c.tangent) < 0.0) c.lean = -c.lean;
+    c.push = c.surface.normal + c.lean * tau;
+    Push& push = forces.on[static_cast<std::size_t>(place)];
+    push.force = c.force * c.push;
+    push.moment = c.force * couple(variable);
   }
   base.move(x, contacts);
 }
@@ -129,6 +135,8 @@ bool PoseState::ordered(int contact) const {
 
 void PoseState::add_force_work(int contact, Vec2 displacement) {
   const PoseProgram::ContactState& c = contacts[static_cast<std::size_t>(contact)];
+  // n + lean tau is n turned and stretched: so is what it works along, the other way.
+  displacement = displacement - c.lean * turned(displacement);
   const BaseIndex::Contact& at = base.index.contacts[static_cast<std::size_t>(contact)];
   const Vec2 tau = turned(c.surface.normal);
   const Vec2 sliding = c.surface.curvature * dot(tau, displacement) * tau;

@@ -49,6 +49,11 @@ struct PoseState {
     const BaseIndex::Point& p = base.index.contacts[static_cast<std::size_t>(k)].point;
     return direction.x * base.row(p.x) + direction.y * base.row(p.y);
   }
+  /// Moment about the backbone of a unit force at contact k: it acts on the surface of the body, not on the backbone.
+  double couple(int k) const {
+    const PoseProgram::ContactState& c = contacts[static_cast<std::size_t>(k)];
+    return -c.lean * c.radius.value;
+  }
   /// Adds second derivatives of a function of contact k's arc length alone.
   void add_along(int contact, double second, Eigen::MatrixXd& hessian) const {
     for (int l = 0; l < layout.arc_lengths; ++l) {
@@ -66,7 +71,7 @@ struct PoseState {
       row[layout.first_arc_length + l] += slope * places.running(contact_places[static_cast<std::size_t>(contact)], l);
     }
   }
-  /// Adds second derivatives of the work of contact k's force along a constant displacement.
+  /// Adds second derivatives of the work of contact k's force, its couple aside, along a constant displacement.
   void add_force_work(int contact, Vec2 displacement);
 };
 

@@ -34,20 +34,19 @@ void Stability::second_variation(PoseProgram& program, ConstVectorRef x, Eigen::
     if (ends_hold_ && leans_on_end(program, k)) continue;
     // How the closest-point row changes at frozen knots.
     turning_ = program.jacobian(x).row(program.layout().first_closest + k).head(n);
-    h.noalias() += c.force / program.contact_convexity(k) * turning_ * turning_.transpose();
+    const double share = c.force / program.contact_convexity(k);
+    if (c.lean == 0.0) {
+      h.noalias() += share * turning_ * turning_.transpose();
+    } else {
+      program.sliding_force(k, reflection_);
+      h.noalias() += share * reflection_ * turning_.transpose();
+    }
   }
 }
 
-double Stability::margin(PoseProgram& program, ConstVectorRef x) {
+// Coordinates y = U q with K = U^T U.
+void Stability::scale_to_energy(const PoseProgram& program, Eigen::MatrixXd& h) {
   const Chain& chain = program.chain();
-  const int n = program.layout().coordinates;
-  Eigen::MatrixXd& h = hessian_;
-  second_variation(program, x, h);
-  touching_.clear();
-  for (int k = 0; k < program.layout().forces; ++k) {
-    if (program.contacts()[static_cast<std::size_t>(k)].force > tolerance::force) touching_.push_back(k);
-  }
-  // In coordinates y = U q with K = U^T U the bending energy is the unit matrix.
   const int functions = chain.functions();
   for (int j = 0; j < chain.piece_count(); ++j) {
     const auto [inverse, factor] = program.sections().unit(j);
@@ -59,7 +58,54 @@ double Stability::margin(PoseProgram& program, ConstVectorRef x) {
     block_.noalias() = inverse.transpose() * h.middleRows(j * functions, functions);
     h.middleRows(j * functions, functions) = factor * block_;
   }
+}
+
+void Stability::scale_to_energy(const PoseProgram& program, const Eigen::VectorXd& row,
+                                Eigen::Ref<Eigen::VectorXd> out) const {
+  const int functions = program.chain().functions();
+  for (int j = 0; j < program.chain().piece_count(); ++j) {
+    const auto [inverse, factor] = program.sections().unit(j);
+    out.segment(j * functions, functions).noalias() =
+        factor * (inverse.transpose() * row.segment(j * functions, functions));
+  }
+}
+
+/// Disturbed by y the contacts keep closed, D y = 0, and their forces change along what they do, B: H y = mu y + B f.
+/// With Z and W across D and B the eigenvalues are those of (W^T Z)^-1 W^T H Z.
+double Stability::slipping_margin(PoseProgram& program, ConstVectorRef x) {
+  const Eigen::Index n = hessian_.rows();
+  const auto count = static_cast<Eigen::Index>(touching_.size());
+  if (n <= count) return infinity;
+  Eigen::MatrixXd held(n, count);
+  Eigen::MatrixXd pushed(n, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const int k = touching_[static_cast<std::size_t>(i)];
+    turning_ = program.jacobian(x).row(program.layout().first_gap + k).head(n);
+    scale_to_energy(program, turning_, held.col(i));
+    turning_ = program.jacobian(x).col(program.force_variable(k)).head(n);
+    scale_to_energy(program, turning_, pushed.col(i));
+  }
+  const auto across = [n, count](const Eigen::MatrixXd& rows) -> Eigen::MatrixXd {
+    return Eigen::MatrixXd(Eigen::HouseholderQR<Eigen::MatrixXd>(rows).householderQ()).rightCols(n - count);
+  };
+  const Eigen::MatrixXd free = across(held);
+  const Eigen::MatrixXd test = across(pushed);
+  const Eigen::MatrixXd pencil = (test.transpose() * free).partialPivLu().solve(test.transpose() * hessian_ * free);
+  if (!pencil.allFinite()) return -infinity;
+  return Eigen::EigenSolver<Eigen::MatrixXd>(pencil, false).eigenvalues().real().minCoeff();
+}
+
+double Stability::margin(PoseProgram& program, ConstVectorRef x) {
+  const int n = program.layout().coordinates;
+  Eigen::MatrixXd& h = hessian_;
+  second_variation(program, x, h);
+  touching_.clear();
+  for (int k = 0; k < program.layout().forces; ++k) {
+    if (program.contacts()[static_cast<std::size_t>(k)].force > tolerance::force) touching_.push_back(k);
+  }
+  scale_to_energy(program, h);
   if (!h.allFinite()) return -infinity;
+  if (program.has_friction()) return slipping_margin(program, x);
   const auto count = static_cast<Eigen::Index>(touching_.size());
   if (count == 0) return eigen_.compute(h, Eigen::EigenvaluesOnly).eigenvalues()[0];
   const Eigen::Index left = n - count;
@@ -67,11 +113,7 @@ double Stability::margin(PoseProgram& program, ConstVectorRef x) {
   normals_.resize(n, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     turning_ = program.jacobian(x).row(program.layout().first_gap + touching_[static_cast<std::size_t>(i)]).head(n);
-    for (int j = 0; j < chain.piece_count(); ++j) {
-      const auto [inverse, factor] = program.sections().unit(j);
-      normals_.col(i).segment(j * functions, functions).noalias() =
-          factor * (inverse.transpose() * turning_.segment(j * functions, functions));
-    }
+    scale_to_energy(program, turning_, normals_.col(i));
   }
   // The orthogonal complement of the rows spans what the contacts leave free: Q^T H Q, one reflection after the other.
   qr_.compute(normals_);

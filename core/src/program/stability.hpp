@@ -12,7 +12,9 @@ namespace tendril {
 
 /// Stability of the equilibria of one pose program (model.md section 7): the second variation at frozen knots, its
 /// smallest eigenvalue against the bending energy, and how that changes with the plan. Nothing allocates after the
-/// first evaluation with one number of pressing contacts.
+/// first evaluation with one number of pressing contacts. Where contacts slip, which push otherwise than along their
+/// normals, there is no energy: the margin is the smallest real part of the eigenvalues of a pencil that is not
+/// symmetric (model.md section 13), and has no gradient here.
 class Stability {
  public:
   /// For programs on the chain of `program`, with its variables.
@@ -33,6 +35,11 @@ class Stability {
   double margin(PoseProgram& program, ConstVectorRef x, VectorRef gradient);
 
  private:
+  /// h in coordinates in which the bending energy is the unit matrix.
+  void scale_to_energy(const PoseProgram& program, Eigen::MatrixXd& h);
+  /// A row by the coordinates in these.
+  void scale_to_energy(const PoseProgram& program, const Eigen::VectorXd& row, Eigen::Ref<Eigen::VectorXd> out) const;
+  double slipping_margin(PoseProgram& program, ConstVectorRef x);
   void find_eigenvector(double eigenvalue);
   void find_direction(const PoseProgram& program);
   void find_multipliers();

@@ -64,6 +64,9 @@ double Places::moment_defect(int j, const Ramp& load, const Forces& forces, std:
     }
     worst = std::max(worst, std::abs(stiffness * curvature - applied(s) - moment));
   };
+  for (const int k : knots_) {
+    if (acts(k)) beyond += on(k, forces).moment;
+  }
   check(1.0, table.slope_end.dot(q) / h, beyond);
   auto shear = node_buffer_.head(n);
   auto coefficients = push_along_.head(n);

@@ -102,6 +102,7 @@ class TENDRIL_API Places {
   /// Virtual displacements of all places along coordinates: dP/dq times `lambda`, after differentiate().
   void displace(const double* lambda);
   Vec2 displacement(int place) const { return at(place).displacement; }
+  double rotation(int knot) const { return psi_knot_[at(knot).piece + 1]; }  ///< Likewise, of the end of a piece.
   /// n . d(displacement), as row().
   void displacement_row(int place, Vec2 n, RowPart out) const;
 

@@ -71,6 +71,8 @@ void planned_contacts(const PoseProgram& program, const std::vector<std::string>
     p.point = scale.length * c.point;
     p.normal = c.surface.normal;
     p.force = c.force * scale.force();
+    // c.lean goes with the turned normal, which may point towards the base.
+    p.tangential = (dot(turned(c.surface.normal), c.tangent) < 0.0 ? -c.lean : c.lean) * p.force;
     p.gap = c.surface.distance * scale.length;
     p.extended = false;
   }

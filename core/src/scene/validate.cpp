@@ -49,6 +49,37 @@ void validate_trajectory(const Scene& scene) {
   }
 }
 
+<<<<<<< HEAD
+/// Beyond this a coefficient is no friction but glue, or a percentage.
+constexpr double largest_friction = 10.0;
+
+void require_friction(double value, const std::string& path) {
+  require_not_negative(value, path, "the coefficient of friction", "");
+  if (value > largest_friction) {
+    throw SceneError(path, "the coefficient of friction is " + shown(value) + ", expected 0 to " +
+                               shown(largest_friction) + " (most dry contacts have 0.1 to 1)");
+  }
+}
+
+void validate_friction(const Scene& scene) {
+  require_friction(scene.contact.friction, "contact.friction");
+  std::string path = scene.contact.friction > 0.0 ? "contact.friction" : "";
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const std::optional<double>& own = scene.obstacles[i].friction;
+    const std::string at = "obstacle[" + std::to_string(i) + "].friction";
+    if (own) require_friction(*own, at);
+    if (own.value_or(0.0) > 0.0 && path.empty()) path = at;
+  }
+  if (path.empty() || scene.contact.friction_state == FrictionState::none) return;
+  if (scene.contact.mode == ContactModeName::ignore || scene.contact.mode == ContactModeName::avoid) {
+    throw SceneError(path, "there is no friction where contact is not planned (contact mode \"" +
+                               std::string(to_string(scene.contact.mode)) + "\")");
+  }
+  if (scene.problem != ProblemKind::pose && scene.problem != ProblemKind::execute) {
+    throw SceneError(path, "friction is looked at for problem \"pose\" only, found \"" +
+                               std::string(to_string(scene.problem)) +
+                               "\", expected friction_state = \"none\" beside it");
+=======
 /// `path`: of the key.
 void validate_law(const ActuatorSpec& a, const std::string& path) {
   require_finite(a.moment_per_pressure, path);
@@ -74,6 +105,7 @@ void validate_law(const ActuatorSpec& a, const std::string& path) {
                            " Pa, expected it to rise, or to fall, all the way between the limits of the pressure");
     }
     last = moment;
+>>>>>>> actuators
   }
 }
 
@@ -337,6 +369,7 @@ void validate(const Scene& scene) {
                      "expected 0 (chosen by the planner) to 10000, found " + std::to_string(c.check_points));
   }
   require_positive(c.beta, "contact.beta", "beta", "");
+  validate_friction(scene);
   if (c.mode == ContactModeName::require) {
     if (scene.obstacles.empty() && !scene.gripper)
       throw SceneError("contact.mode", "\"require\" needs an obstacle, but the scene has none");
@@ -363,6 +396,11 @@ void validate(const Scene& scene) {
 Scale scale_of(const Scene& scene) { return {scene.rod.length(), scene.rod.segments.front().bending_stiffness}; }
 
 bool needs_term(const ObjectiveSpec& objective) { return objective.weight != 0.0; }
+
+double friction_of(const Scene& scene, std::size_t i) {
+  if (scene.contact.friction_state == FrictionState::none) return 0.0;
+  return scene.obstacles[i].friction.value_or(scene.contact.friction);
+}
 
 bool needs_obstacles(const Scene& scene) {
   return !scene.obstacles.empty() && scene.contact.mode != ContactModeName::ignore;

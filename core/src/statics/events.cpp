@@ -41,22 +41,33 @@ std::optional<std::vector<Tracker::Event>> Tracker::events(const Step& step, con
     if (e.kind == EventKind::fold && e.z[load] >= 1.0) beyond = std::min(beyond, e.tau);
   }
   if (!std::isfinite(beyond)) return found;
-  Event end;
+  const auto ends_at = [&](const Eigen::VectorXd& near) {
+    Event end;
+    end.z = near;
+    if (!s.solve_at_load(end.z, 1.0, 1e-9).converged) return false;
+    end.tau = step.row.dot(end.z - now_.z);
+    if (!(end.tau >= -1e-9 && end.tau <= beyond + 1e-9)) return false;
+    found.push_back(std::move(end));
+    return true;
+  };
+  // Where the load only grows along the step, it is reached at one place, which the step's ends tell.
+  if (beyond == step.tau && tangent[load] > 0.0 && step.tangent[load] > 0.0 && !step.turned) {
+    const double share = (1.0 - now_.z[load]) / (step.z[load] - now_.z[load]);
+    const std::optional<Eigen::VectorXd> near = corrected(step, tangent, share * step.tau);
+    if (near && ends_at(*near)) return found;
+  }
+  Eigen::VectorXd before = now_.z;
   double low = 0.0;
   double high = beyond;
-  end.z = now_.z;
   for (int i = 0; i < 60 && high - low > 1e-6 * beyond; ++i) {
     const double middle = 0.5 * (low + high);
     const std::optional<Eigen::VectorXd> z = corrected(step, tangent, middle);
     if (!z) return std::nullopt;
     const bool past = (*z)[load] > 1.0;
     (past ? high : low) = middle;
-    if (!past) end.z = *z;
+    if (!past) before = *z;
   }
-  if (!s.solve_at_load(end.z, 1.0, 1e-9).converged) return std::nullopt;
-  end.tau = step.row.dot(end.z - now_.z);
-  if (!(end.tau >= -1e-9 && end.tau <= beyond + 1e-9)) return std::nullopt;
-  found.push_back(std::move(end));
+  if (!ends_at(before)) return std::nullopt;
   return found;
 }
 

@@ -1,5 +1,7 @@
 #include "statics/load_path.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace tendril {
@@ -17,7 +19,17 @@ Loads LoadPath::loads(double load) const {
   const double share = ends_.loads_grow ? load : 1.0;
   Loads now{share * rod_.gravity, share * rod_.tip_force, shrink_, share};
   for (double& by : now.shrink) by *= 1.0 - load;
+  now.friction = friction_;
+  for (double& ratio : now.friction) ratio *= load;
   return now;
+}
+
+double LoadPath::weight() const {
+  constexpr double least = 0.01;
+  double largest = has_friction() && ends_.first == ends_.last && !ends_.loads_grow ? 0.0 : 1.0;
+  for (const double ratio : friction_) largest = std::max(largest, std::abs(ratio));
+  for (const double by : shrink_) largest = by != 0.0 ? 1.0 : largest;
+  return std::clamp(largest * largest, least, 1.0);
 }
 
 }  // namespace tendril

@@ -18,6 +18,12 @@ class LoadPath {
 
   /// Obstacle o starts `by` smaller and grows back with the load.
   void grow(std::size_t o, double by) { shrink_[o] = by; }
+  /// Contacts with obstacle o, which push along its normal at load 0, do so with this tangential part at load 1.
+  void rub(std::size_t o, double ratio) { friction_.resize(obstacles_.size()), friction_[o] = ratio; }
+  bool has_friction() const { return !friction_.empty(); }
+  /// What the square of a change of the load counts beside the bending energy, in which steps are measured: little
+  /// friction changes little.
+  double weight() const;
   /// The rod under its final loads.
   const Rod& rod() const { return rod_; }
   const std::vector<const Obstacle*>& obstacles() const { return obstacles_; }
@@ -31,15 +37,17 @@ class LoadPath {
   double smallest_radius(std::size_t o, double load) const {
     return obstacles_[o]->smallest_radius() - (1.0 - load) * shrink_[o];
   }
+  /// The rows of equilibrium change with the load at fixed moments.
   bool loads_grow() const {
-    return ends_.loads_grow && (rod_.has_gravity() || rod_.has_tip_force() || rod_.has_dead_loads());
+    return has_friction() ||
+           (ends_.loads_grow && (rod_.has_gravity() || rod_.has_tip_force() || rod_.has_dead_loads()));
   }
 
  private:
   Rod rod_;
   std::vector<const Obstacle*> obstacles_;
   Ends ends_;
-  std::vector<double> shrink_;
+  std::vector<double> shrink_, friction_;
 };
 
 }  // namespace tendril

@@ -134,6 +134,11 @@ void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
   std::erase_if(start_.contacts, [&](const PointContact& c) { return path_.distance_rate(c.setup.obstacle) != 0.0; });
 }
 
+void Loading::rub(const std::vector<double>& friction) {
+  for (std::size_t o = 0; o < friction.size(); ++o) path_.rub(o, friction[o]);
+  moves_ = true;
+}
+
 bool Loading::run() {
   if (!tracker_.begin(start_, exact_)) return false;
   if (moves_ || !overlaps_.empty()) return tracker_.follow();

@@ -24,6 +24,10 @@ class Loading {
   Loading(const Loading&) = delete;
   Loading& operator=(const Loading&) = delete;
 
+  /// Contact forces, normal to the surface at the start, get a tangential part on the way: in the end so much for each
+  /// unit of the normal part, one number per obstacle.
+  void rub(const std::vector<double>& friction);
+
   /// The obstacle whose core the start runs through, so that it lies on neither side: nothing can be said then.
   std::optional<std::size_t> without_side() const { return without_side_; }
   /// Obstacles that the start lies inside of by more than rounding: they grow, or a wall comes up, with the loads.

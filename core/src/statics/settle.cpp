@@ -279,6 +279,11 @@ std::optional<Settled> Tracker::below(SnapKind kind, const Curvature& from, cons
 
 bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::VectorXd* direction, double load) {
   Statics& here = *now_.statics;
+  if (path_.has_friction()) {
+    // Slipping contacts have no energy that a fall could follow.
+    trouble_ = "the rod gives way at load fraction " + shown(critical[here.size()], 9);
+    return false;
+  }
   const Curvature along =
       here.curvature(critical, direction != nullptr ? *direction : here.weakest_direction(critical));
   std::string reason;

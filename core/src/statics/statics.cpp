@@ -149,7 +149,7 @@ Eigen::VectorXd Statics::metric(const Eigen::VectorXd& z, const Eigen::VectorXd&
   for (int j = 0; j < chain.piece_count(); ++j) {
     m.segment(j * n, n) = chain.table().stiffness * a.segment(j * n, n) / chain.length(j, knots);
   }
-  m[size()] = a[size()];
+  m[size()] = path_.weight() * a[size()];
   return m;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -86,8 +87,8 @@ class Statics {
   PoseProgram program_;
   Certifier certifier_;
   Equations equations_;
-  double load_ = 1.0;  ///< of the program, and of the certifier
-  double certified_load_ = 1.0;
+  double load_ = std::nan("");  ///< of the program, and of the certifier; none at first
+  double certified_load_ = std::nan("");
   Eigen::VectorXd x_, rate_;
 };
 

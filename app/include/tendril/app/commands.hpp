@@ -32,11 +32,18 @@ struct ExecuteArguments {
   ResultPlaces places;
 };
 
+struct ViewArguments {
+  std::filesystem::path result;
+  std::optional<std::filesystem::path> output;  ///< the page; else named like the result, in the current directory
+  std::vector<std::filesystem::path> plugin_directories;
+};
+
 /// Each runs one command and returns its exit code: 0 solved, 1 no acceptable plan. What a user can repair is thrown as
 /// InputError. Results go to standard output, notes to standard error.
 int run_plan(const PlanArguments& arguments);
 int run_execute(const ExecuteArguments& arguments);
 int run_describe(const SceneArguments& arguments, bool json);
+int run_view(const ViewArguments& arguments);
 int run_plugins(const std::vector<std::filesystem::path>& plugin_directories, bool json);
 
 /// The whole command: reads the arguments, runs, prints errors. Exit code 2 for wrong input of any kind.

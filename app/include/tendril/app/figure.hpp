@@ -35,7 +35,8 @@ struct FigureScene {
 /// are skipped.
 FigureScene figure_scene(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles);
 
-enum class Picture { svg, png, pdf };
+/// A page holds the drawing and what shows it (figure/page.hpp); the others are made by gnuplot.
+enum class Picture { svg, png, pdf, page };
 
 /// Draws the plan with gnuplot: `stem`.svg, .png or .pdf, and beside them the script `stem`.gnuplot and its data
 /// `stem`.dat. Throws InputError if gnuplot is missing or fails.
@@ -47,11 +48,13 @@ void draw_figure(const FigureScene& scene, const Plan& plan, StagedFiles& files,
 /// or in a row.
 std::string gnuplot_string(const std::string& text);
 
-/// The kind of picture that a file name asks for. Throws InputError if it ends in none of .svg, .png and .pdf or cannot
-/// be written down in a script.
+/// The kind of picture that a file name asks for. Throws InputError if it ends in none of .svg, .png, .pdf and .html or
+/// cannot be written down in a script.
 Picture picture_of(const std::filesystem::path& file);
 
 /// Puts the object and the other finger of a grasp into a figure of its plan.
 void add_gripper(FigureScene& figure, const Scene& scene, const Plan& plan);
+/// The round object of a grasp.
+FigureScene::Shape object_shape(Vec2 center, double radius);
 
 }  // namespace tendril::app

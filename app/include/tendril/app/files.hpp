@@ -7,12 +7,15 @@
 
 namespace tendril::app {
 
-/// No scene and no result that is read may be larger than this.
+/// No scene, and no result that is read as a start, may be larger than this.
 inline constexpr std::size_t largest_input = std::size_t{4} << 20;
 
-/// The bytes of the file at `path`, at most largest_input of them. `what` ("scene", ...) names the file in messages.
+/// The largest result that is shown: studies hold all their plans.
+inline constexpr std::size_t largest_result = std::size_t{256} << 20;
+
+/// The bytes of the file at `path`, at most `largest` of them. `what` ("scene", ...) names the file in messages.
 /// Throws InputError if it is missing, a directory, unreadable, or too large.
-std::string read_input(const std::filesystem::path& path, const std::string& what);
+std::string read_input(const std::filesystem::path& path, const std::string& what, std::size_t largest = largest_input);
 
 /// A scene named so is read from standard input; files that it names are then looked for in the current directory.
 inline constexpr const char* standard_input = "-";

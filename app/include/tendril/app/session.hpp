@@ -45,6 +45,7 @@ class Session {
   void stop_by(const std::atomic<bool>& stop) { stop_ = &stop; }
 
   const Scene& scene() const { return scene_; }
+  const Document& document() const { return document_; }
   /// Assembles the problem; once.
   Problem& problem();
   /// The assembled program, or what an estimate would solve.
@@ -79,6 +80,8 @@ class Session {
   /// The scene's obstacles, made once more: the planner owns its own.
   std::vector<std::unique_ptr<Obstacle>> make_obstacles();
 
+  /// What the scene's components come from.
+  plugins::Registry& registry() { return *registry_; }
   /// Options of the scene that the plugin named by the command does not know.
   const std::vector<LeftOut>& dropped() const { return dropped_; }
   RunInfo run_info() const;

@@ -97,6 +97,8 @@ class TENDRIL_API SceneFile {
   Estimate estimate(const Run& run = {});
   /// `tendril execute`: what the rod does under `inputs`.
   Execution execute(const Inputs& inputs, const Run& run = {});
+  /// The same along several lists between semicolons, one after the other.
+  Trajectory execute_along(const Inputs& inputs, const Run& run = {});
   /// The same under the moments of an earlier result: of a plan, or of each step of a trajectory in turn.
   std::variant<Execution, Trajectory> execute(const ResultText& earlier, const Run& run = {});
 

@@ -1,0 +1,366 @@
+#include "figure/drawing.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "figure/drawing_numbers.hpp"
+#include "figure/gnuplot.hpp"
+#include "figure/panels.hpp"
+#include "result/json_reader.hpp"
+#include "tendril/app/figure.hpp"
+#include "tendril/grasp.hpp"
+#include "tendril/plugins/components.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+/// Decimals that a point of a rod of this length needs, so that it is drawn to a millionth of it.
+double decimals_for(double length) { return std::pow(10.0, std::ceil(6.0 - std::log10(length))); }
+
+/// Writes points short: a picture needs no sixteen digits.
+class Shorter {
+ public:
+  explicit Shorter(double length) : places_(decimals_for(length)), per_length_(1e-6 * places_) {}
+
+  double length(double value) const { return round(value, places_); }
+  double angle(double value) const { return round(value, 1e6); }
+  double curvature(double value) const { return round(value, 1e5 / std::max(per_length_, 1e-12)); }
+  Json point(Vec2 p) const { return {length(p.x), length(p.y)}; }
+  Json points(const std::vector<Vec2>& list) const {
+    Json::array_t array;
+    array.reserve(list.size());
+    for (const Vec2 p : list) array.push_back(point(p));
+    return array;
+  }
+
+ private:
+  /// A quotient is the number nearest to its decimals, so it is written with these and no more.
+  static double round(double value, double places) { return std::round(value * places) / places + 0.0; }
+
+  double places_, per_length_;
+};
+
+std::vector<BackbonePoint> backbone_of(const Reader& state, const std::string& name = "backbone") {
+  std::vector<BackbonePoint> backbone;
+  for (const Reader& entry : state.member(name).list()) {
+    const std::vector<double> p = entry.reals();
+    if (p.size() != 5) entry.fail("five numbers: s, x, y, angle, curvature");
+    backbone.push_back({p[0], p[1], p[2], p[3], p[4]});
+  }
+  return backbone;
+}
+
+/// Half the diameters that a state lists for its points, between these in proportion; empty: it has no body.
+BodyRadius radius_of(const Reader& state) {
+  const auto thickness = state.optional("thickness");
+  if (!thickness) return {};
+  std::vector<std::pair<double, double>> known;  // arc length, radius
+  const std::vector<BackbonePoint> backbone = backbone_of(state);
+  const std::vector<double> diameters = thickness->reals();
+  if (diameters.size() != backbone.size() || backbone.empty())
+    thickness->fail("a number for each point of the backbone");
+  known.reserve(backbone.size());
+  for (std::size_t i = 0; i < backbone.size(); ++i) known.emplace_back(backbone[i].s, 0.5 * diameters[i]);
+  return [known](double s) {
+    const auto above = std::lower_bound(known.begin(), known.end(), s,
+                                        [](const auto& point, double value) { return point.first < value; });
+    if (above == known.begin()) return known.front().second;
+    if (above == known.end()) return known.back().second;
+    const auto below = above - 1;
+    const double share = (s - below->first) / (above->first - below->first);
+    return below->second + share * (above->second - below->second);
+  };
+}
+
+std::vector<Vec2> points_in(const Reader& list) {
+  std::vector<Vec2> points;
+  for (const Reader& entry : list.list()) points.push_back(entry.point());
+  return points;
+}
+
+/// The first backbone or line of a result, for the length of its rod.
+double length_of(const Reader& result) {
+  for (const char* list : {"cases", "steps"}) {
+    if (!result.has(list)) continue;
+    for (const Reader& one : result.member(list).list()) {
+      if (const double length = length_of(one); length > 0.0) return length;
+    }
+    return 0.0;
+  }
+  if (const auto plan = result.optional("plan")) return length_of(*plan);
+  if (!result.has("backbone")) return 0.0;
+  const std::vector<BackbonePoint> backbone = backbone_of(result);
+  return backbone.empty() ? 0.0 : backbone.back().s;
+}
+
+RawValue raw_of(const Json& value) {
+  if (value.is_array()) {
+    RawValue::List list;
+    list.reserve(value.size());
+    for (const Json& entry : value) list.push_back(raw_of(entry));
+    return {std::move(list)};
+  }
+  if (value.is_boolean()) return {value.get<bool>()};
+  if (value.is_number_integer()) return {value.get<std::int64_t>()};
+  if (value.is_number()) return {value.get<double>()};
+  return {value.is_string() ? value.get<std::string>() : value.dump()};
+}
+
+/// Makes the document.
+class Draft {
+ public:
+  Draft(const Reader& result, double length, plugins::Registry& registry)
+      : result_(result), registry_(registry), length_(length), shorter_(length) {}
+
+  Json document() {
+    const LengthUnit unit = unit_for(length_);
+    Json drawing;
+    drawing["drawing"] = 1;
+    drawing["title"] = result_.has("title") ? result_.member("title").text() : "";
+    drawing["problem"] = problem();
+    drawing["length"] = length_;
+    drawing["length_unit"] = {{"name", unit.name}, {"size", unit.size}};
+    drawing["obstacles"] = obstacles();
+    if (const auto gravity = result_.optional("gravity")) drawing["gravity"] = {gravity->point().x, gravity->point().y};
+    if (result_.has("start_backbone")) {
+      drawing["start"] = shorter_.points(line_of(backbone_of(result_, "start_backbone")));
+    }
+    Json frames = Json::array();
+    if (result_.has("cases")) {
+      const auto cases = result_.member("cases").list();
+      for (const Reader& one : cases) frames.push_back(case_frame(one, cases.size()));
+    } else if (result_.has("steps")) {
+      const auto steps = result_.member("steps").list();
+      for (std::size_t i = 0; i < steps.size(); ++i) {
+        frames.push_back(plan_frame(steps[i], fmt::format("step {} of {}", i + 1, steps.size())));
+        if (frames.back().contains("target"))
+          drawing["path"].push_back(frames.back()["target"].value("position", Json()));
+      }
+    } else {
+      add_snaps(frames);
+      frames.push_back(plan_frame(result_, problem() == "execute" ? "at rest" : ""));
+    }
+    drawing["frames"] = std::move(frames);
+    drawing["notes"] = notes_;
+    return drawing;
+  }
+
+ private:
+  std::string problem() const { return result_.has("problem") ? result_.member("problem").text() : "pose"; }
+
+  /// Outlines of the scene's obstacles, which are made as the scene made them.
+  Json obstacles() {
+    Json array = Json::array();
+    if (problem() == "grasp" || problem() == "estimate") return array;
+    if (!result_.has("obstacles")) {
+      notes_.push_back("the result does not say which obstacles there were, so none are drawn");
+      return array;
+    }
+    Scene scene;
+    scene.rod.segments = {{length_, 1.0}};
+    const auto mode = result_.optional("contact_mode");
+    const bool ignored = mode && mode->text() == "ignore" && problem() != "execute";
+    for (const Reader& entry : result_.member("obstacles").list()) {
+      ObstacleSpec spec{entry.member("name").text(), entry.member("shape").text()};
+      for (const auto& [name, value] : entry.json().items()) {
+        if (name != "name" && name != "shape") spec.options[name] = raw_of(value);
+      }
+      scene.obstacles = {std::move(spec)};
+      try {
+        const FigureScene::Shape shape = figure_scene(scene, plugins::make_obstacles(registry_, scene)).obstacles[0];
+        if (shape.outline.empty()) continue;
+        array.push_back({{"name", shape.name}, {"outline", shorter_.points(shape.outline)}});
+        if (ignored) array.back()["ignored"] = true;
+      } catch (const Error& error) {
+        notes_.push_back(fmt::format("'{}' is not drawn: {}", scene.obstacles[0].name, error.what()));
+      }
+    }
+    return array;
+  }
+
+  Json rod(const std::string& name, const std::vector<BackbonePoint>& backbone, const BodyRadius& radius) const {
+    Json::array_t along;
+    along.reserve(backbone.size());
+    for (const BackbonePoint& p : backbone) {
+      along.push_back({shorter_.length(p.s), shorter_.angle(p.angle), shorter_.curvature(p.curvature)});
+    }
+    Json json{{"name", name}, {"line", shorter_.points(line_of(backbone))}, {"along", std::move(along)}};
+    if (radius) json["body"] = shorter_.points(line_of(body_outline(backbone, radius)));
+    return json;
+  }
+
+  /// Adds a rod and its contacts, if it came to a shape.
+  void add_rod(Json& frame, const std::string& name, const Reader& state, const BodyRadius& radius) const {
+    const std::vector<BackbonePoint> backbone = backbone_of(state);
+    if (!backbone.empty()) frame["rods"].push_back(rod(name, backbone, radius));
+    add_contacts(frame, state, radius);
+  }
+
+  /// Adds the contacts of a state that have a place.
+  void add_contacts(Json& frame, const Reader& state, const BodyRadius& radius) const {
+    for (const Reader& entry : state.member("contacts").list()) {
+      const auto point = entry.optional("point");
+      const auto normal = entry.optional("normal");
+      const auto arc_length = entry.optional("arc_length");
+      if (!point || !normal || !arc_length) continue;
+      Json contact;
+      for (const char* key : {"obstacle", "finger"}) {
+        if (const auto value = entry.optional(key)) contact[key] = value->text();
+      }
+      for (const char* key : {"arc_length", "force", "gap"}) {
+        if (const auto value = entry.optional(key)) contact[key] = value->real();
+      }
+      if (const auto at_tip = entry.optional("at_tip"); at_tip && at_tip->truth()) contact["at_tip"] = true;
+      contact["point"] = {point->point().x, point->point().y};
+      contact["normal"] = {normal->point().x, normal->point().y};
+      const double depth = radius ? radius(arc_length->real()) : 0.0;
+      contact["surface"] = shorter_.point(point->point() - depth * normal->point());
+      frame["contacts"].push_back(std::move(contact));
+    }
+  }
+
+  static Json target_of(const Reader& target) {
+    Json json = Json::object();
+    if (const auto position = target.optional("position"))
+      json["position"] = {position->point().x, position->point().y};
+    if (const auto angle = target.optional("angle")) json["angle"] = angle->real();
+    return json;
+  }
+
+  Json plan_frame(const Reader& plan, const std::string& label) const {
+    Json frame{{"label", label}};
+    for (const char* key : {"status", "message"}) {
+      if (const auto value = plan.optional(key)) frame[key] = value->text();
+    }
+    if (const auto target = plan.optional("target")) frame["target"] = target_of(*target);
+    frame["rods"] = Json::array();
+    frame["contacts"] = Json::array();
+    if (const auto fingers = plan.optional("fingers")) {
+      for (const Reader& finger : fingers->list()) {
+        add_rod(frame, finger.member("finger").text() + " finger", finger, radius_of(finger));
+      }
+    } else {
+      add_rod(frame, plan.has("grasp") ? "finger" : "rod", plan, radius_of(plan));
+    }
+    if (const auto grasp = plan.optional("grasp")) add_grasp_to(frame, plan, *grasp);
+    frame["numbers"] = plan_numbers(plan);
+    return frame;
+  }
+
+  /// The object, the palm, and the mirror image of a finger that stands for both.
+  void add_grasp_to(Json& frame, const Reader& plan, const Reader& grasp) const {
+    if (const auto object = grasp.optional("object")) {
+      const FigureScene::Shape shape = object_shape(object->member("center").point(), object->member("radius").real());
+      frame["obstacles"].push_back({{"name", shape.name}, {"outline", shorter_.points(shape.outline)}});
+    }
+    const auto palm = grasp.optional("palm");
+    if (!palm) return;
+    GripperSpec gripper;
+    gripper.position = palm->member("position").point();
+    gripper.angle = palm->member("angle").real();
+    gripper.half_palm = palm->member("half_palm").real();
+    frame["palm"] = {shorter_.point(palm_to_world(gripper, {0.0, gripper.half_palm})),
+                     shorter_.point(palm_to_world(gripper, {0.0, -gripper.half_palm}))};
+    if (plan.has("fingers") || frame["rods"].empty()) return;
+    std::vector<BackbonePoint> other = backbone_of(plan);
+    for (BackbonePoint& p : other) {
+      const Vec2 at = mirrored(gripper, p.position());
+      p = {p.s, at.x, at.y, 2.0 * gripper.angle - p.angle, -p.curvature};
+    }
+    frame["rods"].push_back(rod("other finger", other, radius_of(plan)));
+    const auto image_of = [&](const Json& p) { return mirrored(gripper, {p[0], p[1]}); };
+    const Vec2 origin = mirrored(gripper, {});
+    const Json planned = frame["contacts"];
+    for (Json contact : planned) {
+      const Vec2 across = image_of(contact["normal"]) - origin;
+      contact["normal"] = {across.x, across.y};
+      for (const char* key : {"point", "surface"}) {
+        const Vec2 image = image_of(contact[key]);
+        contact[key] = {image.x, image.y};
+      }
+      contact["finger"] = "other";
+      frame["contacts"].push_back(std::move(contact));
+    }
+  }
+
+  /// States beside the snaps of an execution, in the order in which they came.
+  void add_snaps(Json& frames) const {
+    const auto snaps = result_.optional("snaps");
+    if (!snaps) return;
+    const std::vector<Reader> list = snaps->list();
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      for (const char* side : {"before", "after"}) {
+        const Reader state = list[i].member(side);
+        if (state.member("backbone").list().empty()) continue;
+        Json frame{{"label", fmt::format("{} snap {} ({})", side, i + 1, list[i].member("kind").text())}};
+        frame["rods"] = Json::array();
+        frame["contacts"] = Json::array();
+        add_rod(frame, "rod", state, radius_of(result_));
+        frame["numbers"] = snap_numbers(list[i], state);
+        frames.push_back(std::move(frame));
+      }
+    }
+  }
+
+  /// A case of a study: the lines that its figure shows.
+  Json case_frame(const Reader& one, std::size_t count) const {
+    const auto mode = one.optional("mode");
+    Json frame{{"label", fmt::format("case {} of {}{}", one.member("index").whole(0, 100'000'000) + 1, count,
+                                     mode ? ": " + mode->text() : "")}};
+    for (const char* key : {"status", "message"}) {
+      if (const auto value = one.optional(key)) frame[key] = value->text();
+    }
+    if (const auto target = one.optional("target"); target && target->json().is_array()) {
+      frame["target"] = {{"position", {target->point().x, target->point().y}}};
+    }
+    if (mode && mode->text() == "ignore") frame["ignored"] = true;
+    frame["rods"] = Json::array();
+    if (const auto lines = one.optional("lines")) {
+      for (const Reader& line : lines->list()) {
+        if (!line.list().empty())
+          frame["rods"].push_back({{"name", "rod"}, {"line", shorter_.points(points_in(line))}});
+      }
+    }
+    if (const auto path = one.optional("path")) frame["path"] = shorter_.points(points_in(*path));
+    if (const auto objects = one.optional("objects")) {
+      for (const Reader& object : objects->list()) {
+        const std::vector<double> o = object.reals();
+        if (o.size() != 3) object.fail("centre and radius of an object");
+        frame["obstacles"].push_back(
+            {{"name", "object"}, {"outline", shorter_.points(object_shape({o[0], o[1]}, o[2]).outline)}});
+      }
+    }
+    frame["contacts"] = Json::array();
+    if (const auto points = one.optional("contact_points")) {
+      for (const Vec2 p : points_in(*points)) frame["contacts"].push_back({{"surface", shorter_.point(p)}});
+    }
+    frame["numbers"] = case_numbers(one);
+    return frame;
+  }
+
+  const Reader& result_;
+  plugins::Registry& registry_;
+  double length_;
+  Shorter shorter_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace
+
+Json drawing_of(const Json& result, const std::string& file, plugins::Registry& registry) {
+  const Reader root(result, file, "");
+  if (!root.has("cases") && !root.has("steps")) root.member("backbone");
+  const double length = length_of(root);
+  // Without any shape there is nothing to be drawn to scale.
+  return Draft(root, length > 0.0 ? length : 1.0, registry).document();
+}
+
+bool has_shape(const Json& drawing) {
+  return std::any_of(drawing["frames"].begin(), drawing["frames"].end(),
+                     [](const Json& frame) { return !frame["rods"].empty(); });
+}
+
+}  // namespace tendril::app

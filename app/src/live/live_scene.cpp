@@ -1,0 +1,175 @@
+#include "live/live_scene.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "figure/drawing.hpp"
+#include "figure/gnuplot.hpp"
+#include "result/grasp_result.hpp"
+#include "result/trajectory_result.hpp"
+#include "session/inputs.hpp"
+#include "tendril/app/files.hpp"
+#include "tendril/app/input_error.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+std::string action_of(const Json& request) {
+  const auto action = request.find("action");
+  if (action == request.end() || !action->is_string()) throw InputError("action: expected plan, follow or execute");
+  std::string word = action->get<std::string>();
+  if (word != "plan" && word != "follow" && word != "execute") {
+    throw InputError("action: expected plan, follow or execute");
+  }
+  return word;
+}
+
+/// What moves the actuators, N m, as the command takes it.
+std::string inputs_of(const Json& request) {
+  const auto moments = request.find("moments");
+  std::string text;
+  if (moments == request.end()) return text;
+  if (!moments->is_array() || moments->size() > 1000) throw InputError("moments: expected a list of numbers");
+  for (const Json& moment : *moments) {
+    if (!moment.is_number()) throw InputError("moments: expected a list of numbers");
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", moment.get<double>());
+  }
+  return text;
+}
+
+/// The control that a message begins with, so that the page can show it there.
+Json refused(const std::string& message, const std::vector<Control>& controls) {
+  Json body{{"error", message}};
+  for (const Control& control : controls) {
+    if (message.starts_with(control.key + ':')) body["key"] = control.key;
+  }
+  return body;
+}
+
+Json drawing_without_shape(const Scene& scene) {
+  const double length = scene.rod.segments.empty() ? 1.0 : scene.rod.length();
+  const LengthUnit unit = unit_for(length);
+  Json frame{{"label", ""}, {"rods", Json::array()}, {"contacts", Json::array()}, {"numbers", Json::array()}};
+  return {{"drawing", 1},
+          {"title", scene.title},
+          {"problem", to_string(scene.problem)},
+          {"length", length},
+          {"length_unit", {{"name", unit.name}, {"size", unit.size}}},
+          {"obstacles", Json::array()},
+          {"frames", Json::array({frame})},
+          {"notes", Json::array()}};
+}
+
+}  // namespace
+
+LiveScene::LiveScene(const SceneArguments& arguments) : arguments_(arguments) {
+  // Read once: the page shows this scene even if the file changes meanwhile.
+  arguments_.text = read_scene_input(arguments.scene);
+  Session session(arguments_);
+  const Scene& scene = session.scene();
+  if (scene.problem == ProblemKind::estimate) {
+    throw InputError(scene.file +
+                     ": an estimate is made of measured points, so there is nothing to drag; expected another problem");
+  }
+  session.describe();
+  controls_ = controls_of(session);
+  Json actuators = Json::array();
+  for (const ActuatorSpec& a : actuators_of(scene)) {
+    actuators.push_back({{"minimum", number(a.minimum)}, {"maximum", number(a.maximum)}});
+  }
+  beginning_ = {{"controls", controls_json(controls_)},
+                {"actuators", std::move(actuators)},
+                {"plans", scene.problem != ProblemKind::execute},
+                {"follows", scene.problem == ProblemKind::pose},
+                {"drawing", drawing_without_shape(scene)}};
+}
+
+SceneArguments LiveScene::arguments_with(const Json& request) const {
+  SceneArguments arguments = arguments_;
+  const auto settings = request.is_object() ? request.find("settings") : request.end();
+  if (!request.is_object() || settings == request.end()) throw InputError("expected an object with settings");
+  for (Override& setting : overrides_of(controls_, *settings)) arguments.overrides.push_back(std::move(setting));
+  return arguments;
+}
+
+LiveAnswer LiveScene::run(const Json& request) {
+  const std::int64_t mine = ++newest_;
+  stop_ = true;
+  const std::lock_guard lock(running_);
+  stop_ = ended_.load();
+  LiveAnswer late{409, {{"error", "something newer was asked for"}}};
+  // One that came since then has set the flag, which was just taken back.
+  if (newest_ != mine || ended_) return late;
+  try {
+    Session session(arguments_with(request));
+    session.stop_by(stop_);
+    Made made = make(session, request);
+    if (newest_ != mine) return late;
+    result_number_ = mine;
+    result_ = std::move(made.result);
+    if (made.plan) last_ = std::move(made.plan);
+    made.body["number"] = mine;
+    return {200, std::move(made.body)};
+  } catch (const Error& error) {
+    return newest_ != mine ? late : LiveAnswer{400, refused(error.what(), controls_)};
+  }
+}
+
+LiveScene::Made LiveScene::make(Session& session, const Json& request) const {
+  const std::string action = action_of(request);
+  const auto begin = std::chrono::steady_clock::now();
+  const Scene& scene = session.scene();
+  Made made;
+  if (action == "execute") {
+    std::optional<double> palm_distance;
+    if (last_ && last_->grasp) palm_distance = last_->grasp->palm_distance;
+    const Inputs inputs{InputKind::moments, inputs_of(request), "moments"};
+    const Execution execution = session.execute(moments_of(inputs, session), std::nullopt, palm_distance);
+    made.result = execution_result(scene, execution, session.run_info());
+  } else if (scene.problem == ProblemKind::trajectory) {
+    const Trajectory trajectory = session.plan_trajectory();
+    made.result = Json::parse(trajectory_json(scene, trajectory, session.run_info()));
+  } else {
+    const bool follow = action == "follow" && last_ && last_->status == PlanStatus::solved;
+    made.plan = follow ? session.plan_from(&*last_, true) : session.plan(std::nullopt);
+    made.result = plan_result(scene, *made.plan, session.run_info());
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  made.body = {{"drawing", drawing_of(made.result, "the result", session.registry())}, {"seconds", seconds}};
+  for (const char* key : {"modes", "moments"}) {
+    if (made.result.contains(key)) made.body[key] = made.result[key];
+  }
+  Json left_out = Json::array();
+  for (const LeftOut& item : session.dropped()) left_out.push_back(item.what + ": " + item.why);
+  made.body["dropped"] = std::move(left_out);
+  return made;
+}
+
+LiveAnswer LiveScene::scene_text(const Json& request) const {
+  try {
+    const SceneArguments arguments = arguments_with(request);
+    Document document = read_document(arguments);
+    document.apply(arguments.overrides);
+    return {200, {{"text", text_of(document)}}};
+  } catch (const Error& error) {
+    return {400, refused(error.what(), controls_)};
+  }
+}
+
+LiveAnswer LiveScene::result_text(const Json& request) {
+  const std::lock_guard lock(running_);
+  const auto asked = request.is_object() ? request.find("number") : request.end();
+  const bool same = request.is_object() && asked != request.end() && asked->is_number_integer() &&
+                    asked->get<std::int64_t>() == result_number_ && result_number_ > 0;
+  if (!same) return {409, {{"error", "this result was replaced by a newer one"}}};
+  return {200, {{"text", written(result_)}}};
+}
+
+void LiveScene::end() {
+  ended_ = true;
+  stop_ = true;
+}
+
+}  // namespace tendril::app
