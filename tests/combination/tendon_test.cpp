@@ -1,5 +1,5 @@
-// Arms that tendons bend: the same plans as those of the moments that the tendons make, and plans that execution bears
-// out where these moments vary along the rod.
+// Arms that tendons or pressures bend: the same plans as those of the moments that these make, and plans that execution
+// bears out where these moments vary along the rod.
 
 #include <cmath>
 #include <utility>
@@ -42,6 +42,25 @@ TEST(Tendons, APairIsTheMomentsThatItMakes) {
     // Along a constant offset the shortening is the angle of the tip times the offset.
     EXPECT_NEAR(of_tendons.turns[a], of_tendons.tip_angle, 1e-10) << a;
   }
+}
+
+TEST(Pressures, ALawOfPressurePlansTheMomentsThatItGives) {
+  Scene pressures = scene("brace");
+  ActuatorSpec& chamber = pressures.rod.actuators[0];
+  chamber.kind = ActuatorKind::pressure;
+  chamber.moment_per_pressure = 5e-8;
+  chamber.more_moment_per_pressure = {5e-13};
+  chamber.least_pressure = 0.0;
+  chamber.most_pressure = 4e4;
+  chamber.minimum = 0.0;
+  chamber.maximum = chamber.moment_of(4e4);
+  Scene moments = scene("brace");
+  moments.rod.actuators = {one_sided(0.0, chamber.maximum, moments.rod.length())};
+  const Plan of_pressures = plan(pressures);
+  ASSERT_TRUE(certified(of_pressures));
+  EXPECT_EQ(of_pressures.coordinates, plan(moments).coordinates);
+  const double pressure = chamber.input_of(of_pressures.moments.at(0));
+  EXPECT_NEAR(5e-8 * pressure + 5e-13 * pressure * pressure, of_pressures.moments.at(0), 1e-15);
 }
 
 TEST(Tendons, PlansOfATaperedPairAreWhatExecutionFinds) {

@@ -1,4 +1,4 @@
-// Planar rods that may leave their plane: critical loads and margins of model.md section 11.
+// Planar rods that may leave their plane: critical loads and margins of model.md section 12.
 
 #include "certificate/out_of_plane.hpp"
 

@@ -51,16 +51,14 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
     texts.push_back(one.substr(0, one.find_last_not_of(" \t") + 1));
     from = comma + 1;
   }
-  if (texts.size() != actuators.size()) {
-    throw InputError(fmt::format("{}: found {} {}, expected one for each of the scene's {} actuators", option,
-                                 texts.size(), std::string(option_of(inputs.kind)).substr(2), actuators.size()));
-  }
   std::vector<double> moments;
   moments.reserve(texts.size());
   for (std::size_t a = 0; a < texts.size(); ++a) {
-    const ActuatorSpec& actuator = actuators[a];
+    // One too many is told below; what it says is read all the same, so that what is no number is told as such.
+    const bool known = a < actuators.size();
+    const ActuatorSpec actuator = known ? actuators[a] : ActuatorSpec{};
     const std::string where = fmt::format("{}, number {}", option, a + 1);
-    if (inputs.kind == InputKind::pressures && actuator.input() != ActuatorKind::pressure) {
+    if (known && inputs.kind == InputKind::pressures && actuator.input() != ActuatorKind::pressure) {
       throw InputError(
           fmt::format("{}: the scene does not say what moment a pressure gives, expected "
                       "'moment_per_pressure' in [[rod.actuator]], or --moments",
@@ -78,6 +76,10 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
           "{}: found a tension of {} N, expected one that is not negative: a tendon only pulls", where, value));
     }
     moments.push_back(told ? actuator.moment_of(value) : value);
+  }
+  if (texts.size() != actuators.size()) {
+    throw InputError(fmt::format("{}: found {} {}, expected one for each of the scene's {} actuators", option,
+                                 texts.size(), std::string(option_of(inputs.kind)).substr(2), actuators.size()));
   }
   return moments;
 }

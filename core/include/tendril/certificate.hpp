@@ -21,7 +21,7 @@ struct Certificate {
   std::string stationarity_kind = "none";  ///< "S", "M", "C" or "none"
   double moment_balance = infinity;        ///< strong form: a direct measure of model error
   double stability = -infinity;            ///< margin mu
-  /// Margin of a rod that may leave its plane (model.md section 11); none: its torsion is not known.
+  /// Margin of a rod that may leave its plane (model.md section 12); none: its torsion is not known.
   std::optional<double> out_of_plane{};
   bool guided_in_plane = false;         ///< it may not leave it, whatever that margin
   double contact_convexity = infinity;  ///< smallest d_ss of interior contacts with force; infinity: none

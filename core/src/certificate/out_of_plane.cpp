@@ -43,7 +43,7 @@ void OutOfPlane::find_forces(const PoseProgram& program) {
   forces_.clear();
   forces_.push_back({1.0, loads.tip_force + rod.payload * loads.gravity});
   for (const PoseProgram::ContactState& c : program.contacts()) {
-    forces_.push_back({c.arc_length, c.force * c.surface.normal});
+    forces_.push_back({c.arc_length, c.force * c.push});
   }
   for (const Rod::Load& l : rod.loads) {
     if (l.at_point()) forces_.push_back({l.from, loads.dead * l.force + l.weight * loads.gravity});

@@ -11,7 +11,7 @@
 
 namespace tendril {
 
-/// Whether a planar equilibrium also is one of a rod that may leave its plane (model.md section 11): obstacles are
+/// Whether a planar equilibrium also is one of a rod that may leave its plane (model.md section 12): obstacles are
 /// prisms across the plane, loads are dead, actuators turn with the rod.
 ///
 /// A rotation w in the plane, w = 0 at the clamp, bends the rod out of it (w'.N) and twists it (w'.t). With w in the

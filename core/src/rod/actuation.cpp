@@ -24,9 +24,21 @@ void Places::pull_back_moment(int actuator, double moment, double* out) const {
 }
 
 double Places::turn_along(int actuator) const {
-  Eigen::VectorXd row = Eigen::VectorXd::Zero(chain_->coordinate_count());
-  pull_back_moment(actuator, 1.0, row.data());
-  return row.dot(Eigen::Map<const Eigen::VectorXd>(backbone_.coordinates(0), row.size()));
+  const BasisTable& table = chain_->table();
+  double turn = 0.0;
+  for (int j = 0; j < chain_->piece_count(); ++j) {
+    const Eigen::Map<const Eigen::VectorXd> q(backbone_.coordinates(j), table.functions);
+    const ProfilePart* part = chain_->varying(actuator, j);
+    if (part == nullptr) {
+      turn += chain_->level(actuator, j) * table.end.dot(q);
+      continue;
+    }
+    for (int g = 0; g < table.nodes; ++g) {
+      const double s = backbone_.start(j) + backbone_.length(j) * table.sigma[g];
+      turn += table.weight[g] * part->at(s) * table.slope.row(g).dot(q);
+    }
+  }
+  return turn;
 }
 
 void Places::add_moment_rates(int actuator, double moment, MatrixRef by_q_and_s) {

@@ -113,7 +113,7 @@ class TENDRIL_API Places {
   double moment_defect(const Forces& forces, std::span<const double> moments, const Curve& curve);
   /// out += derivative by the coordinates of the forces' work at fixed forces.
   void pull_back(const Forces& forces, double* out);
-  /// int p kappa ds along an actuator, p its profile. For reports: allocates.
+  /// int p kappa ds along an actuator, p its profile.
   double turn_along(int actuator) const;
   /// out += moment * derivative by the coordinates of int p kappa ds: for p = 1 the angle
   /// over its span.

@@ -49,7 +49,6 @@ void validate_trajectory(const Scene& scene) {
   }
 }
 
-<<<<<<< HEAD
 /// Beyond this a coefficient is no friction but glue, or a percentage.
 constexpr double largest_friction = 10.0;
 
@@ -79,7 +78,9 @@ void validate_friction(const Scene& scene) {
     throw SceneError(path, "friction is looked at for problem \"pose\" only, found \"" +
                                std::string(to_string(scene.problem)) +
                                "\", expected friction_state = \"none\" beside it");
-=======
+  }
+}
+
 /// `path`: of the key.
 void validate_law(const ActuatorSpec& a, const std::string& path) {
   require_finite(a.moment_per_pressure, path);
@@ -105,7 +106,6 @@ void validate_law(const ActuatorSpec& a, const std::string& path) {
                            " Pa, expected it to rise, or to fall, all the way between the limits of the pressure");
     }
     last = moment;
->>>>>>> actuators
   }
 }
 
