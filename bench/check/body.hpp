@@ -7,19 +7,20 @@
 
 namespace tendril::bench {
 
-/// A convex core (a point, a line, a polygon or a half plane) grown by a radius.
+/// A core (a point, a line, outlines or a half plane) grown by a radius.
 struct Body {
-  std::vector<Vec2> core;  ///< counterclockwise
+  /// Outlines do not touch each other; those around the body run counterclockwise, those around holes clockwise.
+  std::vector<std::vector<Vec2>> lines;
   double radius = 0.0;
-  bool half_plane = false;  ///< core[0] is on its surface, core[1] is its normal
+  bool half_plane = false;  ///< the first point is on its surface, the second one is its normal
   double size = 1.0;        ///< largest coordinate, for what rounding of the data does
 
-  /// Distance to the core (negative inside a polygon) and its gradient.
+  /// Distance to the core (negative inside of outlines) and its gradient.
   double distance(Vec2 p, Vec2& normal) const;
 };
 
 /// The body of an obstacle whose options are numbers or text with units, in units of `length`. Throws Error for a shape
-/// that is not known here.
+/// that is not known here, and for a polygon in parts.
 Body body_of(const ObstacleSpec& spec, const QuantityReader& read, double length);
 
 }  // namespace tendril::bench

@@ -139,6 +139,9 @@ class GuardedObstacle final : public Obstacle {
   double rounding() const override {
     return guard_("rounding()", [&] { return made_->rounding(); });
   }
+  bool convex() const override {
+    return guard_("convex()", [&] { return made_->convex(); });
+  }
   void bounding_box(Vec2& low, Vec2& high) const override {
     guard_("bounding_box()", [&] { made_->bounding_box(low, high); });
   }

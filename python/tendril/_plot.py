@@ -27,18 +27,43 @@ def _axes(ax: Any) -> Any:
 
 def _outline(obstacle: dict[str, Any]) -> Any:
     """Points around an obstacle, m, one per row; None for a shape that is not known here."""
+    if obstacle["shape"] == "circle":
+        return _grown(np.array([obstacle["center"]]), obstacle["radius"])
+    if obstacle["shape"] == "capsule":
+        return _grown(np.array([obstacle["from"], obstacle["to"]]), obstacle["radius"])
+    return None
+
+
+def _grown(corners: Any, radius: float) -> Any:
+    """Points around the convex hull of corners, grown by a radius: in each direction the farthest corner, and more."""
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
     circle = np.column_stack([np.cos(turn), np.sin(turn)])
-    if obstacle["shape"] == "circle":
-        return np.array(obstacle["center"]) + obstacle["radius"] * circle
-    if obstacle["shape"] == "capsule":
-        corners, radius = np.array([obstacle["from"], obstacle["to"]]), obstacle["radius"]
-    elif obstacle["shape"] == "polygon":
-        corners, radius = np.array(obstacle["vertices"]), obstacle["rounding"]
-    else:
-        return None
-    # A convex shape grown by a circle: in each direction its farthest corner, plus the radius.
     return corners[np.argmax(circle @ corners.T, axis=1)] + radius * circle
+
+
+def _draw_polygon(ax: Any, obstacle: dict[str, Any]) -> None:
+    """The outlines as one path, whose holes run the other way, and each of their sides grown by the rounding."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    vertices = np.array(obstacle["vertices"])
+    ends = np.cumsum([int(n) for n in obstacle.get("outlines", [len(vertices)])])
+    fill = {"facecolor": _OBSTACLE["facecolor"], "edgecolor": "none", "zorder": _OBSTACLE["zorder"]}
+    outlines = [np.vstack([part, part[:1]]) for part in np.split(vertices, ends[:-1])]
+    ax.add_patch(PathPatch(Path.make_compound_path(*[Path(_MM * o, closed=True) for o in outlines]), **fill))
+    for outline in outlines:
+        for side in zip(outline[:-1], outline[1:]):
+            ax.fill(*(_MM * _grown(np.array(side), obstacle["rounding"]).T), **fill)
+
+
+def _draw_channel(ax: Any, obstacle: dict[str, Any]) -> None:
+    """Both walls, half of the width beside the middle."""
+    points = np.array(obstacle["points"])
+    widths = np.array(obstacle.get("widths", [obstacle.get("width")] * len(points)))
+    along = np.gradient(points, axis=0)
+    across = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
+    for side in (0.5, -0.5):
+        ax.plot(*(_MM * (points + side * widths[:, None] * across).T), color=_OBSTACLE["edgecolor"], zorder=1)
 
 
 def _draw_scene(ax: Any, result: Any) -> None:
@@ -48,6 +73,10 @@ def _draw_scene(ax: Any, result: Any) -> None:
             along = (-obstacle["normal"][1], obstacle["normal"][0]) if angle is None else (np.cos(angle), np.sin(angle))
             start = _MM * np.array(obstacle["point"])
             ax.axline(start, start + np.array(along), color="0.4", zorder=1)
+        if obstacle["shape"] == "polygon":
+            _draw_polygon(ax, obstacle)
+        if obstacle["shape"] == "channel":
+            _draw_channel(ax, obstacle)
         outline = _outline(obstacle)
         if outline is not None:
             ax.fill(*(_MM * outline.T), **_OBSTACLE)

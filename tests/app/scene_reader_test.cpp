@@ -260,14 +260,20 @@ std::string rest(const std::string& path, const KeySpec& key) {
   return of_rod ? "" : "[rod]\n";
 }
 
+/// Lines for the keys that a table needs beside this one.
+std::string needed_beside(const std::vector<KeySpec>& keys, const KeySpec& key) {
+  std::string lines;
+  for (const KeySpec& other : keys) {
+    if (other.required && other.name != key.name && other.type != KeyType::table)
+      lines += other.name + " = " + good_value(other) + '\n';
+  }
+  return lines;
+}
+
 /// Every key below a table, wrong in every way, and misspelt. `path`: of the table; `heads`: lines that begin it.
 void expect_refused_keys(const std::vector<KeySpec>& keys, const std::string& path, const std::string& head) {
   for (const KeySpec& key : keys) {
-    std::string before = head;
-    for (const KeySpec& other : keys) {
-      if (other.required && other.name != key.name && other.type != KeyType::table)
-        before += other.name + " = " + good_value(other) + '\n';
-    }
+    const std::string before = head + needed_beside(keys, key);
     const auto line = std::to_string(std::count(before.begin(), before.end(), '\n') + 1);
     for (const WrongValue& wrong : wrong_values(key)) {
       const std::string text = before + key.name + " = " + wrong.text + '\n' + rest(path, key);
@@ -280,7 +286,7 @@ void expect_refused_keys(const std::vector<KeySpec>& keys, const std::string& pa
     if (is_table && !key.keys.empty()) {
       const std::string inner = (path.empty() ? "" : path + '.') + key.name;
       const std::string brackets = key.type == KeyType::tables ? "[[" + inner + "]]\n" : '[' + inner + "]\n";
-      expect_refused_keys(key.keys, inner, head + brackets);
+      expect_refused_keys(key.keys, inner, before + brackets);
     }
   }
 }
@@ -304,7 +310,7 @@ TEST(SceneReader, KnowsWhatAMisspeltKeyWasMeantToBe) {
       if (key.type != KeyType::table && key.type != KeyType::tables) continue;
       const std::string inner = (path.empty() ? "" : path + '.') + key.name;
       const std::string brackets = key.type == KeyType::tables ? "[[" + inner + "]]\n" : '[' + inner + "]\n";
-      self(self, key.keys, inner, head + brackets, key.takes_options);
+      self(self, key.keys, inner, head + needed_beside(keys, key) + brackets, key.takes_options);
     }
   };
   visit(visit, scene_keys(), "", "", false);

@@ -2,10 +2,12 @@
 
 #include "check/plan_check.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
+#include <random>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "common/scene_text.hpp"
 #include "common/scenes.hpp"
 #include "support/print.hpp"
+#include "support/random_outline.hpp"
 #include "tendril/plugins/components.hpp"
 
 namespace tendril::bench {
@@ -81,6 +84,35 @@ INSTANTIATE_TEST_SUITE_P(Contacts, CheckedPlan,
                          [](const auto& each) {
                            return std::string(std::get<0>(each.param).name) + "_" + std::get<1>(each.param).name;
                          });
+
+// 200 bodies of any outline, over and under the rod: gap, normal and force of what touches, and the margin, by the
+// geometry of the check.
+TEST(CheckedPlans, WithAnyOutlineHasNoDefect) {
+  plugins::Registry registry(plugins::Catalog(plugins::search_places({})));
+  std::mt19937 random(17);
+  int touching = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const double side = trial % 2 == 0 ? 1.0 : -1.0;
+    const Vec2 center{0.3 + 0.004 * (trial % 100), -0.3 * side};
+    std::string vertices;
+    for (const Vec2 p : support::random_outline(random, center, 0.27)) {
+      vertices += fmt::format("{}[{:.17g}, {:.17g}]", vertices.empty() ? "" : ", ", p.x, p.y);
+    }
+    const std::string part = "[[obstacle]]\nshape = \"polygon\"\nvertices = [" + vertices + "]\nrounding = 0.01\n";
+    const Scene scene = scene_from_text(gravity_of(1.0) + unit_rod(2.0) + actuator(-3.0, 3.0) + contact("allow") +
+                                            target(0.9, -0.25 * side) + weighted(1.0, 1e-4) + part + models[3].text,
+                                        "part", registry);
+    Problem problem(scene, plugins::make_components(registry, scene));
+    const Plan plan = problem.plan();
+    ASSERT_EQ(plan.status, PlanStatus::solved) << trial << ": " << plan.message;
+    const PlanCheck check = check_plan(scene, plan);
+    for (const std::string& defect : check.defects) ADD_FAILURE() << trial << ": " << defect;
+    if (plan.contacts.empty() || !(plan.contacts[0].force > 1e-6)) continue;
+    EXPECT_NEAR(check.margin, plan.certificate.stability, same_margin) << trial;
+    ++touching;
+  }
+  EXPECT_GT(touching, 50);
+}
 
 /// One thing that is wrong with a plan, or that its scene does not allow, two to five times as far off as may be.
 struct Wrong {

@@ -10,8 +10,10 @@
 #include "certificate/clearance.hpp"
 #include "core_support.hpp"
 #include "obstacle/circle.hpp"
+#include "obstacle/part.hpp"
 #include "obstacle/rounded_hull.hpp"
 #include "obstacle/wall.hpp"
+#include "support/random_outline.hpp"
 
 namespace tendril::support {
 namespace {
@@ -154,6 +156,38 @@ TEST(CoreClearanceReference, DepthOfWallsCapsulesAndPolygons) {
       EXPECT_LE(depth, exact + 1e-9) << trial << " turn " << turn;
     }
   }
+  EXPECT_GT(deep, 50);
+}
+
+// 200 bodies of any outline, some with holes, from far away through touching to right through the core. Inside of the
+// core the bound is sharp to a thousandth of the depth.
+TEST(CoreClearanceReference, DepthOfBodiesOfAnyOutline) {
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  int touching = 0;
+  int deep = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const Arc arc(trial % 3 == 0 ? -3.0 : trial % 3 == 1 ? 0.02 : 2.5, 6, 2);
+    const double size = std::pow(10.0, -1.5 + 1.5 * unit(random));
+    const double rounding = size * (trial % 5 == 0 ? 1e-3 : 0.2);
+    const Vec2 center = arc.at(unit(random)) + (1.2 * size * (2.0 * unit(random) - 1.0)) * turned(arc.tangent(0.5));
+    std::vector<ClosedLine> holes;
+    if (trial % 4 == 0) holes.push_back(random_outline(random, center, 0.4 * size));
+    const Part part(boundary_of({random_outline(random, center, size)}, holes), rounding);
+    const double exact = sampled_depth(arc, part);
+    const double depth = certified_depth(arc.curve, part);
+    (exact > rounding ? deep : touching) += exact > 0.0 ? 1 : 0;
+    EXPECT_GE(depth, exact - 1e-14) << trial;
+    // Sides of a notch make several valleys between two samples, of which the search finds one.
+    constexpr double between_samples = 0.5 / 4000;
+    EXPECT_LE(depth, exact > rounding ? 1.001 * exact + between_samples : exact + 1e-9) << trial;
+    // What comes nearest is found by sampling, too.
+    for (const ClosestApproach& at : closest_approaches(arc.curve, part, infinity)) {
+      EXPECT_GE(at.distance, -exact - 1e-9) << trial;
+      EXPECT_LE(-at.distance, depth + 1e-14) << trial;
+    }
+  }
+  EXPECT_GT(touching, 20);
   EXPECT_GT(deep, 50);
 }
 

@@ -68,7 +68,7 @@ std::vector<Reason> reasons() {
       {"complementarity of the contacts", "a grasp holds its object: every contact touches", grasp, brace},
       {"complementarity of the contacts", "a grasp holds its object: every contact touches", unequal, brace},
       {"other contact assignments", "", scene("clutter"), scene("two_pegs")},
-      {"two contacts inside the rod with one obstacle",
+      {"two contacts inside the rod with one convex obstacle",
        "within one segment only one is planned; a second one may be at the tip or on another segment",
        scene("two_pegs"), brace},
       {"moment of actuator 2 of the lower finger", "its limit is 0",

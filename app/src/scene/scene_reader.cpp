@@ -142,9 +142,7 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
                   fmt::format("found min_force {} N above max_force {} N, expected min_force <= max_force",
                               scene.contact.min_force, scene.contact.max_force));
   }
-  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-    if (scene.obstacles[i].name.empty()) scene.obstacles[i].name = fmt::format("obstacle {}", i + 1);
-  }
+  scene.obstacles = finish_obstacles(context, std::move(draft.obstacles), scene);
   scene.warnings.insert(scene.warnings.begin(), warnings.begin(), warnings.end());
   scene.file = document.file();
   scene.units = units->most_used();

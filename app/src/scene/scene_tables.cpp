@@ -6,17 +6,6 @@ namespace tendril::app {
 
 namespace {
 
-Table<ObstacleSpec> obstacle_table() {
-  using T = ObstacleSpec;
-  return {{text<T>("name", "obstacle 1, ...", "Name in reports.", [](T& t, const std::string& v) { t.name = v; }),
-           text<T>(
-               "shape", "", "the name of an obstacle shape, such as \"circle\"",
-               [](T& t, const std::string& v) { t.shape = v; }, {}, Need::required),
-           quantity<T>("friction", none, not_negative, "that of [contact]", "Coefficient of friction of its contacts.",
-                       [](T& t, double v) { t.friction = v; })},
-          [](T& t, const std::string& name, RawValue value) { t.options[name] = std::move(value); }};
-}
-
 Table<ObjectiveSpec> objective_table() {
   using T = ObjectiveSpec;
   return {{text<T>(
@@ -238,7 +227,7 @@ Table<SceneDraft> scene_table() {
           "start", "start", "Where the search begins.", start_table(), [](T & t) -> auto& { return t; }),
       tables<T>(
           "obstacle", "obstacle", "An obstacle. Further keys are options of its shape.", obstacle_table(),
-          [](T & t) -> auto& { return t.scene.obstacles; }),
+          [](T & t) -> auto& { return t.obstacles; }),
       table<T>(
           "contact", "contact", "How contact with obstacles is planned.", contact_table(),
           [](T & t) -> auto& { return t.scene.contact; }),

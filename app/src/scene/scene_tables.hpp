@@ -5,6 +5,7 @@
 
 #include "scene/keys.hpp"
 #include "scene/measurement_reader.hpp"
+#include "scene/obstacle_reader.hpp"
 #include "scene/rod_reader.hpp"
 #include "tendril/app/study.hpp"
 #include "tendril/scene.hpp"
@@ -26,6 +27,7 @@ struct TrajectoryDraft {
 struct SceneDraft {
   Scene scene;
   RodDraft rod;
+  std::vector<ObstacleDraft> obstacles;
   std::vector<FingerDraft> fingers;
   MeasurementDraft measurement;
   TrajectoryDraft trajectory;

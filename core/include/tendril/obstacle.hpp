@@ -40,11 +40,14 @@ class TENDRIL_API Obstacle {
   virtual Vec2 reference_point() const = 0;
   /// Smallest radius of curvature of the boundary; infinity for a wall.
   virtual double smallest_radius() const = 0;
-  /// Distance from `point` to the convex core that is rounded to give the shape (a circle's centre). The shape is the
-  /// core grown by rounding(). The clearance bound stands on the convexity of the core.
+  /// Distance from `point` to the core that is rounded to give the shape (a circle's centre), 0 inside. The shape is
+  /// the core grown by rounding().
   virtual double core_distance(Vec2 point) const = 0;
   /// Radius by which the core is grown to give the shape.
   virtual double rounding() const = 0;
+  /// Whether the core is convex. Of one that is not, a rod may touch several places with one stretch, and the depth of
+  /// a rod that runs through the core is certified to a thousandth only.
+  virtual bool convex() const;
   /// Axis-aligned box for figures; unbounded shapes return infinities.
   virtual void bounding_box(Vec2& low, Vec2& high) const = 0;
   /// Points around the boundary, for figures; unbounded shapes clip to the given box, and put the points at infinity if

@@ -22,17 +22,22 @@ struct Interval {
   double radius_from = 0.0, radius_to = 0.0;  ///< of the body at the ends
 };
 
+/// The depth of a rod in a core that is not convex is known up to this share of it.
+constexpr double blunt_share = 1e-3;
+
 /// Where the rod meets the core the square of the distance bounds nothing. The signed distance to a convex shape is
-/// convex: it lies above its tangent at the middle, which bounds it like a wall.
-double support_bound(const Curve& curve, const Obstacle& obstacle, const Interval& at, double& lowest_seen) {
+/// convex: it lies above its tangent at the middle, which bounds it like a wall. Of any other shape it is only known
+/// that it changes no faster than the place.
+double depth_bound(const Curve& curve, const Obstacle& obstacle, const Interval& at, double& lowest_seen) {
   const Vec2 middle = curve.position(at.piece, 0.5 * (at.from + at.to));
   const SurfacePoint s = obstacle.at(middle);
   lowest_seen = std::min(lowest_seen, s.distance - curve.radius(at.piece, 0.5 * (at.from + at.to)));
+  const double h = (at.to - at.from) * curve.length(at.piece);
+  const double bend = curve.radius_bounds(at.piece).bend;
+  if (!obstacle.convex()) return s.distance - 0.5 * h - std::max(at.radius_from, at.radius_to) - h * h / 8.0 * bend;
   const double from = dot(s.normal, curve.position(at.piece, at.from) - middle) - at.radius_from;
   const double to = dot(s.normal, curve.position(at.piece, at.to) - middle) - at.radius_to;
-  const double h = (at.to - at.from) * curve.length(at.piece);
-  return s.distance + std::min(from, to) -
-         h * h / 8.0 * (curve.curvature_bound(at.piece) + curve.radius_bounds(at.piece).bend);
+  return s.distance + std::min(from, to) - h * h / 8.0 * (curve.curvature_bound(at.piece) + bend);
 }
 
 }  // namespace
@@ -78,13 +83,17 @@ double certified_depth(const Curve& curve, const Obstacle& obstacle) {
     if (flat) {
       bound = std::min(at.core_from - at.radius_from, at.core_to - at.radius_to) - h * h / 8.0 * kappa - swell;
     } else if (square > 0.0) {
-      bound = std::sqrt(square) - radius - (std::max(at.radius_from, at.radius_to) + swell);
-      // Where the body gets thicker the two change together, of which only the other bound knows.
-      if (at.radius_from != at.radius_to) bound = std::max(bound, support_bound(curve, obstacle, at, lowest_seen));
+      // The square lies above a straight line, less a part; its root, being concave, above what it is at the ends.
+      const double less = low * low - square;
+      const auto end = [&](double distance, double thick) { return std::sqrt(distance * distance - less) - thick; };
+      bound = std::min(end(at.core_from, at.radius_from), end(at.core_to, at.radius_to)) - radius - swell;
     } else {
-      bound = support_bound(curve, obstacle, at, lowest_seen);
+      bound = depth_bound(curve, obstacle, at, lowest_seen);
     }
-    if (bound >= lowest_seen - tolerance::clearance_sharpness || at.depth >= most_halvings) {
+    // A rod in a core that is not convex is refused, however deep it is.
+    const bool blunt = !obstacle.convex() && square <= 0.0 && lowest_seen < -radius;
+    const double sharp = std::max(tolerance::clearance_sharpness, blunt ? -blunt_share * lowest_seen : 0.0);
+    if (bound >= lowest_seen - sharp || at.depth >= most_halvings) {
       depth = std::max(depth, -bound);
       continue;
     }
@@ -149,9 +158,16 @@ void closest_approaches(const Curve& curve, const Obstacle& obstacle, double lev
   ClosestApproach before, here;
   int seen = 0;
   for (int j = 0; j < curve.piece_count(); ++j) {
+    // A piece is no nearer than its middle less half its length.
+    const double reach = 0.5 * curve.length(j) * (1.0 + curve.radius_bounds(j).slope);
+    if (sample(j, 0.5).distance - reach > level) {
+      if (seen > 0) consider(seen > 1 ? &before : nullptr, here, nullptr);
+      seen = 0;
+      continue;
+    }
     const double wanted = curve.length(j) / std::clamp(0.5 * obstacle.smallest_radius(), 1e-3, 0.02);
     const int steps = std::clamp(static_cast<int>(std::ceil(wanted)), 8, 1000);
-    for (int i = j == 0 ? 0 : 1; i <= steps; ++i, ++seen) {
+    for (int i = seen == 0 ? 0 : 1; i <= steps; ++i, ++seen) {
       const ClosestApproach next = sample(j, static_cast<double>(i) / steps);
       if (seen > 0) consider(seen > 1 ? &before : nullptr, here, &next);
       before = here;

@@ -10,4 +10,6 @@ SurfacePoint Obstacle::on_patch(int, Vec2 point) const { return at(point); }
 
 std::span<const Seam> Obstacle::seams(int) const { return {}; }
 
+bool Obstacle::convex() const { return true; }
+
 }  // namespace tendril

@@ -1,45 +1,83 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "obstacle/part.hpp"
 #include "obstacle/rounded_hull.hpp"
 #include "obstacle/shape_options.hpp"
+#include "tendril/numbers.hpp"
 
 namespace tendril {
 namespace {
 
-/// A corner that turns by less than this (rad) is none: rounding of the input could turn it the other way.
+/// A corner that turns by less than this (rad) could turn the other way by rounding of the input: no convex shape then.
 constexpr double least_turn = 1e-6;
 
-[[noreturn]] void refuse(const std::string& found, const std::string& expected) {
-  throw OptionError("vertices", {}, "option 'vertices' of a polygon: found " + found + "; expected " + expected);
+[[noreturn]] void refuse(const std::string& option, const std::string& found, const std::string& expected) {
+  throw OptionError(option, {}, "option '" + option + "' of a polygon: found " + found + "; expected " + expected);
 }
 
-/// The vertices counterclockwise, if they are those of a convex polygon.
-std::vector<Vec2> convex(std::vector<Vec2> vertices) {
-  const std::size_t n = vertices.size();
-  double area = 0.0;
-  for (std::size_t i = 1; i + 1 < n; ++i) area += cross(vertices[i] - vertices[0], vertices[i + 1] - vertices[0]);
-  const bool clockwise = area < 0.0;
-  double around = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec2 before = vertices[i] - vertices[(i + n - 1) % n];
-    const Vec2 after = vertices[(i + 1) % n] - vertices[i];
-    const std::string vertex = "vertex " + std::to_string(i + 1);
-    if (!(norm(after) > 0.0)) refuse(vertex + " twice in a row", "vertices that differ");
-    const double angle = std::atan2(cross(before, after), dot(before, after));
-    const double turn = clockwise ? -angle : angle;
-    if (std::abs(turn) < least_turn) {
-      refuse(vertex + " on the line between its neighbours", "corners only: leave it out");
-    }
-    if (turn < 0.0 || turn > std::numbers::pi - least_turn) {
-      refuse(vertex + " pointing inward", "a convex polygon (make several of one that is not)");
-    }
-    around += turn;
+/// How many vertices each outline has.
+std::vector<std::size_t> sizes_of(const Options& options, std::size_t vertices) {
+  if (!options.has("outlines")) return {vertices};
+  std::vector<std::size_t> sizes;
+  std::size_t sum = 0;
+  for (const double count : options.table("outlines").values) {
+    if (!(count >= 3.0) || count != std::floor(count)) refuse("outlines", shown(count), "whole numbers from 3 on");
+    sizes.push_back(static_cast<std::size_t>(std::min(count, 1e9)));
+    sum += sizes.back();
   }
-  if (around > 3.0 * std::numbers::pi) refuse("sides that cross", "a convex polygon");
-  if (clockwise) std::reverse(vertices.begin(), vertices.end());
-  return vertices;
+  if (sum != vertices) {
+    refuse("outlines", std::to_string(sum) + " vertices together",
+           "as many as 'vertices' has, which are " + std::to_string(vertices));
+  }
+  return sizes;
+}
+
+std::vector<ClosedLine> lines_of(const Options& options) {
+  const NumberTable& table = options.table("vertices");
+  std::vector<ClosedLine> lines;
+  std::size_t row = 0;
+  for (const std::size_t size : sizes_of(options, static_cast<std::size_t>(table.rows))) {
+    ClosedLine line;
+    line.reserve(size);
+    for (std::size_t i = 0; i < size; ++i) {
+      const auto at = static_cast<int>(row + i);
+      line.push_back({table(at, 0), table(at, 1)});
+    }
+    if (const std::optional<LineFault> fault = fault_of(line, row + 1)) {
+      refuse("vertices", fault->found, fault->expected);
+    }
+    row += size;
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+bool strictly_convex(const ClosedLine& line) {
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Vec2 before = line[i] - line[(i + line.size() - 1) % line.size()];
+    const Vec2 after = line[(i + 1) % line.size()] - line[i];
+    if (!(std::atan2(cross(before, after), dot(before, after)) >= least_turn)) return false;
+  }
+  return true;
+}
+
+std::unique_ptr<Obstacle> make_polygon(const Options& options) {
+  std::vector<ClosedLine> lines = lines_of(options);
+  const double rounding = options.real("rounding");
+  if (lines.size() == 1) {
+    if (twice_area(lines[0]) < 0.0) std::reverse(lines[0].begin(), lines[0].end());
+    if (strictly_convex(lines[0])) return std::make_unique<RoundedHull>(lines[0], rounding);
+  }
+  std::vector<ClosedLine> bodies;
+  std::vector<ClosedLine> holes;
+  for (ClosedLine& line : lines) (twice_area(line) > 0.0 ? bodies : holes).push_back(std::move(line));
+  const std::vector<ClosedLine> boundary = boundary_of(bodies, holes, Overlap::count);
+  if (boundary.empty()) {
+    refuse("vertices", "outlines that run clockwise, which are holes, and nothing around them",
+           "a body that runs counterclockwise");
+  }
+  return std::make_unique<Part>(boundary, rounding);
 }
 
 }  // namespace
@@ -51,18 +89,18 @@ Component<Obstacle> polygon_component() {
   vertices.size = 3;
   vertices.required = true;
   vertices.dimension = dimension::length;
-  vertices.description = "corners of a convex polygon, in order around it";
-  return {
-      "polygon",
-      "a convex polygon grown by a distance, which rounds its corners",
-      {vertices, positive_length_option("rounding", "distance by which the polygon is grown: radius of its corners")},
-      [](const Options& options) -> std::unique_ptr<Obstacle> {
-        const NumberTable& table = options.table("vertices");
-        std::vector<Vec2> points;
-        points.reserve(static_cast<std::size_t>(table.rows));
-        for (int i = 0; i < table.rows; ++i) points.push_back({table(i, 0), table(i, 1)});
-        return std::make_unique<RoundedHull>(convex(std::move(points)), options.real("rounding"));
-      }};
+  vertices.description = "corners of the polygon, in order around it either way";
+  OptionSpec outlines;
+  outlines.name = "outlines";
+  outlines.type = OptionType::list;
+  outlines.description =
+      "how many of the vertices belong to each outline, where the body has several: parts of it, which may touch or "
+      "overlap, counterclockwise, holes clockwise";
+  return {"polygon",
+          "a polygon, convex or not, with holes or in parts, grown by a distance, which rounds its corners",
+          {vertices, outlines,
+           positive_length_option("rounding", "distance by which the polygon is grown: radius of its corners")},
+          make_polygon};
 }
 
 }  // namespace tendril

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "obstacle/outline.hpp"
+#include "obstacle/surface.hpp"
 #include "tendril/error.hpp"
 #include "tendril/numbers.hpp"
 
@@ -73,13 +74,7 @@ SurfacePoint RoundedHull::on_patch(int patch, Vec2 point) const {
   const auto i = static_cast<std::size_t>(patch);
   if (i < n) return {dot(edges_[i].normal, point - edges_[i].from) - rounding_, edges_[i].normal, 0.0, 0.0};
   const Edge& edge = edges_[i - n];
-  const Vec2 out = point - edge.from;
-  const double square = dot(out, out);
-  // At the corner itself every direction between the two edges' normals is normal.
-  if (!(square > 0.0)) return {-rounding_, edge.normal, 0.0, 0.0};
-  const double distance = std::sqrt(square);
-  const double inverse = distance * (1.0 / square);
-  return {distance - rounding_, inverse * out, inverse, 0.0};
+  return beside_corner(point - edge.from, edge.normal, rounding_);
 }
 
 double RoundedHull::core_distance(Vec2 point) const { return std::max(0.0, at(point).distance + rounding_); }

@@ -11,7 +11,8 @@ namespace tendril {
 Component<Obstacle> circle_component();
 Component<Obstacle> wall_component();
 Component<Obstacle> capsule_component();
-Component<Obstacle> polygon_component();
+TENDRIL_API Component<Obstacle> polygon_component();
+TENDRIL_API Component<Obstacle> channel_component();
 
 OptionSpec point_option(std::string name, std::string description);
 OptionSpec positive_length_option(std::string name, std::string description);

@@ -19,6 +19,7 @@ class ShrunkObstacle : public Obstacle {
   double smallest_radius() const override { return whole_->smallest_radius() - by_; }
   double core_distance(Vec2 point) const override { return whole_->core_distance(point); }
   double rounding() const override { return whole_->rounding() - by_; }
+  bool convex() const override { return whole_->convex(); }
   void bounding_box(Vec2& low, Vec2& high) const override { whole_->bounding_box(low, high); }
   void outline(std::span<Vec2> points, Vec2 low, Vec2 high) const override { whole_->outline(points, low, high); }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "tendril/obstacle.hpp"
 
 namespace tendril {
@@ -8,6 +10,16 @@ namespace tendril {
 struct Symmetric2 {
   double xx = 0.0, xy = 0.0, yy = 0.0;
 };
+
+/// What a corner that is rounded so much looks like from a point `out` of it. At the corner itself every direction
+/// between the normals of both sides is normal; `there` is one of them.
+inline SurfacePoint beside_corner(Vec2 out, Vec2 there, double rounding) {
+  const double square = dot(out, out);
+  if (!(square > 0.0)) return {-rounding, there, 0.0, 0.0};
+  const double distance = std::sqrt(square);
+  const double inverse = distance * (1.0 / square);
+  return {distance - rounding, inverse * out, inverse, 0.0};
+}
 
 /// Hess d = k tau tau^T at a surface point.
 inline Symmetric2 distance_hessian(const SurfacePoint& s) {

@@ -131,15 +131,16 @@ void make_modes(Task& d) {
   const int count = d.scene.contact.count;
   const auto stretches = static_cast<int>(d.rod.fixed_knots().size()) - 1;
   const std::vector<ContactSetup> slots = contact_slots(stretches, d.contact_obstacles);
-  const auto few = every_assignment(slots, count, search_parameters().most_enumerated);
+  const auto few = every_assignment(d, slots, count, search_parameters().most_enumerated);
   d.enumerated = few.has_value() || count == 1;
-  for (const std::vector<ContactSetup>& contacts : few ? *few : *every_assignment(slots, 1, slots.size())) {
+  for (const std::vector<ContactSetup>& contacts : few ? *few : *every_assignment(d, slots, 1, slots.size())) {
     d.modes.push_back(d.mode(contacts));
   }
   if (!d.enumerated) d.left_out.push_back(search_note(d));
-  if (count > 1) {
+  const auto convex = [](const Obstacle* o) { return o->convex(); };
+  if (count > 1 && std::any_of(d.obstacles.begin(), d.obstacles.end(), convex)) {
     d.left_out.push_back(
-        {"two contacts inside the rod with one obstacle",
+        {"two contacts inside the rod with one convex obstacle",
          "within one segment only one is planned; a second one may be at the tip or on another segment"});
   }
 }

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "program/pose_program_data.hpp"
+#include "program/valleys.hpp"
 #include "rod/outline.hpp"
 
 namespace tendril {
@@ -67,7 +68,47 @@ double start_distance(const PoseProgram& program, const StartShape& shape, const
   return distance;
 }
 
+/// Where a contact inside the rod starts: where the shape comes nearest to its obstacle. Of several with one obstacle
+/// in one stretch each has a valley of its own, as far as there are so many.
+double first_place(const PoseProgramSpec& spec, std::size_t contact, const std::vector<OutlinePoint>& line, double low,
+                   double high) {
+  const ContactSetup& own = spec.contacts[contact];
+  std::size_t before = 0;
+  std::size_t all = 0;
+  for (std::size_t k = 0; k < spec.contacts.size(); ++k) {
+    const ContactSetup& c = spec.contacts[k];
+    if (c.at_tip || c.obstacle != own.obstacle || c.region != own.region) continue;
+    before += k < contact ? 1 : 0;
+    ++all;
+  }
+  std::vector<Valley> places = valleys(line, *spec.obstacles[static_cast<std::size_t>(own.obstacle)], low, high);
+  if (places.size() < all) return low + (high - low) * static_cast<double>(before + 1) / static_cast<double>(all + 1);
+  places.resize(all);
+  std::sort(places.begin(), places.end(), [](const Valley& a, const Valley& b) { return a.arc_length < b.arc_length; });
+  return places[before].arc_length;
+}
+
 }  // namespace
+
+std::vector<Valley> valleys(const std::vector<OutlinePoint>& line, const Obstacle& obstacle, double from, double to) {
+  std::vector<Valley> found;
+  double before = infinity;
+  bool falls = true;
+  for (const OutlinePoint& p : line) {
+    if (p.s < from || p.s > to) continue;
+    const double distance = obstacle.at(p.position).distance - p.radius;
+    // The last point of a fall is a valley as soon as the distance rises again, or the stretch ends.
+    if (distance < before) {
+      if (falls && !found.empty()) found.pop_back();
+      found.push_back({distance, p.s});
+    }
+    falls = distance < before || (falls && distance == before);
+    before = distance;
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Valley& a, const Valley& b) { return a.distance < b.distance; });
+  return found;
+}
 
 StartShape constant_curvature(double tip_angle) {
   StartShape shape;
@@ -103,18 +144,9 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
       x[variable] = std::clamp(shape.arc_lengths[index], low, high);
       continue;
     }
-    const Obstacle& obstacle = *d.spec.obstacles[static_cast<std::size_t>(d.spec.contacts[index].obstacle)];
-    double nearest = infinity;
-    for (const OutlinePoint& p : line) {
-      if (p.s < low || p.s > high) continue;
-      const double distance = obstacle.at(p.position).distance - p.radius;
-      if (distance >= nearest) continue;
-      nearest = distance;
-      x[variable] = p.s;
-    }
     // A start in the middle of what is allowed leaves room to slide; the ends leave pieces without length.
     const double margin = 0.05 * (high - low);
-    x[variable] = std::isfinite(nearest) ? std::clamp(x[variable], low + margin, high - margin) : 0.5 * (low + high);
+    x[variable] = std::clamp(first_place(d.spec, index, line, low, high), low + margin, high - margin);
   }
   for (int k = 0; k + 1 < at.arc_lengths; ++k) {
     const auto index = static_cast<std::size_t>(k);

@@ -25,6 +25,7 @@ void register_builtin_obstacles(Registrar& registrar) {
   registrar.add(wall_component());
   registrar.add(capsule_component());
   registrar.add(polygon_component());
+  registrar.add(channel_component());
 }
 
 }  // namespace tendril

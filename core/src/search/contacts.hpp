@@ -17,12 +17,14 @@ bool same_contacts(const std::vector<ContactSetup>& a, const std::vector<Contact
 std::vector<ContactSetup> contact_slots(int stretches, int obstacles);
 
 /// Every ordered choice of 1 to `count` contacts, small ones first: interior ones by ascending stretch, within a
-/// stretch in any order, none twice; a tip contact last. Empty if there are more than `at_most`.
-std::optional<std::vector<std::vector<ContactSetup>>> every_assignment(const std::vector<ContactSetup>& slots,
+/// stretch in any order, with a convex obstacle one at most; a tip contact last. Where on an obstacle a contact is, is
+/// no choice: it slides there. Empty if there are more than `at_most`.
+std::optional<std::vector<std::vector<ContactSetup>>> every_assignment(const Task& problem,
+                                                                       const std::vector<ContactSetup>& slots,
                                                                        int count, std::size_t at_most);
 
-/// How many choices every_assignment() would give.
-double assignment_count(int stretches, int obstacles, int count);
+/// How many choices every_assignment() would give for all slots.
+double assignment_count(const Task& problem, int count);
 
 /// An assignment with one contact more, and where a search for it starts.
 struct Extension {

@@ -236,7 +236,8 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
     if (!thorough() && state.best.has_point) {
       // A plan from another side may lie on this one, as near to what is asked for as a start can be.
       const SideStart found = start_by_sides(d_, state.best.program->shape_of(state.best.x));
-      if (found.sides == trial.start->sides && found.merit <= trial.start->merit) continue;
+      const bool same = found.sides == trial.start->sides && found.patches == trial.start->patches;
+      if (same && found.merit <= trial.start->merit) continue;
     }
     state.sided = true;
     // Not split, a contact may have to go on into the next piece.
@@ -312,7 +313,7 @@ void Planner::search_further(int starts, const std::vector<std::size_t>& order) 
   slots.erase(std::remove_if(slots.begin(), slots.end(),
                              [this](const ContactSetup& slot) { return !d_.mode({slot}).skip.empty(); }),
               slots.end());
-  const auto every = every_assignment(slots, d_.scene.contact.count, search_parameters().most_enumerated_at_last);
+  const auto every = every_assignment(d_, slots, d_.scene.contact.count, search_parameters().most_enumerated_at_last);
   if (!every) return;
   for (int round = 0; round < search_parameters().most_starts && winner_ < 0 && !must_stop(); ++round) {
     for (const std::vector<ContactSetup>& contacts : *every) {

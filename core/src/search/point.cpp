@@ -49,6 +49,7 @@ bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartSh
   larger.checks.clear();
   for (const ContactSetup& c : spec.contacts) {
     const Obstacle*& obstacle = larger.obstacles[static_cast<std::size_t>(c.obstacle)];
+    if (obstacle != spec.obstacles[static_cast<std::size_t>(c.obstacle)]) continue;  // grown for another contact
     const double radius = obstacle->smallest_radius();
     if (!(radius < search_parameters().tiny_radius)) continue;
     swollen.push_back(std::make_unique<ShrunkObstacle>(*obstacle));

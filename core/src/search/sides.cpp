@@ -25,22 +25,27 @@ double knee(const Rod& rod) {
 /// What is seen of a shape: its sides, and how near it comes to obstacles.
 struct Seen {
   Sides sides;
+  std::vector<int> patches;
   std::vector<double> distances;
 };
 
 Seen look_at(const Task& task, const std::vector<OutlinePoint>& line) {
-  Seen seen{Sides(task.obstacles.size(), 0), std::vector<double>(task.obstacles.size(), infinity)};
+  const std::size_t count = task.obstacles.size();
+  Seen seen{Sides(count, 0), std::vector<int>(count, 0), std::vector<double>(count, infinity)};
   for (std::size_t o = 0; o < task.obstacles.size(); ++o) {
     if (!has_sides(task, o)) continue;
     const Obstacle& obstacle = *task.obstacles[o];
     double least = infinity;
     double turn = 0.0;
+    Vec2 where{};
     for (const OutlinePoint& p : line) {
       const SurfacePoint surface = obstacle.at(p.position);
       if (!(surface.distance - p.radius < least)) continue;
       least = surface.distance - p.radius;
       turn = cross(p.tangent, surface.normal);
+      where = p.position;
     }
+    if (!obstacle.convex()) seen.patches[o] = obstacle.patch_at(where);
     seen.distances[o] = least;
     seen.sides[o] = (turn < 0.0 ? 1 : -1) * (std::abs(turn) > search_parameters().beside ? 1 : 2);
   }
@@ -79,7 +84,7 @@ SideStart start_by_sides(const Task& task, StartShape shape) {
   outline(task.rod, shape.curvature, search_parameters().outline_steps, line);
   Seen seen = look_at(task, line);
   const double merit = merit_of(task, line, seen);
-  return {std::move(shape), std::move(seen.sides), std::move(seen.distances), merit};
+  return {std::move(shape), std::move(seen.sides), std::move(seen.patches), std::move(seen.distances), merit};
 }
 
 std::vector<SideStart> starts_by_sides(const Task& task) {
@@ -90,7 +95,7 @@ std::vector<SideStart> starts_by_sides(const Task& task) {
   const double bend = knee(task.rod);
   const bool two = bend < 1.0;
   const int count = two ? p.arcs_of_two : p.arcs_of_one;
-  std::map<Sides, SideStart> best;
+  std::map<std::pair<Sides, std::vector<int>>, SideStart> best;
   std::vector<OutlinePoint> line;
   const auto angle = [&](int i) { return (2.0 * i / (count - 1) - 1.0) * (two ? p.widest_of_two : p.widest_of_one); };
   for (int i = 0; i < count; ++i) {
@@ -101,10 +106,11 @@ std::vector<SideStart> starts_by_sides(const Task& task) {
       outline(task.rod, curvature, p.outline_steps, line);
       Seen seen = look_at(task, line);
       const double merit = merit_of(task, line, seen);
-      const auto known = best.find(seen.sides);
+      auto key = std::pair(seen.sides, seen.patches);
+      const auto known = best.find(key);
       if (known != best.end() && known->second.merit <= merit) continue;
-      Sides sides = seen.sides;
-      best[sides] = {{curvature}, std::move(seen.sides), std::move(seen.distances), merit};
+      best[std::move(key)] = {
+          {curvature}, std::move(seen.sides), std::move(seen.patches), std::move(seen.distances), merit};
     }
   }
   std::vector<SideStart> all;

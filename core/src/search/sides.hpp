@@ -19,14 +19,18 @@ Sides sides_of(const Task& task, const StartShape& shape);
 struct SideStart {
   StartShape shape;
   Sides sides;
+  /// Of obstacles that are not convex: the patch that the shape comes nearest to, since one side of a window is not the
+  /// other; of all others 0.
+  std::vector<int> patches;
   std::vector<double> distances;  ///< of the shape to each obstacle, units of L; negative: it runs through
   double merit = 0.0;             ///< how far it is from the target and from being free; less is better
 };
 
 SideStart start_by_sides(const Task& task, StartShape shape);
 
-/// Shapes of one or two arcs, the best one for each choice of sides that such shapes can have, best first. Which side a
-/// rod passes on is a discrete choice: no local method changes it. Empty: no obstacle within reach has sides.
+/// Shapes of one or two arcs, the best one for each choice of sides (and patches) that such shapes can have, best
+/// first. Which side a rod passes on is a discrete choice: no local method changes it. Empty: no obstacle within reach
+/// has sides.
 std::vector<SideStart> starts_by_sides(const Task& task);
 
 }  // namespace tendril

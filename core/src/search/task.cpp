@@ -24,6 +24,33 @@ std::string contact_name(const ContactSetup& c, const std::vector<std::string>& 
   return name;
 }
 
+/// Rows of a program before the exchange of check points adds some: enough for a dozen obstacles.
+constexpr std::size_t most_first_checks = 128;
+
+/// Keeps so many of the check points, those that the shape has next to their obstacles, in their order.
+void keep_nearest(std::vector<CheckPoint>& checks, const PoseProgram& program, std::span<const double> knots,
+                  const StartShape& shape) {
+  constexpr int steps = 200;
+  std::vector<OutlinePoint> line;
+  outline(*program.spec().rod, shape.curvature, steps, line);
+  std::vector<double> distances;
+  distances.reserve(checks.size());
+  for (const CheckPoint& c : checks) {
+    const double s = program.chain().start(c.piece, knots) + c.sigma * program.chain().length(c.piece, knots);
+    const auto nearest = static_cast<std::size_t>(std::lround(s * steps));
+    distances.push_back(
+        program.spec().obstacles[static_cast<std::size_t>(c.obstacle)]->at(line[nearest].position).distance);
+  }
+  std::vector<double> sorted = distances;
+  const auto last = sorted.begin() + static_cast<std::ptrdiff_t>(most_first_checks);
+  std::nth_element(sorted.begin(), last, sorted.end());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    if (distances[i] < *last) checks[kept++] = checks[i];
+  }
+  checks.resize(kept);
+}
+
 constexpr double full_turn = 2.0 * std::numbers::pi;
 
 /// The angle that differs from `direction` by full turns and from `reference` by half a turn at most; of two that do,
@@ -230,6 +257,7 @@ std::vector<CheckPoint> Task::first_checks(const PoseProgramSpec& spec, const St
       if (!tip_touches) checks.push_back({j, sigma, o});
     }
   }
+  if (scene.contact.check_points == 0 && checks.size() > most_first_checks) keep_nearest(checks, probe, knots, shape);
   return checks;
 }
 

@@ -1,0 +1,296 @@
+// Obstacles whose points stand in files: tables, drawings, bodies.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <random>
+
+#include "command.hpp"
+#include "support/contains.hpp"
+#include "tendril/app/input_error.hpp"
+#include "tendril/app/scene_reader.hpp"
+#include "tendril/numbers.hpp"
+
+namespace tendril::app::test {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+using Line = std::vector<Vec2>;
+
+/// A scene with one obstacle beside a file of this name.
+struct Read {
+  Read(const std::string& name, const std::string& content, const std::string& keys = "",
+       const std::string& shape = "polygon") {
+    directory.write(name, content);
+    const std::string file =
+        directory.write("s.toml", "[rod]\nlength = 1\nbending_stiffness = 1\n[[obstacle]]\nshape = \"" + shape +
+                                      "\"\nfile = {name = \"" + name + "\"" + keys + "}\n");
+    try {
+      scene = read_scene(Document::read(file), std::make_shared<Units>());
+    } catch (const InputError& error) {
+      message = error.what();
+    }
+  }
+
+  std::vector<double> list(const char* option) const {
+    std::vector<double> values;
+    const auto& options = scene.obstacles.at(0).options;
+    if (options.find(option) == options.end()) return values;
+    for (const RawValue& v : std::get<RawValue::List>(options.at(option).value))
+      values.push_back(std::get<double>(v.value));
+    return values;
+  }
+  Line points(const char* option) const {
+    Line all;
+    for (const RawValue& p : std::get<RawValue::List>(scene.obstacles.at(0).options.at(option).value)) {
+      const auto& pair = std::get<RawValue::List>(p.value);
+      all.push_back({std::get<double>(pair[0].value), std::get<double>(pair[1].value)});
+    }
+    return all;
+  }
+  std::vector<Line> outlines() const {
+    const Line all = points("vertices");
+    std::vector<double> sizes = list("outlines");
+    if (sizes.empty()) sizes.push_back(static_cast<double>(all.size()));
+    std::vector<Line> lines;
+    std::size_t at = 0;
+    for (const double size : sizes) {
+      const std::size_t end = at + static_cast<std::size_t>(size);
+      lines.emplace_back(all.begin() + static_cast<std::ptrdiff_t>(at), all.begin() + static_cast<std::ptrdiff_t>(end));
+      at = end;
+    }
+    return lines;
+  }
+
+  /// The first of them.
+  Line outline() const { return outlines().at(0); }
+
+  TemporaryDirectory directory;
+  Scene scene;
+  std::string message;
+};
+
+double area(const Line& line) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < line.size(); ++i) sum += 0.5 * cross(line[i], line[(i + 1) % line.size()]);
+  return sum;
+}
+
+double area(const std::vector<Line>& lines) {
+  double sum = 0.0;
+  for (const Line& line : lines) sum += area(line);
+  return sum;
+}
+
+/// Distance to a polygon, negative inside.
+double distance(const Line& line, Vec2 p) {
+  double least = infinity;
+  double winding = 0.0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Vec2 a = line[i] - p;
+    const Vec2 b = line[(i + 1) % line.size()] - p;
+    const double t = std::clamp(-dot(a, b - a) / dot(b - a, b - a), 0.0, 1.0);
+    least = std::min(least, norm(a + t * (b - a)));
+    winding += std::atan2(cross(a, b), dot(a, b));
+  }
+  return std::abs(winding) > pi ? -least : least;
+}
+
+TEST(OutlineFile, ATableHoldsAPolygonWithHolesAndItsPlace) {
+  const Read r("part.csv",
+               "x [mm];y [mm];outline\n0;0;1\n30;0;1\n30;30;1\n0;30;1\n0;0;1\n10;10;2\n10;20;2\n20;20;2\n20;10;2\n",
+               R"(, position = ["1 m", 0], angle = "90 deg")");
+  ASSERT_EQ(r.message, "");
+  const std::vector<Line> lines = r.outlines();
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_EQ(lines[0].size(), 4U);
+  EXPECT_NEAR(area(lines[0]), 9e-4, 1e-15);
+  EXPECT_NEAR(area(lines[1]), -1e-4, 1e-15);
+  EXPECT_NEAR(lines[0][1].x, 1.0, 1e-15);
+  EXPECT_NEAR(lines[0][1].y, 0.03, 1e-15);
+}
+
+TEST(OutlineFile, ATableHoldsAChannelWithItsWidths) {
+  const Read r("pipe.csv", "x,y,width\n0,0,0.1\n1,0,0.2\n", "", "channel");
+  ASSERT_EQ(r.message, "");
+  EXPECT_EQ(r.points("points").size(), 2U);
+  EXPECT_EQ(r.list("widths"), (std::vector<double>{0.1, 0.2}));
+}
+
+// Noisy and smooth outlines: what is left has fewer corners, contains all that there was, and stays within the
+// tolerance.
+TEST(OutlineFile, WithATolerancePolygonsGrowToHaveFewerCorners) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise;
+  for (int trial = 0; trial < 30; ++trial) {
+    Line line;
+    constexpr int corners = 300;
+    std::string table = "x,y\n";
+    for (int i = 0; i < corners; ++i) {
+      const double angle = 2.0 * pi * i / corners;
+      const double radius =
+          1.0 + 0.3 * std::cos((3 + trial % 4) * angle) + (trial % 2 == 0 ? 0.005 * noise(random) : 0.0);
+      line.push_back(radius * Vec2{std::cos(angle), std::sin(angle)});
+      table += fmt::format("{:.17g},{:.17g}\n", line.back().x, line.back().y);
+    }
+    const double tolerance = 0.01 * (1 + trial % 4);
+    const Read r("part.csv", table, fmt::format(", tolerance = {}", tolerance));
+    ASSERT_EQ(r.message, "");
+    const Line fewer = r.outline();
+    EXPECT_LT(fewer.size(), 200U);
+    for (const Vec2 p : line) EXPECT_LE(distance(fewer, p), 1e-12);
+    for (std::size_t i = 0; i < fewer.size(); ++i) {
+      for (const double t : {0.0, 0.25, 0.5, 0.75}) {
+        EXPECT_LE(distance(line, fewer[i] + t * (fewer[(i + 1) % fewer.size()] - fewer[i])), tolerance * (1.0 + 1e-9));
+      }
+    }
+  }
+}
+
+const char* const drawing = R"svg(<?xml version="1.0"?>
+<!-- 0.5 mm for each unit -->
+<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="50mm" viewBox="0 0 200 100">
+<defs><circle id="unseen" r="4"/></defs>
+<g id="all" transform="translate(10,20) scale(2)">
+<path id="nonzero" d="M0 0h10v10H0zM2,2 v6 h6 v-6z"/>
+<path id="evenodd" fill-rule="evenodd" d="M0 0h10v10H0zm2,2h6v6h-6z m2,2 h2v2h-2z"/>
+<path id="curves" d="M 0,0 C 0,-10 20,-10 20,0 S 40,10 40,0 Q 50,30 20,30 T 0,0 z"/>
+<path id="arcs" d="M10,30A20,20 0,0,1 50,30 20 20 0 0190,30Q90,60 50,90 Q10,60 10,30z"/>
+</g>
+<rect id="rect" x="5mm" y="1" width="20" height="10" rx="3"/>
+<circle id="circle" cx="50" cy="50" r="10" transform="rotate(30 50 50)"/>
+<ellipse id="ellipse" cx="50" cy="50" rx="10" ry="4" style="display:inline"/>
+<polygon id="polygon" points="0,0 10,0 10,10"/>
+<text id="text">no outline</text>
+</svg>)svg";
+
+Read drawn(const std::string& id, const std::string& more = "") {
+  return {"part.svg", drawing, ", id = \"" + id + "\"" + more};
+}
+
+TEST(OutlineFile, ADrawingHasItsAreaAndItsPlace) {
+  // Square millimetres: a unit is 0.5 mm, and 1 mm in the group.
+  const std::vector<std::pair<const char*, double>> areas{
+      {"nonzero", 100.0 - 36.0}, {"evenodd", 100.0 - 36.0 + 4.0}, {"rect", 0.25 * (200.0 - (4.0 - pi) * 9.0)},
+      {"circle", 25.0 * pi},     {"ellipse", 10.0 * pi},          {"polygon", 12.5}};
+  for (const auto& [id, exact] : areas) {
+    const Read r = drawn(id, ", tolerance = \"1 um\"");
+    ASSERT_EQ(r.message, "") << id;
+    EXPECT_GE(area(r.outlines()), 1e-6 * exact * (1.0 - 1e-9)) << id;
+    EXPECT_LE(area(r.outlines()), 1e-6 * exact + 1e-6 * 0.06) << id;
+  }
+  for (const Vec2 p : drawn("circle", ", tolerance = \"10 um\"").outline()) {
+    const double away = norm(p - Vec2{0.025, -0.025});
+    EXPECT_GE(away, 0.005 * (1.0 - 1e-8));
+    EXPECT_LE(away, 0.005 + 1e-5);
+  }
+  EXPECT_NEAR(area(drawn("circle", ", unit = \"1 m\"").outlines()), 100.0 * pi, 1.0);
+}
+
+TEST(OutlineFile, CurvesOfADrawingLieInsideOfItsSides) {
+  for (const char* id : {"curves", "arcs"}) {
+    const Read coarse = drawn(id, ", tolerance = \"0.5 mm\"");
+    const Read fine = drawn(id, ", tolerance = \"1 um\"");
+    ASSERT_EQ(coarse.message + fine.message, "") << id;
+    EXPECT_LT(coarse.outline().size(), 60U) << id;
+    for (const Vec2 p : fine.outline()) EXPECT_LE(distance(coarse.outline(), p), 1e-6) << id;
+    for (const Vec2 p : coarse.outline()) EXPECT_LE(distance(fine.outline(), p), 5e-4) << id;
+  }
+}
+
+TEST(OutlineFile, WhatADrawingHoldsBesideOutlinesIsTold) {
+  const Read r("part.svg", drawing);
+  ASSERT_EQ(r.message, "");
+  ASSERT_EQ(r.scene.left_out.size(), 1U);
+  EXPECT_EQ(r.scene.left_out[0].what, "1 <text> of part.svg");
+}
+
+/// A box from the origin to (2, 3, 4), its facets counterclockwise from outside, without the first `missing` of them.
+std::vector<std::array<std::array<float, 3>, 3>> box(std::size_t missing = 0) {
+  const std::array<std::array<int, 4>, 6> sides{
+      {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+  const auto corner = [](int i) {
+    return std::array<float, 3>{(i & 1) != 0 ? 2.0F : 0.0F, (i & 2) != 0 ? 3.0F : 0.0F, (i & 4) != 0 ? 4.0F : 0.0F};
+  };
+  std::vector<std::array<std::array<float, 3>, 3>> all;
+  for (const auto& s : sides) {
+    all.push_back({corner(s[0]), corner(s[1]), corner(s[2])});
+    all.push_back({corner(s[0]), corner(s[2]), corner(s[3])});
+  }
+  all.erase(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(missing));
+  return all;
+}
+
+std::string binary(std::size_t missing = 0) {
+  std::string bytes(80, ' ');
+  const auto facets = box(missing);
+  const auto count = static_cast<std::uint32_t>(facets.size());
+  bytes.append(reinterpret_cast<const char*>(&count), 4);
+  for (const auto& facet : facets) {
+    bytes.append(12, '\0');
+    bytes.append(reinterpret_cast<const char*>(facet.data()), 36);
+    bytes.append(2, '\0');
+  }
+  return bytes;
+}
+
+std::string text() {
+  std::string all = "solid box\n";
+  for (const auto& facet : box()) {
+    all += "facet normal 0 0 0\nouter loop\n";
+    for (const auto& p : facet) all += fmt::format("vertex {} {:e} +{}\n", p[0], p[1], p[2]);
+    all += "endloop\nendfacet\n";
+  }
+  return all + "endsolid box\n";
+}
+
+TEST(OutlineFile, ABodyHasItsSections) {
+  for (const std::string& content : {binary(), text()}) {
+    const std::vector<std::pair<const char*, Vec2>> sizes{{"z", {2, 3}}, {"x", {3, 4}}, {"y", {4, 2}}};
+    for (const auto& [plane, size] : sizes) {
+      for (const char* height : {"0.5 mm", "1 mm", "1.7 mm"}) {
+        const Read r("body.stl", content, fmt::format(R"(, plane = "{}", height = "{}")", plane, height));
+        ASSERT_EQ(r.message, "");
+        ASSERT_EQ(r.outlines().size(), 1U);
+        EXPECT_NEAR(area(r.outlines()), 1e-6 * size.x * size.y, 1e-9 * size.x * size.y);
+        Vec2 high{};
+        for (const Vec2 p : r.outline()) high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+        EXPECT_NEAR(high.x, 1e-3 * size.x, 1e-8);
+        EXPECT_NEAR(high.y, 1e-3 * size.y, 1e-8);
+      }
+    }
+  }
+}
+
+TEST(OutlineFile, RefusesWhatHoldsNoOutline) {
+  const auto refused = [](const Read& r, const std::string& reason) { EXPECT_TRUE(contains_text(r.message, reason)); };
+  refused({"part.csv", "x,y\n0,0\n1,\n0,1\n"}, "part.csv: point 2 of 3 has an empty value");
+  refused({"part.csv", "x,y\n0,0\n1,0\n0,1\n", "", "circle"}, "s.toml:6:8: found a file for the shape 'circle'");
+  refused({"part.svg", "<svg><text>a</text><image/></svg>"},
+          "found 1 <image>, 1 <text> and no outline, expected paths");
+  refused({"part.svg", "<svg>\n<path d=\"M 0 0 L 1 x\"/></svg>"}, "part.svg:2:1: found 'x' at character 11 of a path");
+  refused({"part.svg", "<svg>\n<path d=\"L 0 0\"/></svg>"}, "expected M, with which a path begins");
+  refused({"part.svg", "<svg><path d=\"M0 0\"></svg>"}, "part.svg:1:23: this is no SVG: mismatched tag");
+  refused({"part.svg", "<html/>"}, "found <html>, expected <svg>");
+  refused({"part.svg", "<svg width=\"100%\" viewBox=\"0 0 9 9\"/>"}, "found width = \"100%\", expected a length");
+  refused({"part.svg", "<svg><g transform=\"spin(3)\"/></svg>"}, "found transform = \"spin(3)\"");
+  refused({"part.svg", "<svg><rect width=\"50%\"/></svg>"}, "found width = \"50%\"");
+  refused(drawn("circel"), "nothing has the id 'circel'; did you mean 'circle'?");
+  refused(drawn("circle", ", tolerance = 0"), "found a tolerance of 0");
+  refused({"body.stl", binary(1), R"(, plane = "x", height = "1 mm")"}, "not closed at the section: a side ends at (");
+  refused({"body.stl", binary(), R"(, height = "5 mm")"},
+          "found nothing at z = 0.005 m, expected a height between 0 m");
+  refused({"body.stl", "no body"}, "found neither an STL in text");
+  refused({"body.stl", "solid a\nvertex 0 0 0\nvertex 0 q 0\n"},
+          "body.stl:3: found 'q', expected a number of a vertex");
+  refused({"body.stl", "solid a\nvertex 0 0 0\n"}, "found 1 vertices, expected three");
+  refused({"part.svg", std::string(std::size_t{5} << 20, ' ')}, "part.svg");
+}
+
+}  // namespace
+}  // namespace tendril::app::test
