@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "scene/calibration_reader.hpp"
 #include "scene/keys.hpp"
 #include "scene/measurement_reader.hpp"
 #include "scene/rod_reader.hpp"
@@ -31,6 +32,7 @@ struct SceneDraft {
   TrajectoryDraft trajectory;
   std::string start_file;
   std::optional<StudySpec> study;
+  std::optional<CalibrationDraft> calibration;
 };
 
 /// The keys of a scene, tables and all.

@@ -32,10 +32,16 @@ struct ExecuteArguments {
   ResultPlaces places;
 };
 
+struct CalibrateArguments {
+  SceneArguments scene;
+  ResultPlaces places;
+};
+
 /// Each runs one command and returns its exit code: 0 solved, 1 no acceptable plan. What a user can repair is thrown as
 /// InputError. Results go to standard output, notes to standard error.
 int run_plan(const PlanArguments& arguments);
 int run_execute(const ExecuteArguments& arguments);
+int run_calibrate(const CalibrateArguments& arguments);
 int run_describe(const SceneArguments& arguments, bool json);
 int run_plugins(const std::vector<std::filesystem::path>& plugin_directories, bool json);
 
