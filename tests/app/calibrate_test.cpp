@@ -73,7 +73,7 @@ TEST(Calibrate, TellsWhereInTheFilesSomethingIsWrong) {
 }
 
 TEST(Calibrate, TellsWhatItDidNotRead) {
-  const CommandRun run = calibrate({}, "s [mm]", "humidity");
+  const CommandRun run = calibrate({}, "case,pressure", "humidity,pressure");
   EXPECT_TRUE(contains_text(run.out + run.err, "humidity")) << run.out << run.err;
 }
 

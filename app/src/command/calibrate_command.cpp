@@ -18,6 +18,7 @@ constexpr std::size_t most_drawn = 24;
 ShapePanel panel_of(const Scene& scene, const Calibration& calibration, bool checked) {
   ShapePanel panel;
   panel.title = checked ? "only checked" : "fitted";
+  panel.targets_are = "measured";
   panel.base = scene.rod.base_position;
   panel.base_angle = scene.rod.base_angle;
   std::vector<const CalibratedShape*> shapes;
@@ -28,6 +29,10 @@ ShapePanel panel_of(const Scene& scene, const Calibration& calibration, bool che
   for (std::size_t i = 0; i < shapes.size(); i += step) {
     panel.rods.push_back(line_of(shapes[i]->backbone));
     panel.targets.insert(panel.targets.end(), shapes[i]->measured.begin(), shapes[i]->measured.end());
+    // From each point to where the fit has it: what is left, also of markers beside the backbone.
+    for (std::size_t m = 0; m < shapes[i]->measured.size(); ++m) {
+      panel.rods.push_back({shapes[i]->measured[m], shapes[i]->fitted[m]});
+    }
   }
   return panel;
 }

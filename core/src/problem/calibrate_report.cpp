@@ -1,5 +1,6 @@
 #include "problem/calibrate_report.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -17,41 +18,73 @@ constexpr double range_tolerance = 1e-9;
 
 std::string text(double value) { return shown(value, 4); }
 
-/// A direction in words: the unknowns that share in it.
-std::string combination(const CalibrationInput& in, const Eigen::VectorXd& direction) {
-  std::string out;
-  const double largest = direction.cwiseAbs().maxCoeff();
-  Eigen::Index first = 0;
-  direction.cwiseAbs().maxCoeff(&first);
-  int count = 0;
-  for (Eigen::Index i = 0; i < direction.size(); ++i) {
-    const double share = direction[i] * (direction[first] < 0.0 ? -1.0 : 1.0);
-    if (std::abs(share) < 0.1 * largest) continue;
-    out += out.empty() ? "" : share < 0.0 ? " less " : " with ";
-    out += text(std::abs(share)) + " of the " + in.numbers[static_cast<std::size_t>(i)].name;
-    ++count;
+/// Unknowns in terms of which the points are asked what they determine: unknowns = basis * asked. A factor counts
+/// against itself. Of a law of a moment it is not its powers that matter but its values, at evenly spaced inputs,
+/// against the largest one.
+struct Asked {
+  Eigen::MatrixXd basis;
+  std::vector<std::string> names;
+};
+
+/// Powers of a law, by their places among the unknowns.
+std::vector<Eigen::Index> powers_of(const CalibrationInput& in, int actuator) {
+  std::vector<Eigen::Index> out;
+  for (std::size_t i = 0; i < in.problem.unknowns.size(); ++i) {
+    const Sought& u = in.problem.unknowns[i];
+    if (u.kind == CalibrationUnknown::moment && u.index == actuator) out.push_back(static_cast<Eigen::Index>(i));
   }
-  if (count > 1)
-    return "a change of " + out + " (parts of factors and of the largest moments, radians, lengths of the rod)";
-  return "the " + in.numbers[static_cast<std::size_t>(first)].name;
+  return out;
 }
 
-/// What a number's error counts against: a factor itself, a power of a moment the largest moment of its actuator.
-double size_of(const CalibrationInput& in, const Eigen::VectorXd& values, const Sought& sought, double value) {
-  if (is_factor(sought.kind)) return value;
-  if (sought.kind != CalibrationUnknown::moment) return 1.0;
+void ask_for_values(const CalibrationInput& in, const Eigen::VectorXd& found, const std::vector<Eigen::Index>& powers,
+                    Asked& out) {
   constexpr double least = 1e-3;  // EI/L
-  double largest = least;
-  for (const SeenShape& shape : in.problem.shapes) {
-    double moment = 0.0;
-    for (std::size_t i = 0; i < in.problem.unknowns.size(); ++i) {
-      const Sought& u = in.problem.unknowns[i];
-      if (u.kind != sought.kind || u.index != sought.index) continue;
-      moment += values[static_cast<Eigen::Index>(i)] * std::pow(shape.inputs[u.index], u.power);
-    }
-    largest = std::max(largest, std::abs(moment));
+  const auto degree = static_cast<Eigen::Index>(powers.size());
+  Eigen::MatrixXd values(degree, degree);
+  for (Eigen::Index k = 0; k < degree; ++k) {
+    const double input = static_cast<double>(k + 1) / static_cast<double>(degree);
+    for (Eigen::Index j = 0; j < degree; ++j) values(k, j) = std::pow(input, static_cast<double>(j + 1));
+    out.names[static_cast<std::size_t>(powers[static_cast<std::size_t>(k)])] =
+        in.numbers[static_cast<std::size_t>(powers.front())].name +
+        (degree == 1 ? "" : " at " + shown(input, 2) + " of the largest");
   }
-  return largest;
+  const double largest = std::max(least, (values * found(powers)).cwiseAbs().maxCoeff());
+  out.basis(powers, powers) = largest * values.inverse();
+}
+
+Asked asked(const CalibrationInput& in, const Eigen::VectorXd& found, const std::vector<bool>& free) {
+  const auto count = static_cast<Eigen::Index>(in.problem.unknowns.size());
+  Asked out{Eigen::MatrixXd::Identity(count, count), {}};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    out.names.push_back(in.numbers[static_cast<std::size_t>(i)].name);
+    if (is_factor(in.problem.unknowns[static_cast<std::size_t>(i)].kind)) out.basis(i, i) = found[i];
+  }
+  for (int a = 0; a < static_cast<int>(in.problem.rod.actuators.size()); ++a) {
+    const std::vector<Eigen::Index> powers = powers_of(in, a);
+    // A power that a bound holds is known, and its law is then asked for by the others.
+    const bool all =
+        std::all_of(powers.begin(), powers.end(), [&](Eigen::Index p) { return free[static_cast<std::size_t>(p)]; });
+    if (!powers.empty() && all) ask_for_values(in, found, powers, out);
+  }
+  return out;
+}
+
+/// A direction in words: what shares in it.
+std::string combination(const Asked& of, const Eigen::VectorXd& direction) {
+  std::string out;
+  const double largest = direction.cwiseAbs().maxCoeff();
+  double sign = 0.0;
+  int count = 0;
+  std::string last;
+  for (Eigen::Index i = 0; i < direction.size(); ++i) {
+    if (std::abs(direction[i]) < 0.1 * largest) continue;
+    if (count++ == 0) sign = direction[i] < 0.0 ? -1.0 : 1.0;
+    const double share = sign * direction[i];
+    last = "the " + of.names[static_cast<std::size_t>(i)];
+    out += (out.empty() ? "" : share < 0.0 ? " less " : " with ") + text(std::abs(share)) + " of " + last;
+  }
+  if (count == 1) return last;
+  return "a change of " + out + " (parts of factors and of the largest moments, radians, lengths of the rod)";
 }
 
 struct Range {
@@ -181,18 +214,25 @@ void report_numbers(const CalibrationInput& in, const CalibrationFit& fit, const
     free[i] = !number.at_bound;
     if (number.at_bound)
       out.warnings.push_back("the " + number.name + " ends at its bound, where its error says nothing");
-    const double size = size_of(in, result.point.values, sought, result.point.values[u]);
-    unit[u] *= size;
-    normal.row(u) *= size;
-    normal.col(u) *= size;
   }
-  const Identifiability known = identify(normal, result.noise * result.noise, free, largest_error);
-  for (const Eigen::VectorXd& direction : known.undetermined) out.undetermined.push_back(combination(in, direction));
-  out.covariance = unit.asDiagonal() * known.covariance * unit.asDiagonal();
+  const Asked as = asked(in, result.point.values, free);
+  const Eigen::MatrixXd seen = as.basis.transpose() * normal * as.basis;
+  const Identifiability known = identify(seen, result.noise * result.noise, free, largest_error);
+  for (const Eigen::VectorXd& direction : known.undetermined) out.undetermined.push_back(combination(as, direction));
+  const Eigen::MatrixXd in_si = unit.asDiagonal() * as.basis;
+  out.covariance = in_si * known.covariance * in_si.transpose();
   for (std::size_t i = 0; i < count; ++i) {
     CalibratedNumber& number = out.numbers[i];
     const auto u = static_cast<Eigen::Index>(i);
-    number.identifiable = known.determined[i];
+    number.identifiable = true;
+    for (std::size_t k = 0; k < count; ++k) {
+      const bool shares = as.basis(u, static_cast<Eigen::Index>(k)) != 0.0;
+      number.identifiable = number.identifiable && (!shares || known.determined[k]);
+    }
+    if (!number.identifiable) {
+      out.covariance.row(u).setZero();
+      out.covariance.col(u).setZero();
+    }
     number.error = std::sqrt(out.covariance(u, u));
     if (!number.identifiable) number.reason = "the points do not determine " + out.undetermined.front();
   }
