@@ -87,7 +87,8 @@ struct CalibratedNumber {
 struct CalibratedShape {
   std::string name;                      ///< of the recording
   bool check_only = false;               ///< it was not fitted
-  std::vector<Vec2> measured, fitted;    ///< m, of the markers that have a position
+  std::vector<Vec2> measured;            ///< m, of the markers that have a position
+  std::vector<Vec2> fitted;              ///< m, of the same in the fitted shape
   std::vector<BackbonePoint> backbone;   ///< of the fitted shape
   double rms = 0.0;                      ///< m, distance of markers from where they were seen, over the recording
   double tip_error = 0.0;                ///< m, the same of the marker nearest to the tip
