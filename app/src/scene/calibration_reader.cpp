@@ -23,10 +23,24 @@ constexpr CalibrationUnknown all_unknowns[] = {CalibrationUnknown::stiffness,   
                                                CalibrationUnknown::base_y};
 const std::vector<std::string> scope_names{"all", "group", "recording"};
 
-/// A key whose value is kept as it stands.
+/// A key whose value is kept as it stands, if it is a number of what an unknown may be.
 Key<UnknownDraft> kept(std::string name, std::string description, std::optional<Node> UnknownDraft::*member) {
   KeySpec spec{std::move(name), KeyType::quantity, none, "", std::move(description)};
-  return {spec, [member](const Context&, const Node& node, UnknownDraft& t) { t.*member = node; }};
+  return {spec, [spec, member](const Context& context, const Node& node, UnknownDraft& t) {
+            for (const Dimension& d :
+                 {none, dimension::length, dimension::curvature, dimension::angle, dimension::moment_per_pressure}) {
+              KeySpec one = spec;
+              one.dimension = d;
+              try {
+                read_quantity(context, node, one);
+                t.*member = node;
+                return;
+              } catch (const InputError&) {
+                continue;
+              }
+            }
+            context.fail(node, "a number that is finite, with the unit of what is looked for or in SI");
+          }};
 }
 
 Table<UnknownDraft> unknown_table() {
