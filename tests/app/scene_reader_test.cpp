@@ -227,6 +227,7 @@ std::vector<WrongValue> wrong_values(const KeySpec& key) {
     case KeyType::point:
       return {{"[\"1 K\", 0]", 1}, {"[0, \"1 K\"]", 4}, {"[0]"}, {"3"}};
     case KeyType::texts:
+      if (key.choices.empty()) return {{"[3]", 1}, {"[]"}};
       return {{"[\"no such word\"]", 1}, {"[3]", 1}, {"[]"}};
     case KeyType::quantities:
       return {{"[\"1 K\"]", 1}, {'[' + low + ']', 1}, {"3"}};

@@ -260,6 +260,32 @@ Command execute_command(CLI::App& app) {
           }};
 }
 
+Command calibrate_command(CLI::App& app) {
+  struct Parsed {
+    SceneOptions scene;
+    std::string output, figure;
+    bool json = false;
+  };
+  CLI::App* calibrate = app.add_subcommand("calibrate",
+                                           "Find numbers of the rod from measured shapes; exit code 0: all are "
+                                           "identifiable, 1: not all, 2: wrong input");
+  const auto parsed = std::make_shared<Parsed>();
+  parsed->scene.add_to(*calibrate);
+  calibrate
+      ->add_option(
+          "--output", parsed->output,
+          "Directory for result.json, figure.svg, .png, .gnuplot, .dat, and rod.toml, which scenes can include")
+      ->type_name("DIR");
+  calibrate->add_option("--figure", parsed->figure, "Picture of the shapes, .svg, .png or .pdf")->type_name("FILE");
+  add_json(*calibrate, parsed->json);
+  return {calibrate, [calibrate, parsed] {
+            require_name(*calibrate, "--output", parsed->output);
+            require_name(*calibrate, "--figure", parsed->figure);
+            return run_calibrate({parsed->scene.arguments(),
+                                  {optional_path(parsed->output), optional_path(parsed->figure), parsed->json}});
+          }};
+}
+
 Command study_command(CLI::App& app, std::vector<std::string> words) {
   struct Parsed {
     SceneOptions scene;
@@ -391,7 +417,7 @@ int parse_and_run(int argc, const char* const* argv) {
   app.get_formatter()->column_width(34);
   const std::vector<Command> commands{
       plan_command(app),     execute_command(app), study_command(app, {argv + std::min(argc, 1), argv + argc}),
-      describe_command(app), live_command(app),    view_command(app),
+      calibrate_command(app), describe_command(app), live_command(app),    view_command(app),
       plugins_command(app),  new_command(app),     reference_command(app)};
   try {
     app.parse(argc, argv);

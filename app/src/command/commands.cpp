@@ -4,6 +4,7 @@
 
 #include <variant>
 
+#include "command/calibrate_command.hpp"
 #include "command/estimate_command.hpp"
 #include "command/result_files.hpp"
 #include "command/trajectory_command.hpp"
@@ -94,6 +95,13 @@ int run_execute(const ExecuteArguments& arguments) {
                   [&] { return execution_report(session.scene(), execution, run); }),
               session);
   return execution.result.status == PlanStatus::solved ? 0 : 1;
+}
+
+int run_calibrate(const CalibrateArguments& arguments) {
+  try_places(arguments.places);
+  Session session(arguments.scene);
+  note_dropped(session);
+  return run_calibrate(session, arguments.places);
 }
 
 int run_describe(const SceneArguments& arguments, bool json) {

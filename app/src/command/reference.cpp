@@ -52,7 +52,7 @@ std::string value_of(const KeySpec& key) {
     case KeyType::point:
       return "[x, y]" + unit_of(key);
     case KeyType::texts:
-      return "list of " + choices_of(key);
+      return key.choices.empty() ? "list of texts" : "list of " + choices_of(key);
     case KeyType::quantities:
       return "list of numbers" + unit_of(key) + range_of(key);
     case KeyType::ends:

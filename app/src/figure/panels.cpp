@@ -320,21 +320,22 @@ DataFile data_of(const std::vector<std::vector<ShapePanel>>& rows, const std::ve
 std::vector<Script::Entry> shape_legend(const std::vector<std::vector<ShapePanel>>& rows) {
   bool ordered = false;
   bool contacts = false;
-  bool targets = false;
+  const char* targets = nullptr;
   for (const auto& row : rows) {
     for (const ShapePanel& panel : row) {
       ordered = ordered || panel.ordered;
       contacts = contacts || !panel.contacts.empty();
-      targets = targets || !panel.targets.empty();
+      if (!panel.targets.empty()) targets = panel.targets_are;
     }
   }
   std::vector<Script::Entry> entries;
   if (ordered) {
     entries.push_back({"first step", between(light_blue, dark_blue, 0, 2)});
     entries.push_back({"last step", between(light_blue, dark_blue, 1, 2)});
-    if (targets) entries.push_back({"targets, in order", "", between(light_green, dark_green, 1, 2)});
-  } else if (targets) {
-    entries.push_back({"targets", "", "#2e9d3a"});
+    if (targets != nullptr)
+      entries.push_back({std::string(targets) + ", in order", "", between(light_green, dark_green, 1, 2)});
+  } else if (targets != nullptr) {
+    entries.push_back({targets, "", "#2e9d3a"});
   }
   if (contacts) entries.push_back({"contact points", "", "#c0392b"});
   return entries;

@@ -16,6 +16,7 @@ struct ShapePanel {
   double base_angle = 0.0;
   std::vector<std::vector<Vec2>> rods;  ///< m
   std::vector<Vec2> targets, contacts;  ///< m
+  const char* targets_are = "targets";  ///< in the legend
   bool ordered = false;                 ///< rods and targets go from light to dark
   std::string color = "#1f4e8c";        ///< of the rods, if not ordered
 };

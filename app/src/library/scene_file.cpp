@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "result/calibration_report.hpp"
 #include "result/estimate_report.hpp"
 #include "result/trajectory_result.hpp"
 #include "session/inputs.hpp"
@@ -77,6 +78,11 @@ Estimate SceneFile::estimate(const Run& run) {
   return opened_->session.estimate();
 }
 
+Calibration SceneFile::calibrate(const Run& run) {
+  opened_->begin(run);
+  return opened_->session.calibrate();
+}
+
 Execution SceneFile::execute(const Inputs& inputs, const Run& run) {
   opened_->begin(run);
   return opened_->session.execute(app::moments_of(inputs, opened_->session), opened_->start_of(run));
@@ -103,6 +109,9 @@ std::string SceneFile::json(const Trajectory& trajectory) const {
 }
 std::string SceneFile::json(const Estimate& estimate) const {
   return app::estimate_json(scene(), estimate, opened_->session.run_info());
+}
+std::string SceneFile::json(const Calibration& calibration) const {
+  return app::calibration_json(scene(), calibration, opened_->session.run_info());
 }
 std::string SceneFile::json(const Description& description) const {
   return app::description_json(scene(), description, opened_->session.run_info());

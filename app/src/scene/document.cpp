@@ -218,6 +218,31 @@ std::vector<std::string> split_path(std::string_view path) {
   return parts;
 }
 
+void shift_lines(Node& node, int lines) {
+  node.position.line += lines;
+  if (auto* list = std::get_if<Node::List>(&node.value)) {
+    for (Node& item : *list) shift_lines(item, lines);
+  } else if (auto* table = std::get_if<Node::Table>(&node.value)) {
+    for (Node::Entry& entry : *table) {
+      entry.position.line += lines;
+      shift_lines(entry.node, lines);
+    }
+  }
+}
+
+/// Adds the entries of `from` that `to` has not.
+void merge(Node& to, Node from) {
+  auto& own = std::get<Node::Table>(to.value);
+  for (Node::Entry& entry : std::get<Node::Table>(from.value)) {
+    const auto same = std::find_if(own.begin(), own.end(), [&](const Node::Entry& e) { return e.key == entry.key; });
+    if (same == own.end()) {
+      own.push_back(std::move(entry));
+    } else if (same->node.is_table() && entry.node.is_table()) {
+      merge(same->node, std::move(entry.node));
+    }
+  }
+}
+
 std::optional<std::size_t> as_index(std::string_view text) {
   std::size_t index = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
@@ -255,6 +280,22 @@ Document Document::parse(const std::string& text, std::string file) {
   }
   document.root_.position = {1, 1};
   return document;
+}
+
+void Document::include() {
+  auto& table = std::get<Node::Table>(root_.value);
+  const auto key = std::find_if(table.begin(), table.end(), [](const Node::Entry& e) { return e.key == "include"; });
+  if (key == table.end()) return;
+  const auto* name = std::get_if<std::string>(&key->node.value);
+  if (name == nullptr) fail(key->node.position, "found " + describe_value(key->node) + ", expected the name of a file");
+  Document other = read(std::filesystem::path(file_).parent_path() / *name);
+  if (other.root_.find("include") != nullptr) {
+    other.fail(other.find("include"), "found 'include' in a file that is included, expected none");
+  }
+  included_ = other.file_;
+  table.erase(key);
+  shift_lines(other.root_, included_lines);
+  merge(root_, std::move(other.root_));
 }
 
 void Document::apply(const std::vector<Override>& overrides) {
@@ -296,6 +337,9 @@ void Document::apply(const std::vector<Override>& overrides) {
 }
 
 std::string Document::describe(SourcePosition position) const {
+  if (position.line > included_lines) {
+    return fmt::format("{}:{}:{}", included_, position.line - included_lines, position.column);
+  }
   if (position.line > 0) return fmt::format("{}:{}:{}", file_, position.line, position.column);
   const auto argument = static_cast<std::size_t>(position.column);
   if (argument >= 1 && argument <= arguments_.size()) return arguments_[argument - 1];

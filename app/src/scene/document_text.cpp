@@ -91,4 +91,14 @@ std::string text_of(const Document& document) {
   return out;
 }
 
+std::string text_of(const Document& document, const std::string& table) {
+  Node::Table alone;
+  for (const Node::Entry& entry : std::get<Node::Table>(document.root().value)) {
+    if (entry.key == table) alone.push_back(entry);
+  }
+  std::string out;
+  write_table(alone, "", out);
+  return out;
+}
+
 }  // namespace tendril::app

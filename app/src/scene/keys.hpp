@@ -278,7 +278,7 @@ Key<Target> texts(std::string name, std::string description, const std::vector<s
   const Key<std::string> one = text<std::string>(
       key.spec.name, "", "", [](std::string& t, const std::string& v) { t = v; }, key.spec.choices);
   key.read = [one, set](const Context& context, const Node& node, Target& target) {
-    const std::string what = "one of " + quoted_choices(one.spec.choices);
+    const std::string what = one.spec.choices.empty() ? "text" : "one of " + quoted_choices(one.spec.choices);
     set(target, read_list(context, node, what, [&](const Node& item) {
           std::string value;
           one.read(context, item, value);

@@ -157,6 +157,15 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
   return scene;
 }
 
+CalibrationSpec read_calibration(const Document& document, const Units& units, Scene& scene) {
+  SceneDraft draft;
+  std::vector<std::string> told_by_read_scene;
+  const Context context{document, units, told_by_read_scene};
+  read_table(context, document.root(), "", scene_table(), draft);
+  if (!draft.calibration) document.fail({1, 1}, "the scene has no [calibrate], expected one with files and unknowns");
+  return finish_calibration(context, *draft.calibration, scene);
+}
+
 StudySpec read_study(const Document& document, const Units& units) {
   SceneDraft draft;
   std::vector<std::string> told_by_read_scene;

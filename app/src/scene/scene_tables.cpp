@@ -201,6 +201,10 @@ Table<SceneDraft> scene_table() {
   const std::vector<std::string> problems{"pose", "trajectory", "grasp", "execute", "estimate"};
   Table<T> scene;
   scene.keys = {
+      text<T>("include", "",
+              "Another file beside the scene: whatever this one does not say is taken from it. Files that it names are "
+              "looked for beside the scene.",
+              [](T&, const std::string&) {}),
       text<T>("title", "", "Title of reports and figures.", [](T& t, const std::string& v) { t.scene.title = v; }),
       text<T>(
           "problem", "pose", "Kind of problem.",
@@ -274,7 +278,10 @@ Table<SceneDraft> scene_table() {
           measurement_table(), [](T & t) -> auto& { return t.measurement; }),
       table<T>(
           "study", "study", "Sweeps for 'tendril study': every combination is one case.", study_table(),
-          [](T & t) -> auto& { return t.study.emplace(); })};
+          [](T & t) -> auto& { return t.study.emplace(); }),
+      table<T>(
+          "calibrate", "calibrate", "Measured shapes for 'tendril calibrate', and what is looked for.",
+          calibration_table(), [](T & t) -> auto& { return t.calibration.emplace(); })};
   return scene;
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "scene/calibration_reader.hpp"
 #include "scene/keys.hpp"
 #include "scene/measurement_reader.hpp"
 #include "scene/obstacle_reader.hpp"
@@ -33,6 +34,7 @@ struct SceneDraft {
   TrajectoryDraft trajectory;
   std::string start_file;
   std::optional<StudySpec> study;
+  std::optional<CalibrationDraft> calibration;
 };
 
 /// The keys of a scene, tables and all.

@@ -25,7 +25,9 @@ bool is_pixel(std::string_view unit) {
 class Reader {
  public:
   Reader(const std::filesystem::path& path, const TableFileSpec& spec, const Units& units)
-      : path_(path), spec_(spec), units_(units) {}
+      : path_(path), spec_(spec), units_(units) {
+    has_words_ = std::any_of(spec.columns.begin(), spec.columns.end(), [](const ColumnSpec& c) { return c.text; });
+  }
 
   TableFile read();
 
@@ -62,6 +64,7 @@ class Reader {
   std::vector<std::vector<TextCell>> cells_;
   char separator_ = ',';
   bool comma_ = false;           // is the decimal sign
+  bool has_words_ = false;       // a column may hold some
   std::vector<int> column_of_;   // of each cell: place in TableFile::form, or -1
   std::vector<double> factors_;  // of each column of the form
   TableFile file_;
@@ -124,6 +127,9 @@ bool Reader::take_comment(const TextLine& line) {
 
 std::string Reader::expected() const {
   std::string text;
+  if (spec_.forms.empty()) {
+    for (const ColumnSpec& column : spec_.columns) text += (text.empty() ? "some of " : ", ") + column.name;
+  }
   for (const auto& form : spec_.forms) {
     text += text.empty() ? "" : " or ";
     for (std::size_t i = 0; i < form.size(); ++i) text += (i > 0 ? ", " : "") + spec_.columns[form[i]].name;
@@ -133,7 +139,11 @@ std::string Reader::expected() const {
 
 std::string Reader::example(std::size_t column) const {
   const ColumnSpec& spec = spec_.columns[column];
-  return spec.name + (spec.dimension.unit == dimension::length.unit ? " [mm]" : " [deg]");
+  const std::string_view unit = spec.dimension.unit;
+  return spec.name + (unit == dimension::length.unit  ? " [mm]"
+                      : unit == dimension::angle.unit ? " [deg]"
+                      : unit.empty()                  ? ""
+                                                      : " [" + std::string(unit) + "]");
 }
 
 std::optional<std::size_t> Reader::column_called(std::string_view name) const {
@@ -228,9 +238,13 @@ void Reader::take_names(const TextLine& line, std::vector<TextCell> cells) {
     file_.form.push_back(column);
   }
   std::sort(file_.form.begin(), file_.form.end());
-  if (std::find(spec_.forms.begin(), spec_.forms.end(), file_.form) == spec_.forms.end()) {
+  const bool fits = spec_.forms.empty()
+                        ? !file_.form.empty()
+                        : std::find(spec_.forms.begin(), spec_.forms.end(), file_.form) != spec_.forms.end();
+  if (!fits) {
     fail(line, cells.front(),
-         "found the columns " + names + ", expected " + expected() + ", each with its unit, such as " + example(0));
+         "found the columns " + names + ", expected " + expected() + ", each with its unit, such as " +
+             example(spec_.example));
   }
   factors_.assign(file_.form.size(), 1.0);
   for (const auto& one : found) {
@@ -273,13 +287,20 @@ void Reader::take_row(const TextLine& line, std::vector<TextCell> cells) {
   if (file_.rows.size() == spec_.most_rows) {
     fail(line, cells.front(), fmt::format("found more than {} points, expected at most as many", spec_.most_rows));
   }
-  std::vector<double> row(file_.form.size());
+  std::vector<double> row(file_.form.size(), nothing);
+  std::vector<std::string> words(has_words_ ? file_.form.size() : 0);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (column_of_[i] < 0) continue;
     const auto at = static_cast<std::size_t>(column_of_[i]);
-    row[at] = value(line, cells[i], at);
+    if (spec_.columns[file_.form[at]].text) {
+      words[at] = cells[i].text;
+    } else {
+      row[at] = value(line, cells[i], at);
+    }
   }
   file_.rows.push_back(std::move(row));
+  file_.texts.push_back(std::move(words));
+  file_.lines.push_back(line.number);
   file_.blank.push_back(blank);
 }
 

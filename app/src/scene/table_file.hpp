@@ -14,6 +14,7 @@ struct ColumnSpec {
   std::string name;                 ///< as messages call it, in lower case
   Dimension dimension;              ///< of its numbers
   std::vector<std::string> also{};  ///< other names for it, in lower case
+  bool text = false;                ///< it holds words
 };
 
 /// What is read of a file with one point, pose, ... on each line.
@@ -21,18 +22,21 @@ struct TableFileSpec {
   std::string what;                 ///< the file, in messages, and the table of the scene that it belongs to
   std::vector<ColumnSpec> columns;  ///< in the order of the values that are given back
   /// Columns that may stand together, each by its place in `columns`, in ascending order. A file without names is read
-  /// by how many it has.
+  /// by how many it has. None: any of them, with names.
   std::vector<std::vector<std::size_t>> forms;
   std::size_t most_rows = 0;  ///< more are refused
+  std::size_t example = 0;    ///< the column that messages show with a unit
   double pixel = 0.0;         ///< m; what lengths without a unit, or in px, are multiples of. 0: they are in m
 };
 
 /// The numbers of such a file.
 struct TableFile {
-  std::vector<std::size_t> form;          ///< columns that it has
-  std::vector<std::vector<double>> rows;  ///< SI, in the order of `form`; NaN: nothing was written there
-  std::vector<bool> blank;                ///< for each row whether every cell is empty
-  std::vector<std::string> unread;        ///< names of its other columns
+  std::vector<std::size_t> form;                ///< columns that it has
+  std::vector<std::vector<double>> rows;        ///< SI, in the order of `form`; NaN: nothing was written there
+  std::vector<std::vector<std::string>> texts;  ///< likewise, of columns of words; empty where there are none
+  std::vector<int> lines;                       ///< of the file, for each row
+  std::vector<bool> blank;                      ///< for each row whether every cell is empty
+  std::vector<std::string> unread;              ///< names of its other columns
 };
 
 /// Reads a table as spreadsheets and cameras write it. Values stand between commas, semicolons, tabs or blanks, perhaps

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "scene/calibrated_rod.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/interrupt.hpp"
@@ -68,9 +69,11 @@ decltype(auto) Session::located(const std::string& path, Make&& make) const {
 }
 
 Document read_document(const SceneArguments& arguments) {
-  if (!arguments.text) return Document::read(arguments.scene);
-  require_text(*arguments.text, arguments.scene);
-  return Document::parse(*arguments.text, arguments.scene.string());
+  if (arguments.text) require_text(*arguments.text, arguments.scene);
+  Document document =
+      arguments.text ? Document::parse(*arguments.text, arguments.scene.string()) : Document::read(arguments.scene);
+  document.include();
+  return document;
 }
 
 Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Units>()) {
@@ -166,6 +169,18 @@ Estimate Session::estimate() {
   Estimate estimate = located("", [&] { return tendril::estimate(scene_, control); });
   estimate.left_out.insert(estimate.left_out.end(), dropped_.begin(), dropped_.end());
   return estimate;
+}
+
+Calibration Session::calibrate() {
+  const CalibrationSpec spec = read_calibration(document_, *units_, scene_);
+  const auto guard = guarded();
+  PlanControl control;
+  control.stop = &stop();
+  return located("", [&] { return tendril::calibrate(scene_, spec, control); });
+}
+
+std::string Session::calibrated_rod(const Calibration& calibration) const {
+  return app::calibrated_rod(document_, *units_, calibration);
 }
 
 Plan Session::plan(const std::optional<Plan>& start) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "nlp/levenberg.hpp"
 #include "rod/quadrature.hpp"
 
 namespace tendril {
@@ -116,55 +117,39 @@ ShapeFit fit_shape(const LoadedRod& rod, const MeasuredShape& measured, const Lo
   fit = judged(rod, measured, start);
   const int contacts = fit.contacts();
   fit.converged = contacts == 0;
-  double damping = 1e-3;
-  for (int step_count = 0; !fit.converged && step_count < most_steps && !deadline.over(); ++step_count) {
-    const PlaceStep wanted = place_step(fit);
-    const double error = std::sqrt(measured.variance(fit.sum, contacts));
-    if (wanted.remaining <= std::max(accuracy * error, step_floor)) {
-      fit.converged = true;
-      break;
+  if (fit.converged) return fit;
+  PlaceStep wanted;
+  double error = 0.0;
+  const auto here = [&](NormalEquations& at) {
+    wanted = place_step(fit);
+    error = std::sqrt(measured.variance(fit.sum, contacts));
+    at = {wanted.normal, wanted.gradient};
+    return wanted.remaining <= std::max(accuracy * error, step_floor);
+  };
+  const auto attempt = [&](const Eigen::VectorXd& shift) {
+    if (!(shift.lpNorm<Eigen::Infinity>() <= longest_shift)) return StepTried::too_long;
+    std::vector<NormalForce> moved = fit.shape.forces;
+    for (std::size_t k = 0; k < moved.size(); ++k) moved[k].arc_length += shift[static_cast<Eigen::Index>(k)];
+    keep_order(moved);
+    set_best_forces(rod, measured, fit, moved);
+    // The predictor lets Newton start from where the shape will be.
+    LoadedRod::Shape guess = fit.shape;
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(2 * k);
+      guess.coordinates +=
+          (moved[k].force - fit.shape.forces[k].force) * fit.response.coordinate_rates.col(i) +
+          (moved[k].arc_length - fit.shape.forces[k].arc_length) * fit.response.coordinate_rates.col(i + 1);
     }
-    // A place without a force moves nothing; it must not become singular either.
-    const Eigen::VectorXd weights = wanted.normal.diagonal().cwiseMax(1e-12);
-    bool accepted = false;
-    while (!accepted && damping < 1e12 && !deadline.over()) {
-      Eigen::MatrixXd damped = wanted.normal;
-      damped.diagonal() += damping * weights;
-      const Eigen::VectorXd shift = -Eigen::LDLT<Eigen::MatrixXd>(damped).solve(wanted.gradient);
-      if (!(shift.lpNorm<Eigen::Infinity>() <= longest_shift)) {
-        damping = std::max(1e-9, 4.0 * damping);
-        continue;
-      }
-      std::vector<NormalForce> moved = fit.shape.forces;
-      for (std::size_t k = 0; k < moved.size(); ++k) moved[k].arc_length += shift[static_cast<Eigen::Index>(k)];
-      keep_order(moved);
-      set_best_forces(rod, measured, fit, moved);
-      // The predictor lets Newton start from where the shape will be.
-      LoadedRod::Shape guess = fit.shape;
-      for (std::size_t k = 0; k < moved.size(); ++k) {
-        const auto i = static_cast<Eigen::Index>(2 * k);
-        guess.coordinates +=
-            (moved[k].force - fit.shape.forces[k].force) * fit.response.coordinate_rates.col(i) +
-            (moved[k].arc_length - fit.shape.forces[k].arc_length) * fit.response.coordinate_rates.col(i + 1);
-      }
-      const LoadedRod::Shape next = rod.solve(moved, guess);
-      if (next.converged) {
-        ShapeFit trial = judged(rod, measured, next);
-        if (trial.sum < fit.sum) {
-          fit = std::move(trial);
-          accepted = true;
-          damping = damping < 1e-9 ? 0.0 : 0.1 * damping;
-          continue;
-        }
-      }
-      damping = std::max(1e-9, 10.0 * damping);
-    }
-    if (!accepted) {
-      // No step helps any more: rounding, if what remains is far below the errors.
-      fit.converged = wanted.remaining <= 1e-3 * error;
-      break;
-    }
-  }
+    const LoadedRod::Shape next = rod.solve(moved, guess);
+    if (!next.converged) return StepTried::worse;
+    ShapeFit trial = judged(rod, measured, next);
+    if (!(trial.sum < fit.sum)) return StepTried::worse;
+    fit = std::move(trial);
+    return StepTried::moved;
+  };
+  const FitEnd end = levenberg(most_steps, here, attempt, [&] { return deadline.over(); });
+  // Where no step helps any more that is rounding, if what remains is far below the errors.
+  fit.converged = end == FitEnd::converged || (end == FitEnd::stuck && wanted.remaining <= 1e-3 * error);
   return fit;
 }
 

@@ -38,10 +38,16 @@ struct ViewArguments {
   std::vector<std::filesystem::path> plugin_directories;
 };
 
+struct CalibrateArguments {
+  SceneArguments scene;
+  ResultPlaces places;
+};
+
 /// Each runs one command and returns its exit code: 0 solved, 1 no acceptable plan. What a user can repair is thrown as
 /// InputError. Results go to standard output, notes to standard error.
 int run_plan(const PlanArguments& arguments);
 int run_execute(const ExecuteArguments& arguments);
+int run_calibrate(const CalibrateArguments& arguments);
 int run_describe(const SceneArguments& arguments, bool json);
 int run_view(const ViewArguments& arguments);
 int run_plugins(const std::vector<std::filesystem::path>& plugin_directories, bool json);

@@ -36,6 +36,9 @@ struct Node::Entry {
   Node node;
 };
 
+/// Positions in an included file have lines above this one.
+inline constexpr int included_lines = 1'000'000;
+
 /// A setting from the command line: `key` as in `contact.max_force` or `rod.actuator.0.limit`, `text` as in `0.5 N`.
 struct Override {
   std::string argument;  ///< how the user wrote it, for messages
@@ -55,6 +58,9 @@ class Document {
   /// Parses text; `file` names it in messages.
   static Document parse(const std::string& text, std::string file);
 
+  /// Puts in what the file named by the key 'include' says and this one does not, and takes the key away. Throws
+  /// InputError, also where that file includes another one.
+  void include();
   /// Puts in settings, in order; tables that are missing are made. Throws InputError.
   void apply(const std::vector<Override>& overrides);
 
@@ -72,6 +78,7 @@ class Document {
   std::string file_;
   Node root_;
   std::vector<std::string> arguments_;
+  std::string included_;  ///< a file; lines of it count from `included_lines` on
 };
 
 /// "a table", "the number 3", "\"60 mm\"", ...: what was found, for messages.
@@ -80,6 +87,8 @@ std::string describe_value(const Node& node);
 /// A document as TOML: its keys in their order, tables below their keys, every comment gone. Throws InputError where it
 /// holds a date or a time, which no key takes.
 std::string text_of(const Document& document);
+/// The same of one of its tables, headers and all; empty: it has no such table.
+std::string text_of(const Document& document, const std::string& table);
 
 /// The node as an option of a component. Throws through `document` where it holds a table.
 RawValue to_raw_value(const Document& document, const Node& node);

@@ -8,6 +8,7 @@
 #include "tendril/app/document.hpp"
 #include "tendril/app/study.hpp"
 #include "tendril/app/units.hpp"
+#include "tendril/calibrate.hpp"
 #include "tendril/scene.hpp"
 
 namespace tendril::app {
@@ -54,5 +55,9 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units);
 
 /// The sweeps that a scene declares in [study]. Throws InputError where read_scene() does, and if there are none.
 StudySpec read_study(const Document& document, const Units& units);
+
+/// What a scene declares in [calibrate], its files read. Columns that are not read are told in the left_out of `scene`,
+/// which is that of the document. Throws InputError where read_scene() does, and if there is none.
+CalibrationSpec read_calibration(const Document& document, const Units& units, Scene& scene);
 
 }  // namespace tendril::app

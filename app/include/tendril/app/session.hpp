@@ -13,6 +13,7 @@
 #include "tendril/app/scene_reader.hpp"
 #include "tendril/app/study.hpp"
 #include "tendril/app/units.hpp"
+#include "tendril/calibrate.hpp"
 #include "tendril/estimate.hpp"
 #include "tendril/execute.hpp"
 #include "tendril/plugins/components.hpp"
@@ -52,6 +53,10 @@ class Session {
   Description describe();
   /// Estimates contacts until the time limit. No plugin is opened.
   Estimate estimate();
+  /// Calibrates the rod by the shapes that the scene names, until the time limit. No plugin is opened.
+  Calibration calibrate();
+  /// The scene's [rod] as calibrated, as TOML.
+  std::string calibrated_rod(const Calibration& calibration) const;
   /// Plans until a certified plan or the time limit, from an earlier result or from the scene's start. Options of the
   /// scene that were dropped are added to the plan's left_out.
   Plan plan(const std::optional<Plan>& start);

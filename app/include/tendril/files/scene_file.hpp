@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "tendril/calibrate.hpp"
 #include "tendril/estimate.hpp"
 #include "tendril/execute.hpp"
 #include "tendril/export.hpp"
@@ -102,12 +103,15 @@ class TENDRIL_API SceneFile {
   /// The same under the moments of an earlier result: of a plan, or of each step of a trajectory in turn.
   std::variant<Execution, Trajectory> execute(const ResultText& earlier, const Run& run = {});
 
+  /// `tendril calibrate`.
+  Calibration calibrate(const Run& run = {});
   /// The document of docs/results.md, schema 1, as the command writes it; ends in a line feed.
   std::string json(const Plan& plan) const;
   std::string json(const Execution& execution) const;      ///< Likewise.
   std::string json(const Trajectory& trajectory) const;    ///< Likewise.
   std::string json(const Estimate& estimate) const;        ///< Likewise.
   std::string json(const Description& description) const;  ///< Likewise.
+  std::string json(const Calibration& calibration) const;  ///< Likewise.
   /// The plan in such a document, as a start for this scene: shape, moments and contacts. Throws Error if it belongs to
   /// another rod.
   Plan read_plan(const ResultText& result) const;
