@@ -416,9 +416,10 @@ int parse_and_run(int argc, const char* const* argv) {
   app.set_version_flag("--version", TENDRIL_VERSION);
   app.get_formatter()->column_width(34);
   const std::vector<Command> commands{
-      plan_command(app),     execute_command(app), study_command(app, {argv + std::min(argc, 1), argv + argc}),
-      calibrate_command(app), describe_command(app), live_command(app),    view_command(app),
-      plugins_command(app),  new_command(app),     reference_command(app)};
+      plan_command(app),      execute_command(app),  study_command(app, {argv + std::min(argc, 1), argv + argc}),
+      calibrate_command(app), describe_command(app), live_command(app),
+      view_command(app),      plugins_command(app),  new_command(app),
+      reference_command(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
