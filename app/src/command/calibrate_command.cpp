@@ -82,7 +82,7 @@ int run_calibrate(Session& session, const ResultPlaces& places) {
     files.write("rod.toml", session.calibrated_rod(calibration));
     files.publish();
   }
-  give_result(places, forms);
+  give_result(places, forms, session);
   return calibration.status == CalibrationStatus::solved ? 0 : 1;
 }
 
