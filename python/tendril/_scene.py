@@ -212,7 +212,7 @@ class Scene:
         values = given[kind] if told else ()
         lists = values.split(";") if isinstance(values, str) else list(_entries(values, kind))
         told_values = values if isinstance(values, str) else lists
-        nested = any(hasattr(entry, "__iter__") and not isinstance(entry, str) for entry in lists)
+        nested = any(is_list(entry) for entry in lists)
         if nested or (isinstance(values, str) and len(lists) > 1):
             text = "; ".join(_inputs_text(entry, f"{kind}[{i}]") for i, entry in enumerate(lists))
             return Trajectory.from_json(scene.execute(kind, text, _json_of(start, "start"), True))

@@ -17,16 +17,6 @@ namespace {
 constexpr double exact = 1e-8;     // of L; what the forward problem promises
 constexpr double forceful = 1e-6;  // of the force; likewise
 
-ForwardScene braced_arm() {
-  ForwardScene s;
-  s.scene.rod.segments = {{0.1, 4.9e-4, 0.084, 0.0}};
-  s.scene.rod.actuators[0].to = 0.1;
-  s.scene.gravity = Vec2{0.0, -9.81};
-  s.circle(0.6, 0.0, 0.08);
-  s.scene.start_tip_angle = 0.5;
-  return s;
-}
-
 TEST(ExecuteContact, BracedArmTable) {
   const ReferenceTable table("braced_arm");
   for (std::size_t row = 0; row < table.rows(); ++row) {

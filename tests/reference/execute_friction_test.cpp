@@ -13,16 +13,6 @@
 namespace tendril::support {
 namespace {
 
-ForwardScene braced_arm() {
-  ForwardScene s;
-  s.scene.rod.segments = {{0.1, 4.9e-4, 0.084, 0.0}};
-  s.scene.rod.actuators[0].to = 0.1;
-  s.scene.gravity = Vec2{0.0, -9.81};
-  s.circle(0.6, 0.0, 0.08);
-  s.scene.start_tip_angle = 0.5;
-  return s;
-}
-
 Execution rubbed(const ForwardScene& s, const Plan& start, const std::vector<double>& ratios) {
   ExecuteControl control;
   control.start = &start;
@@ -105,6 +95,16 @@ TEST(ExecuteFriction, OnAThickRodItActsOnTheSurface) {
   ASSERT_EQ(thin.result.status, PlanStatus::solved) << thin.result.message;
   const double bend = 4e-3 * thick.result.contacts.at(0).tangential / 4.9e-4 * 0.05;
   EXPECT_GT(std::abs(thick.result.tip_angle - thin.result.tip_angle), 0.1 * std::abs(bend));
+}
+
+TEST(ExecuteFriction, OfTheSceneIsToldWhereItIsLeftOut) {
+  ForwardScene s = braced_arm();
+  EXPECT_TRUE(s.run({1e-3}).result.left_out.empty());
+  s.scene.contact.friction = 0.3;
+  const Execution without = s.run({1e-3});
+  ASSERT_EQ(without.result.left_out.size(), 1U);
+  EXPECT_EQ(without.result.left_out[0].what, "friction");
+  EXPECT_TRUE(rubbed(s, without.result, {0.3}).result.left_out.empty());
 }
 
 TEST(ExecuteFriction, RefusesRatiosOfOtherObstacles) {

@@ -46,6 +46,16 @@ std::function<double(double)> angle_of(const Plan& plan) {
   };
 }
 
+ForwardScene braced_arm() {
+  ForwardScene s;
+  s.scene.rod.segments = {{0.1, 4.9e-4, 0.084, 0.0}};
+  s.scene.rod.actuators[0].to = 0.1;
+  s.scene.gravity = Vec2{0.0, -9.81};
+  s.circle(0.6, 0.0, 0.08);
+  s.scene.start_tip_angle = 0.5;
+  return s;
+}
+
 ForwardScene upright(double weight) {
   ForwardScene s;
   s.weight(weight);

@@ -25,6 +25,9 @@ struct ForwardScene {
 /// The executed backbone angle, between its samples: a start for other methods.
 std::function<double(double)> angle_of(const Plan& plan);
 
+/// The arm of data/braced_arm.csv, on top of its circle.
+ForwardScene braced_arm();
+
 /// A rod clamped upright with a weight and one actuator.
 ForwardScene upright(double weight);
 

@@ -124,7 +124,7 @@ struct ObstacleSpec {
   std::optional<double> friction{};
 };
 
-/// What becomes of the unknown state of friction (docs/model.md section 13).
+/// What becomes of the unknown state of friction (docs/model.md section 11).
 enum class FrictionState {
   range,  ///< planned without, then followed over the cone of every contact
   none    ///< left out

@@ -62,6 +62,8 @@ class Executor {
   void report_shape(const PoseProgram& program, const Eigen::VectorXd& coordinates, Execution& out);
   void report(const Loading::Lying& lying, const LoadPath& path, Execution& out);
   Snap to_si(TrackedSnap& snap, const LoadPath& path) const;
+  /// Friction that the scene has and this path does not.
+  void tell_friction(Plan& plan) const;
   /// Moments that are held beyond their limits: told, not refused.
   void tell_limits(Plan& plan) const;
 
@@ -129,11 +131,21 @@ Execution Executor::run() {
     message = inside + (message.empty() ? ", which takes its place as the loads grow" : ": " + message);
   }
   tell_limits(out.result);
+  tell_friction(out.result);
   out.result.start_backbone = control_.start != nullptr
                                   ? control_.start->backbone
                                   : outline(constant_curvature(scene_.start_tip_angle), rod_, scale_.length);
   out.result.seconds_solve = now() - begin - out.result.seconds_certify;
   return out;
+}
+
+void Executor::tell_friction(Plan& plan) const {
+  if (!control_.friction.empty()) return;
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    if (!(friction_of(scene_, o) > 0.0)) continue;
+    plan.left_out.push_back({"friction", "sticking and slipping are not followed: contacts push along their normals"});
+    return;
+  }
 }
 
 void Executor::tell_limits(Plan& plan) const {

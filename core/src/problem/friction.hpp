@@ -8,7 +8,7 @@ namespace tendril {
 
 struct Task;
 
-/// What the unknown state of friction can do to a solved plan at its moments (model.md section 13, "range"): fills
+/// What the unknown state of friction can do to a solved plan at its moments (model.md section 11, "range"): fills
 /// Plan::friction where obstacles that the plan touches have friction. Every corner of the cones of its contacts is
 /// followed to from the state without friction; where one is not reached the plan is solved no longer.
 void find_friction_range(const Task& task, Plan& plan, const std::atomic<bool>* stop);

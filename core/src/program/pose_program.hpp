@@ -47,7 +47,7 @@ struct Loads {
   std::vector<double> shrink{};  ///< of each obstacle: its surface lies this much farther inward (units of L)
   double dead = 1.0;             ///< share of Rod::loads
   /// Of each obstacle: the tangential part of its contact forces, along the rod, for each unit of the normal part
-  /// (w of model.md section 13). Empty: there is none.
+  /// (w of model.md section 11). Empty: there is none.
   std::vector<double> friction{};
 };
 

@@ -14,7 +14,7 @@ namespace tendril {
 /// smallest eigenvalue against the bending energy, and how that changes with the plan. Nothing allocates after the
 /// first evaluation with one number of pressing contacts. Where contacts slip, which push otherwise than along their
 /// normals, there is no energy: the margin is the smallest real part of the eigenvalues of a pencil that is not
-/// symmetric (model.md section 13), and has no gradient here.
+/// symmetric (model.md section 11), and has no gradient here.
 class Stability {
  public:
   /// For programs on the chain of `program`, with its variables.
