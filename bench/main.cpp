@@ -219,12 +219,16 @@ CLI::App* add_solvers(CLI::App& program, Arguments& arguments) {
   return command;
 }
 
+void add_only(CLI::App* command, Arguments& arguments) {
+  command->add_option("--only", arguments.extent.only, "Of the extreme cases: those whose group or name holds this");
+}
+
 CLI::App* add_part(CLI::App& program, Arguments& arguments, const bench::Part& part) {
   CLI::App* command = add_command(program, arguments, part.name, part.description);
   if (std::string_view(part.name) == "extremes") {
     command->add_option("--held-out", arguments.extent.held_out,
                         "Seed of other numbers, each up to a tenth from those of the table");
-    command->add_option("--only", arguments.extent.only, "Cases whose group or name holds this");
+    add_only(command, arguments);
   }
   return command;
 }
@@ -261,6 +265,7 @@ void add_report(CLI::App& program, Arguments& arguments) {
                       "Scene files (TOML) to put to the solvers, too, each with its own target");
   command->add_option("--against", arguments.against, "Directory of another report to compare with");
   command->add_option("--seed", arguments.extent.seed, "Seed of the random starts");
+  add_only(command, arguments);
 }
 
 int run(int argc, char** argv) {
