@@ -11,7 +11,7 @@ RUNS = [
     ("plan", "grasp_60mm.toml", "--verify"),
     ("plan", "grasp_unequal.toml", "--verify"),
     ("plan", "trajectory.toml", "--verify"),
-    ("plan", "estimate.toml"),
+    ("plan", "estimate.toml", "--set", "contact.friction=0.3"),
     ("calibrate", "calibrate.toml"),
     ("plan", "clutter.toml", "--set", "solver.time_limit=0.1"),
     ("execute", "snap_through.toml", "--moments", "-0.05"),

@@ -25,6 +25,15 @@ Json contact_json(const EstimatedContact& contact) {
   json["force_error"] = number(contact.force_error);
   json["arc_length_error"] = number(contact.arc_length_error);
   json["correlation"] = number(contact.correlation);
+  if (const std::optional<EstimatedFriction>& f = contact.friction) {
+    json["tangential_force"] = value(contact.tangential_force);
+    const auto interval = [](Interval i) { return numbers({i.low, i.high}); };
+    json["friction_range"] = {{"ratio", interval(f->ratio)},
+                              {"force", interval(f->force)},
+                              {"tangential_force", interval(f->tangential_force)},
+                              {"arc_length", interval(f->arc_length)},
+                              {"whole", f->whole}};
+  }
   json["at_tip"] = contact.at_tip;
   json["identifiable"] = known;
   json["reason"] = contact.reason;
@@ -64,6 +73,27 @@ std::string contacts_text(const Estimate& estimate, const DisplayUnits& units) {
   return '\n' + grid.text("") + reasons;
 }
 
+/// What friction can have to do with it, whatever its state.
+std::string friction_text(const Estimate& estimate, const DisplayUnits& units) {
+  Grid grid;
+  grid.row({"contact", "tangential / normal", "force", "tangential force", "arc length"});
+  const auto interval = [](Interval i, const auto& text) { return text(i.low) + " to " + text(i.high); };
+  const auto forces = [](double v) { return force(v); };
+  const auto ratios = [](double v) { return shown(v, 3); };
+  const auto lengths = [&](double v) { return units.lengths(v); };
+  std::string cut;
+  for (std::size_t k = 0; k < estimate.contacts.size(); ++k) {
+    const std::optional<EstimatedFriction>& f = estimate.contacts[k].friction;
+    if (!f) return "";
+    grid.row({std::to_string(k + 1), interval(f->ratio, ratios), interval(f->force, forces),
+              interval(f->tangential_force, forces), interval(f->arc_length, lengths)});
+    if (!f->whole) cut = "not every state within the cone was fitted\n";
+  }
+  return estimate.contacts.empty()
+             ? ""
+             : "\nwhatever friction does, each at its best fit (noise comes on top)\n" + grid.text("") + cut;
+}
+
 std::string tests_text(const std::vector<ContactTest>& tests) {
   if (tests.empty()) return "";
   Grid grid;
@@ -85,6 +115,7 @@ std::string estimate_json(const Scene& scene, const Estimate& estimate, const Ru
   json["schema"] = 1;
   json["status"] = to_string(estimate.status);
   json["message"] = estimate.message;
+  if (!estimate.assumed.empty()) json["assumed"] = estimate.assumed;
   json["scene"] = scene.file;
   json["title"] = scene.title;
   json["problem"] = to_string(scene.problem);
@@ -139,7 +170,8 @@ std::string estimate_report(const Scene& scene, const Estimate& estimate) {
                     estimate.noise_estimated ? "" : fmt::format(", probability {:.2g}", estimate.fit_probability)));
     text += line("model", fmt::format("order {} per piece, points exact to {}", estimate.order,
                                       units.lengths(estimate.model_error)));
-    text += contacts_text(estimate, units);
+    if (!estimate.assumed.empty()) text += line("assumed", estimate.assumed);
+    text += contacts_text(estimate, units) + friction_text(estimate, units);
   }
   text += tests_text(estimate.tests);
   return text + left_out_text(estimate.left_out) +

@@ -22,10 +22,25 @@ enum class EstimateStatus {
 };
 TENDRIL_API std::string_view to_string(EstimateStatus status);  ///< The status as results write it.
 
+/// From the lowest to the highest value.
+struct Interval {
+  double low = 0.0, high = 0.0;
+};
+
+/// What a contact may be, whatever the state of its friction, at the best fit of each: noise comes on top. SI units.
+struct EstimatedFriction {
+  Interval ratio;  ///< of tangential to normal force, as far as the points allow it
+  Interval force;
+  Interval tangential_force;
+  Interval arc_length;
+  bool whole = true;  ///< every state of the cone was fitted; else fits ended inside it
+};
+
 /// A contact seen through the rod's shape alone. SI units; errors are standard deviations.
 struct EstimatedContact {
   double arc_length = 0.0;        ///< m
   double force = 0.0;             ///< N, >= 0, along `normal`
+  double tangential_force = 0.0;  ///< N, along the rod towards its tip; not 0 only where points show friction
   Vec2 point{};                   ///< m
   Vec2 normal{};                  ///< the backbone's normal on the side to which the force pushes
   double force_error = 0.0;       ///< N
@@ -34,6 +49,7 @@ struct EstimatedContact {
   bool at_tip = false;        ///< the fit ends at the tip, where the force may have another direction than the normal
   bool identifiable = false;  ///< else the values above must not be used
   std::string reason{};       ///< why it is not
+  std::optional<EstimatedFriction> friction{};  ///< where the scene states a coefficient
 };
 
 /// Whether the points need one contact more.
@@ -50,6 +66,7 @@ struct ContactTest {
 struct Estimate {
   EstimateStatus status = EstimateStatus::not_converged;  ///< how it ended
   std::string message;                                    ///< why it is not solved
+  std::string assumed;                                    ///< about the contacts' friction, in a line
   std::vector<double> moments;                            ///< N m, the known ones
   std::vector<EstimatedContact> contacts;                 ///< in ascending order of arc length
   /// Of force and arc length of each contact in turn, in N and m.

@@ -54,29 +54,36 @@ ShapeFit judged(const LoadedRod& rod, const MeasuredShape& measured, LoadedRod::
   return fit;
 }
 
-/// What a step in the places asks for: how the points move with each place when every force follows at its best.
+/// What a step in the places, and in leans that are free, asks for: how the points move with each of them when every
+/// force follows at its best.
 struct PlaceStep {
   Eigen::MatrixXd normal;
   Eigen::VectorXd gradient;
   double remaining = 0.0;  ///< norm of what a full step would move the points by
 };
 
-PlaceStep place_step(const ShapeFit& fit) {
+/// `by_lean`: how the points move with the leans within plus and minus `friction`; no columns: they stay.
+PlaceStep place_step(const ShapeFit& fit, const Eigen::MatrixXd& by_lean, double friction) {
   const Eigen::Index contacts = fit.contacts();
   Eigen::MatrixXd by_force(fit.residual.size(), contacts);
-  Eigen::MatrixXd by_place(fit.residual.size(), contacts);
+  Eigen::MatrixXd by_place(fit.residual.size(), contacts + by_lean.cols());
   for (Eigen::Index k = 0; k < contacts; ++k) {
     by_force.col(k) = fit.response.rates.col(2 * k);
     by_place.col(k) = fit.response.rates.col(2 * k + 1);
   }
+  by_place.rightCols(by_lean.cols()) = by_lean;
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(by_force);
   const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(by_force.rows(), contacts);
   const Eigen::VectorXd explained = q.transpose() * fit.residual;
   by_place -= q * (q.transpose() * by_place);
   PlaceStep out{by_place.transpose() * by_place, by_place.transpose() * fit.residual};
-  for (std::size_t k = 0; k < fit.shape.forces.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    if (!blocked(fit.shape.forces, k, -out.gradient[i])) continue;
+  for (Eigen::Index i = 0; i < out.gradient.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i % contacts);
+    const double direction = -out.gradient[i];
+    const bool held =
+        i < contacts ? blocked(fit.shape.forces, k, direction)
+                     : direction * fit.shape.forces[k].lean > 0.0 && std::abs(fit.shape.forces[k].lean) >= friction;
+    if (!held) continue;
     out.normal.row(i).setZero();
     out.normal.col(i).setZero();
     out.normal(i, i) = 1.0;
@@ -91,9 +98,8 @@ PlaceStep place_step(const ShapeFit& fit) {
 void set_best_forces(const LoadedRod& rod, const MeasuredShape& measured, const ShapeFit& fit,
                      std::vector<NormalForce>& forces) {
   const auto contacts = static_cast<Eigen::Index>(forces.size());
-  std::vector<double> places;
-  for (const NormalForce& f : fit.shape.forces) places.push_back(f.arc_length);
-  for (const NormalForce& f : forces) places.push_back(f.arc_length);
+  std::vector<NormalForce> places = fit.shape.forces;
+  places.insert(places.end(), forces.begin(), forces.end());
   // Columns between knots are less exact than those at them; their differences vanish as the steps do.
   const Eigen::MatrixXd influence = rod.influence(fit.shape, measured.arc_lengths, places);
   Eigen::MatrixXd columns = influence.rightCols(contacts) - influence.leftCols(contacts);
@@ -109,7 +115,7 @@ void set_best_forces(const LoadedRod& rod, const MeasuredShape& measured, const 
 }  // namespace
 
 ShapeFit fit_shape(const LoadedRod& rod, const MeasuredShape& measured, const LoadedRod::Shape& start, double accuracy,
-                   int most_steps, const Deadline& deadline) {
+                   int most_steps, const Deadline& deadline, double friction) {
   ShapeFit fit;
   fit.shape = start;
   fit.sum = infinity;
@@ -121,7 +127,9 @@ ShapeFit fit_shape(const LoadedRod& rod, const MeasuredShape& measured, const Lo
   PlaceStep wanted;
   double error = 0.0;
   const auto here = [&](NormalEquations& at) {
-    wanted = place_step(fit);
+    const Eigen::MatrixXd by_lean =
+        friction > 0.0 ? rod.lean_rates(fit.shape, measured.arc_lengths) : Eigen::MatrixXd(fit.residual.size(), 0);
+    wanted = place_step(fit, by_lean, friction);
     error = std::sqrt(measured.variance(fit.sum, contacts));
     at = {wanted.normal, wanted.gradient};
     return wanted.remaining <= std::max(accuracy * error, step_floor);
@@ -129,7 +137,11 @@ ShapeFit fit_shape(const LoadedRod& rod, const MeasuredShape& measured, const Lo
   const auto attempt = [&](const Eigen::VectorXd& shift) {
     if (!(shift.lpNorm<Eigen::Infinity>() <= longest_shift)) return StepTried::too_long;
     std::vector<NormalForce> moved = fit.shape.forces;
-    for (std::size_t k = 0; k < moved.size(); ++k) moved[k].arc_length += shift[static_cast<Eigen::Index>(k)];
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      moved[k].arc_length += shift[i];
+      if (friction > 0.0) moved[k].lean = std::clamp(moved[k].lean + shift[contacts + i], -friction, friction);
+    }
     keep_order(moved);
     set_best_forces(rod, measured, fit, moved);
     // The predictor lets Newton start from where the shape will be.
@@ -221,9 +233,9 @@ LoadedRod::Curvature measured_curvature(const Rod& rod, const MeasuredShape& mea
   };
 }
 
-std::vector<double> spread_places(int count) {
-  std::vector<double> places(static_cast<std::size_t>(count));
-  for (std::size_t i = 0; i < places.size(); ++i) places[i] = (static_cast<double>(i) + 0.5) / count;
+std::vector<NormalForce> spread_places(int count) {
+  std::vector<NormalForce> places(static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < places.size(); ++i) places[i].arc_length = (static_cast<double>(i) + 0.5) / count;
   return places;
 }
 
@@ -242,7 +254,7 @@ void keep_best(std::vector<Candidate>& candidates, std::size_t count) {
 
 /// Places at which one force along a column explains more of `target` than at the neighbouring places.
 std::vector<Candidate> single_candidates(const Eigen::VectorXd& target, const Eigen::MatrixXd& columns,
-                                         const std::vector<double>& places) {
+                                         const std::vector<NormalForce>& places) {
   const Eigen::Index n = columns.cols();
   Eigen::VectorXd force(n);
   Eigen::VectorXd improvement(n);
@@ -255,14 +267,14 @@ std::vector<Candidate> single_candidates(const Eigen::VectorXd& target, const Ei
   for (Eigen::Index i = 0; i < n; ++i) {
     const bool top =
         (i == 0 || improvement[i] >= improvement[i - 1]) && (i + 1 == n || improvement[i] > improvement[i + 1]);
-    if (top) out.push_back({{{force[i], places[static_cast<std::size_t>(i)]}}, improvement[i]});
+    if (top) out.push_back({{{force[i], places[static_cast<std::size_t>(i)].arc_length}}, improvement[i]});
   }
   return out;
 }
 
 /// The same for two forces at a time.
 std::vector<Candidate> pair_candidates(const Eigen::VectorXd& target, const Eigen::MatrixXd& columns,
-                                       const std::vector<double>& places) {
+                                       const std::vector<NormalForce>& places) {
   const Eigen::Index n = columns.cols();
   const Eigen::MatrixXd gram = columns.transpose() * columns;
   const Eigen::VectorXd right = columns.transpose() * target;
@@ -293,7 +305,8 @@ std::vector<Candidate> pair_candidates(const Eigen::VectorXd& target, const Eige
       }
       if (!top) continue;
       const Eigen::Vector2d& f = force[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)];
-      out.push_back({{{f[0], places[static_cast<std::size_t>(i)]}, {f[1], places[static_cast<std::size_t>(k)]}},
+      out.push_back({{{f[0], places[static_cast<std::size_t>(i)].arc_length},
+                      {f[1], places[static_cast<std::size_t>(k)].arc_length}},
                      improvement(i, k)});
     }
   }
@@ -301,7 +314,7 @@ std::vector<Candidate> pair_candidates(const Eigen::VectorXd& target, const Eige
 }
 
 std::vector<Candidate> candidates(int contacts, const Eigen::VectorXd& target, const Eigen::MatrixXd& columns,
-                                  const std::vector<double>& places, std::size_t count) {
+                                  const std::vector<NormalForce>& places, std::size_t count) {
   std::vector<Candidate> all =
       contacts == 1 ? single_candidates(target, columns, places) : pair_candidates(target, columns, places);
   keep_best(all, count);
@@ -312,7 +325,7 @@ std::vector<Candidate> candidates(int contacts, const Eigen::VectorXd& target, c
 
 std::vector<ShapeFit> search(const LoadedRod& rod, const MeasuredShape& measured, const LoadedRod::Curvature& curvature,
                              int contacts, const ShapeFit& fewer, const Deadline& deadline, int& starts) {
-  const std::vector<double> places = spread_places(contacts == 1 ? 40 : 24);
+  const std::vector<NormalForce> places = spread_places(contacts == 1 ? 40 : 24);
   std::vector<ShapeFit> found;
   const auto try_from = [&](const LoadedRod::Shape& start) {
     ++starts;

@@ -38,9 +38,10 @@ inline constexpr double final_accuracy = 1e-6;
 
 /// Levenberg and Marquardt's method over the places of the contacts, from `start`. In each step the forces, which act
 /// almost linearly, follow at their best (variable projection): contacts close together would else form a long curved
-/// valley. The shape follows by the implicit function theorem.
+/// valley. The shape follows by the implicit function theorem. Leans stay as they are, or are fitted, too, within plus
+/// and minus `friction`.
 ShapeFit fit_shape(const LoadedRod& rod, const MeasuredShape& measured, const LoadedRod::Shape& start, double accuracy,
-                   int most_steps, const Deadline& deadline);
+                   int most_steps, const Deadline& deadline, double friction = 0.0);
 
 /// The backbone's curvature as the measured points show it: a smooth polynomial through the directions of chords. Good
 /// enough to start from.
@@ -55,6 +56,6 @@ std::vector<ShapeFit> search(const LoadedRod& rod, const MeasuredShape& measured
                              int contacts, const ShapeFit& fewer, const Deadline& deadline, int& starts);
 
 /// Arc lengths spread over the rod, none at its ends.
-std::vector<double> spread_places(int count);
+std::vector<NormalForce> spread_places(int count);
 
 }  // namespace tendril

@@ -52,11 +52,18 @@ class LoadedRod::Pieces {
 
   void move(std::span<const NormalForce> forces, ConstVectorRef coordinates) {
     x_.head(coordinates.size()) = coordinates;
+    bool leans = false;
     for (int k = 0; k < force_count(); ++k) {
       const NormalForce& f = forces[static_cast<std::size_t>(k)];
       x_[program_.arc_length_variable(k)] = f.arc_length;
       x_[program_.force_variable(k)] = f.force;
+      leans = leans || f.lean != 0.0;
     }
+    if (!leans && program_.loads().lean.empty()) return;
+    Loads loads = program_.loads();
+    loads.lean.clear();
+    for (const NormalForce& f : forces) loads.lean.push_back(f.lean);
+    program_.set_loads(loads);
   }
   int force_count() const { return program_.layout().forces; }
 
@@ -86,6 +93,13 @@ class LoadedRod::Pieces {
     out.first.setZero(equations_.size());
     out.second.setZero(force_count());
     places_->row(place, n, {out.first.data(), out.second.data()});
+    return out;
+  }
+  /// Of its angle, by the coordinates.
+  Eigen::RowVectorXd angle_row(int place) const {
+    Eigen::RowVectorXd out = Eigen::RowVectorXd::Zero(equations_.size());
+    Eigen::RowVectorXd along = Eigen::RowVectorXd::Zero(force_count());
+    places_->angle_row(place, {out.data(), along.data()});
     return out;
   }
 
@@ -225,19 +239,26 @@ LoadedRod::Response LoadedRod::response(const Shape& shape, std::span<const doub
   return out;
 }
 
-Eigen::MatrixXd LoadedRod::unit_forces(Pieces& p, std::span<const double> places) {
-  const Places& at = p.at(places);
+Eigen::MatrixXd LoadedRod::unit_forces(Pieces& p, std::span<const NormalForce> places, double normal) {
+  std::vector<double> arc_lengths;
+  arc_lengths.reserve(places.size());
+  for (const NormalForce& f : places) arc_lengths.push_back(f.arc_length);
+  const Places& at = p.at(arc_lengths);
   Eigen::MatrixXd columns(p.chain().coordinate_count(), at.count());
-  for (int i = 0; i < at.count(); ++i) columns.col(i) = p.row(i, turned(at.tangent(i))).first.transpose();
+  for (int i = 0; i < at.count(); ++i) {
+    const NormalForce& f = places[static_cast<std::size_t>(i)];
+    const Vec2 t = at.tangent(i);
+    columns.col(i) = p.row(i, normal * turned(t) + f.lean * t).first.transpose();
+    if (f.lean == 0.0 || !p.chain().is_thick()) continue;
+    // It acts on the surface of the body.
+    const double arm = f.force < 0.0 ? -at.radius(i).value : at.radius(i).value;
+    columns.col(i) += arm * f.lean * p.angle_row(i).transpose();
+  }
   return columns;
 }
 
-Eigen::MatrixXd LoadedRod::influence(const Shape& shape, std::span<const double> arc_lengths,
-                                     std::span<const double> places) const {
-  Pieces& p = pieces(shape.forces);
-  p.move(shape.forces, shape.coordinates);
-  p.equations().evaluate(p.variables());
-  const Eigen::MatrixXd rates = -p.equations().factor().solve(unit_forces(p, places));
+Eigen::MatrixXd LoadedRod::answer(Pieces& p, const Eigen::MatrixXd& forces, std::span<const double> arc_lengths) {
+  const Eigen::MatrixXd rates = -p.equations().factor().solve(forces);
   const Places& at = p.at(arc_lengths);
   Eigen::MatrixXd out(2 * at.count(), rates.cols());
   for (int m = 0; m < at.count(); ++m) {
@@ -246,7 +267,24 @@ Eigen::MatrixXd LoadedRod::influence(const Shape& shape, std::span<const double>
   return out;
 }
 
-LoadedRod::Imbalance LoadedRod::imbalance(const Curvature& curvature, std::span<const double> places) const {
+Eigen::MatrixXd LoadedRod::influence(const Shape& shape, std::span<const double> arc_lengths,
+                                     std::span<const NormalForce> places) const {
+  Pieces& p = pieces(shape.forces);
+  p.move(shape.forces, shape.coordinates);
+  p.equations().evaluate(p.variables());
+  return answer(p, unit_forces(p, places), arc_lengths);
+}
+
+Eigen::MatrixXd LoadedRod::lean_rates(const Shape& shape, std::span<const double> arc_lengths) const {
+  Pieces& p = pieces(shape.forces);
+  p.move(shape.forces, shape.coordinates);
+  p.equations().evaluate(p.variables());
+  std::vector<NormalForce> along = shape.forces;
+  for (NormalForce& f : along) f.lean = f.force;
+  return answer(p, unit_forces(p, along, 0.0), arc_lengths);
+}
+
+LoadedRod::Imbalance LoadedRod::imbalance(const Curvature& curvature, std::span<const NormalForce> places) const {
   Pieces& p = pieces({});
   p.move({}, coordinates({}, curvature));
   const Eigen::VectorXd missing = -p.equations().residual_at(p.variables());

@@ -14,11 +14,13 @@
 
 namespace tendril {
 
-/// A frictionless contact as the rod feels it, whatever the obstacle is: a force along the backbone's normal
-/// N = (-sin phi, cos phi) at an arc length. Negative forces push to the other side. Dimensionless.
+/// A contact as the rod feels it, whatever the obstacle is: a force along the backbone's normal N = (-sin phi, cos phi)
+/// at an arc length, and its share along the tangent T = (cos phi, sin phi). Negative forces push to the other side.
+/// Dimensionless.
 struct NormalForce {
-  double force = 0.0;       ///< units of EI0/L^2
+  double force = 0.0;       ///< along N, units of EI0/L^2
   double arc_length = 0.0;  ///< in (0,1)
+  double lean = 0.0;        ///< force along T for each unit of `force`
 };
 
 /// A rod in equilibrium under given moments, its own loads, and normal forces, each of which has a knot of its own
@@ -63,9 +65,13 @@ class TENDRIL_API LoadedRod {
   /// Of a converged shape at `arc_lengths`, each in [0,1].
   Response response(const Shape& shape, std::span<const double> arc_lengths) const;
 
-  /// How the points at `arc_lengths` move with a further normal force that is 0 so far, one column per place.
+  /// How the points at `arc_lengths` move with the lean of each force of a converged shape.
+  Eigen::MatrixXd lean_rates(const Shape& shape, std::span<const double> arc_lengths) const;
+
+  /// How the points at `arc_lengths` move with a further force that is 0 so far, one column for each of `places`, of
+  /// whose forces only the sign counts.
   Eigen::MatrixXd influence(const Shape& shape, std::span<const double> arc_lengths,
-                            std::span<const double> places) const;
+                            std::span<const NormalForce> places) const;
 
   /// What is out of balance along a curvature without any normal force, and what a unit normal force at each place
   /// would balance of it, both measured by the shape that it bends: vectors of one length, orthonormal in the bending
@@ -74,8 +80,8 @@ class TENDRIL_API LoadedRod {
     Eigen::VectorXd missing;    ///< What is out of balance.
     Eigen::MatrixXd per_force;  ///< one column per place
   };
-  /// Of the rod bent to `curvature`, with one normal force for each of `places`.
-  Imbalance imbalance(const Curvature& curvature, std::span<const double> places) const;
+  /// Of the rod bent to `curvature`, with one force for each of `places`, as in influence().
+  Imbalance imbalance(const Curvature& curvature, std::span<const NormalForce> places) const;
 
   /// A point of the rod, dimensionless, with angle (rad) and curvature there.
   struct Point {
@@ -101,8 +107,11 @@ class TENDRIL_API LoadedRod {
   /// The pieces for forces in these stretches between fixed knots; made once each.
   Pieces& pieces(std::span<const NormalForce> forces) const;
   Eigen::VectorXd coordinates(std::span<const NormalForce> forces, const Curvature& curvature) const;
-  /// What unit normal forces at places do to the coordinates of a state, one column each.
-  static Eigen::MatrixXd unit_forces(Pieces& pieces, std::span<const double> places);
+  /// What forces at places do to the coordinates of a state, one column each: of `normal` along N and, on the side that
+  /// the place's force pushes from, its lean along T.
+  static Eigen::MatrixXd unit_forces(Pieces& pieces, std::span<const NormalForce> places, double normal = 1.0);
+  /// How the points at `arc_lengths` move with generalized forces, one column each.
+  static Eigen::MatrixXd answer(Pieces& pieces, const Eigen::MatrixXd& forces, std::span<const double> arc_lengths);
   Shape newton(std::vector<NormalForce> forces, Eigen::VectorXd coordinates) const;
   void move_apart(std::vector<NormalForce>& forces) const;
   std::vector<int> stretches(std::span<const NormalForce> forces) const;

@@ -6,6 +6,7 @@
 
 #include "base/deadline.hpp"
 #include "estimate/estimate_fit.hpp"
+#include "estimate/friction_cone.hpp"
 #include "estimate/significance.hpp"
 #include "problem/estimate_input.hpp"
 
@@ -35,19 +36,20 @@ std::string text(double value) { return shown(value, 3); }
 
 /// All local minima with one number of contacts, best first; the test against one contact less.
 struct Level {
-  std::vector<ShapeFit> fits;
+  std::vector<ShapeFit> fits;  ///< without friction
+  ShapeFit best;               ///< with whatever friction is allowed
   ContactTest test;
 };
 
 /// Whether `fit` improves on the best fit with one contact less by more than noise does.
 void test_improvement(const LoadedRod& rod, const MeasuredShape& measured, const ShapeFit& fewer, Level& level) {
   // Fine enough for the length of a smooth curve.
-  const std::vector<double> places = spread_places(120);
+  const std::vector<NormalForce> places = spread_places(120);
   const double curve =
       curve_length(rod.influence(fewer.shape, measured.arc_lengths, places), fewer.response.rates, 1e-3);
-  const double variance = measured.variance(level.fits.front().sum, level.test.contacts);
+  const double variance = measured.variance(level.best.sum, level.test.contacts);
   const int degrees = measured.noise > 0.0 ? 0 : level.test.degrees_of_freedom;
-  level.test.probability = improvement_probability((fewer.sum - level.fits.front().sum) / variance, curve, degrees);
+  level.test.probability = improvement_probability((fewer.sum - level.best.sum) / variance, curve, degrees);
   level.test.supported = level.test.probability < significance;
 }
 
@@ -132,6 +134,7 @@ void report_contacts(const EstimateInput& in, const Refined& refined, const std:
     EstimatedContact c;
     c.arc_length = f.arc_length * in.scale.length;
     c.force = std::abs(f.force) * in.scale.force();
+    c.tangential_force = f.lean * f.force * in.scale.force();
     c.at_tip = f.arc_length > 1.0 - 2.0 * LoadedRod::knot_clearance;
     c.point = in.scale.length * at.position;
     c.normal = side * turned({std::cos(at.angle), std::sin(at.angle)});
@@ -150,6 +153,33 @@ void report_contacts(const EstimateInput& in, const Refined& refined, const std:
     }
     c.identifiable = c.reason.empty();
     out.contacts.push_back(std::move(c));
+  }
+}
+
+/// What each contact may be over the states of friction that explain the points as well as the best of them does.
+void report_friction(const EstimateInput& in, const ConeFits& cone, Estimate& out) {
+  const int contacts = cone.fits.front().contacts();
+  if (contacts == 0) return;
+  if (in.friction == 0.0) {
+    out.assumed = "no friction: each force is along the rod's normal ([contact] friction gives the range under it)";
+    return;
+  }
+  out.assumed = "friction of up to " + shown(in.friction) + " times the normal force, in an unknown state";
+  const double most = cone.best.sum + equally_good * in.measured.variance(cone.best.sum, contacts);
+  const std::vector<const ShapeFit*> allowed = cone.allowed(most);
+  for (int k = 0; k < contacts; ++k) {
+    EstimatedFriction of;
+    of.whole = cone.whole;
+    of.ratio = of.force = of.tangential_force = of.arc_length = {infinity, -infinity};
+    const auto add = [](Interval& to, double value) { to = {std::min(to.low, value), std::max(to.high, value)}; };
+    for (const ShapeFit* fit : allowed) {
+      const NormalForce& f = fit->shape.forces[static_cast<std::size_t>(k)];
+      add(of.ratio, f.force < 0.0 ? -f.lean : f.lean);
+      add(of.force, std::abs(f.force) * in.scale.force());
+      add(of.tangential_force, f.lean * f.force * in.scale.force());
+      add(of.arc_length, f.arc_length * in.scale.length);
+    }
+    out.contacts[static_cast<std::size_t>(k)].friction = of;
   }
 }
 
@@ -216,7 +246,7 @@ std::vector<Level> fit_levels(const EstimateInput& in, const LoadedRod& rod, con
     level.test.contacts = contacts;
     level.test.degrees_of_freedom = in.measured.degrees_of_freedom(contacts);
     const ShapeFit none;
-    const ShapeFit& fewer = contacts == 0 || levels.back().fits.empty() ? none : levels.back().fits.front();
+    const ShapeFit& fewer = contacts == 0 || levels.back().fits.empty() ? none : levels.back().best;
     if (contacts == 0) {
       level.fits = {fit_shape(rod, in.measured, rod.solve({}, curvature), search_accuracy, 1, deadline)};
     } else {
@@ -227,6 +257,9 @@ std::vector<Level> fit_levels(const EstimateInput& in, const LoadedRod& rod, con
     // Without an equilibrium of fewer contacts only more of them can explain the shape.
     level.test.converged = level.test.supported = !level.fits.empty();
     if (contacts > 0) level.test.probability = level.test.converged ? 0.0 : 1.0;
+    if (level.test.converged) {
+      level.best = fit_cone(rod, in.measured, level.fits.front(), in.friction, search_accuracy, deadline).best;
+    }
     if (contacts > 0 && level.test.converged && !levels.back().fits.empty()) {
       test_improvement(rod, in.measured, fewer, level);
     }
@@ -327,11 +360,11 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
   double variance = 0.0;
   for (const Level& level : levels) {
     if (level.test.supported) chosen = &level;
-    if (!level.fits.empty()) variance = in.measured.variance(level.fits.front().sum, level.test.contacts);
+    if (!level.fits.empty()) variance = in.measured.variance(level.best.sum, level.test.contacts);
   }
   for (const Level& level : levels) {
     out.tests.push_back(level.test);
-    out.tests.back().chi_square = level.fits.empty() ? infinity : level.fits.front().sum / variance;
+    out.tests.back().chi_square = level.fits.empty() ? infinity : level.best.sum / variance;
   }
   if (chosen == nullptr) {
     const std::string hint = in.hint();
@@ -340,7 +373,7 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
     return finish();
   }
 
-  const Refined refined = refine(in, rod, chosen->fits.front(), turn, deadline, out.solves);
+  Refined refined = refine(in, rod, chosen->fits.front(), turn, deadline, out.solves);
   if (deadline.over()) return finish();
   if (!refined.rod) {
     const std::string why = misfit(in, refined.fit);
@@ -351,7 +384,15 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
     }
     return finish();
   }
+  const ConeFits cone = fit_cone(*refined.rod, in.measured, refined.fit, in.friction, final_accuracy, deadline);
+  if (deadline.over()) return finish();
+  // What has no friction is told first, unless the points rule it out.
+  const double best = cone.best.sum;
+  if (refined.fit.sum - best > equally_good * in.measured.variance(best, refined.fit.contacts())) {
+    refined.fit = cone.best;
+  }
   report_fit(in, refined, chosen->fits, out);
+  report_friction(in, cone, out);
   conclude(in, refined.fit, out);
   return finish();
 }

@@ -85,6 +85,7 @@ EstimateInput::EstimateInput(const Scene& scene) {
     moments.push_back(scale.to_dimensionless(m, dimension::moment));
   }
   most_contacts = scene.contact.count;
+  if (scene.contact.friction_state != FrictionState::none) friction = scene.contact.friction;
   if (most_contacts > 2) {
     throw SceneError("contact.count",
                      "found " + std::to_string(most_contacts) + " contacts to be estimated, expected 1 or 2");

@@ -23,6 +23,7 @@ struct EstimateInput {
   std::vector<double> moments;
   MeasuredShape measured;
   int most_contacts = 1;
+  double friction = 0.0;  ///< coefficient of whatever touches the rod
   bool equal_spacing = false;
   int at_base = 0;  ///< measured points that stand at the base and say nothing
 

@@ -49,6 +49,8 @@ struct Loads {
   /// Of each obstacle: the tangential part of its contact forces, along the rod, for each unit of the normal part
   /// (w of model.md section 11). Empty: there is none.
   std::vector<double> friction{};
+  /// The same of each contact that pushes along the rod's own normal. Empty: there is none.
+  std::vector<double> lean{};
 };
 
 /// What is known about a contact's complementarity g f = 0.

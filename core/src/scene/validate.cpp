@@ -74,8 +74,8 @@ void validate_friction(const Scene& scene) {
     throw SceneError(path, "there is no friction where contact is not planned (contact mode \"" +
                                std::string(to_string(scene.contact.mode)) + "\")");
   }
-  if (scene.problem != ProblemKind::pose && scene.problem != ProblemKind::execute) {
-    throw SceneError(path, "friction is looked at for problem \"pose\" only, found \"" +
+  if (scene.problem == ProblemKind::grasp || scene.problem == ProblemKind::trajectory) {
+    throw SceneError(path, "friction is looked at for problems \"pose\" and \"estimate\", found \"" +
                                std::string(to_string(scene.problem)) +
                                "\", expected friction_state = \"none\" beside it");
   }
