@@ -92,7 +92,7 @@ TEST(LoadedRod, InfluenceOfAForceThatIsNotThereYet) {
   const std::vector<double> places = equal_arc_lengths(9);
   const LoadedRod::Shape one = rod.solve({{1.0, 0.6}}, [](double) { return 0.5; });
   ASSERT_TRUE(one.converged);
-  const double further[] = {0.3};
+  const NormalForce further[] = {{1.0, 0.3}};
   const Eigen::MatrixXd influence = rod.influence(one, places, further);
   const LoadedRod::Shape two = rod.solve({{0.0, 0.3}, {1.0, 0.6}}, one);
   ASSERT_TRUE(two.converged);

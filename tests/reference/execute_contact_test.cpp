@@ -115,5 +115,26 @@ TEST(ExecuteContact, AContactMayEndAtAnActuatorsEnd) {
   }
 }
 
+// A start by points is let go from there: it ends on its side of the circle, where an even bend to that side ends.
+TEST(ExecuteContact, AStartByPointsStaysOnItsSide) {
+  for (const double side : {1.0, -1.0}) {
+    ForwardScene bent = braced_arm();
+    bent.scene.start_tip_angle = 0.8 * side;
+    const Execution even = bent.run({1e-3});
+    ASSERT_EQ(even.result.status, PlanStatus::solved) << even.result.message;
+    ForwardScene s = braced_arm();
+    for (int i = 1; i <= 8; ++i) {
+      const double turn = 0.8 * i / 8;
+      s.scene.start_points.push_back({0.1 / 0.8 * std::sin(turn), side * 0.1 / 0.8 * (1.0 - std::cos(turn))});
+    }
+    const Execution e = s.run({1e-3});
+    ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
+    EXPECT_EQ(e.result.contacts.size(), even.result.contacts.size());
+    EXPECT_NEAR(e.result.tip_x, even.result.tip_x, 1e-9);
+    EXPECT_NEAR(e.result.tip_y, even.result.tip_y, 1e-9);
+    EXPECT_NEAR(e.result.start_backbone.back().y, s.scene.start_points.back().y, 2e-3);
+  }
+}
+
 }  // namespace
 }  // namespace tendril::support

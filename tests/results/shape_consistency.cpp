@@ -87,7 +87,7 @@ void check_contacts(const Json& state, const ShownRod& shown, const Scene& scene
     std::string name = "object";
     if (result.contains("grasp") && index == 0) {
       const Json& object = result.at("grasp").at("object");
-      body.core = {pair_of(object.at("center"))};
+      body.lines = {{pair_of(object.at("center"))}};
       body.radius = object.at("radius").get<double>();
     } else {
       found.that(index < scene.obstacles.size(), "the index of the obstacle is none of the scene's");

@@ -9,6 +9,7 @@
 #include "rod/self_overlap.hpp"
 #include "scene/make_rod.hpp"
 #include "scene/plan_report.hpp"
+#include "scene/start_shape.hpp"
 #include "statics/loading.hpp"
 #include "tendril/coordinate_model.hpp"
 #include "tendril/numbers.hpp"
@@ -27,6 +28,7 @@ class Executor {
     scale_ = scale_of(scene);
     names_ = obstacle_names(scene);
     rod_ = make_rod(scene, scale_);
+    start_ = start_curvature(scene, scale_, rod_);
     if (moments.size() != scene.rod.actuators.size()) {
       throw Error("expected " + std::to_string(scene.rod.actuators.size()) + " moments, one per actuator, found " +
                   std::to_string(moments.size()));
@@ -76,6 +78,7 @@ class Executor {
   std::vector<std::string> names_;
   std::vector<const Obstacle*> obstacles_;
   std::vector<double> last_;
+  Curvature start_;  ///< of a start by points; empty: it has none
 };
 
 State Executor::earlier_state() const {
@@ -102,11 +105,12 @@ Execution Executor::run() {
   const auto stop = [this] { return deadline_.over(); };
   std::optional<Loading> loading;
   if (control_.start == nullptr) {
-    if (!scene_.start_points.empty()) {
-      throw SceneError("start.points",
-                       "a rod is loaded from a constant curvature or from a result ('--start'), expected 'tip_angle'");
+    if (start_) {
+      // No loads are known that hold such a shape: the rod is let go from it.
+      loading.emplace(rod_, obstacles_, start_, last_, stop);
+    } else {
+      loading.emplace(rod_, obstacles_, scene_.start_tip_angle, last_, stop);
     }
-    loading.emplace(rod_, obstacles_, scene_.start_tip_angle, last_, stop);
   } else {
     if (control_.start->backbone.empty()) throw Error("the result to start from has no shape");
     if (control_.start->moments.size() != last_.size()) throw Error("the result to start from has other actuators");
@@ -115,7 +119,9 @@ Execution Executor::run() {
     loading.emplace(rod_, obstacles_, earlier_state(), first, last_, stop);
   }
   if (const auto o = loading->without_side()) {
-    throw SceneError(control_.start != nullptr ? "obstacle[" + std::to_string(*o) + "]" : "start.tip_angle",
+    throw SceneError(control_.start != nullptr ? "obstacle[" + std::to_string(*o) + "]"
+                     : start_                  ? "start.points"
+                                               : "start.tip_angle",
                      "the start shape runs through the core of " + names_[*o] +
                          ", so it is on neither side of it: expected a start that passes on one side");
   }
@@ -132,9 +138,10 @@ Execution Executor::run() {
   }
   tell_limits(out.result);
   tell_friction(out.result);
-  out.result.start_backbone = control_.start != nullptr
-                                  ? control_.start->backbone
-                                  : outline(constant_curvature(scene_.start_tip_angle), rod_, scale_.length);
+  out.result.start_backbone =
+      control_.start != nullptr
+          ? control_.start->backbone
+          : outline(start_ ? StartShape{start_} : constant_curvature(scene_.start_tip_angle), rod_, scale_.length);
   out.result.seconds_solve = now() - begin - out.result.seconds_certify;
   return out;
 }

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <numeric>
 
-#include "estimate/estimate_fit.hpp"
 #include "rod/chain.hpp"
 #include "rod/outline.hpp"
+#include "scene/start_shape.hpp"
 #include "search/contacts.hpp"
 #include "search/follower.hpp"
 #include "search/parameters.hpp"
@@ -85,21 +85,8 @@ void Task::take_target(const TargetSpec& wanted) {
 }
 
 void Task::take_start() {
-  if (scene.start_points.empty()) return;
-  Vec2 last = rod.base;
-  MeasuredShape shape;
-  shape.points.resize(2 * static_cast<Eigen::Index>(scene.start_points.size()));
-  for (std::size_t i = 0; i < scene.start_points.size(); ++i) {
-    const Vec2 point{scene.start_points[i].x / scale.length, scene.start_points[i].y / scale.length};
-    shape.arc_lengths.push_back((i > 0 ? shape.arc_lengths.back() : 0.0) + norm(point - last));
-    shape.points.segment<2>(2 * static_cast<Eigen::Index>(i)) << point.x, point.y;
-    last = point;
-  }
-  const double length = shape.arc_lengths.back();
-  if (!(length > 0.0)) throw SceneError("start.points", "the points lie on the base, expected them along the rod");
-  // Points that are farther apart, or nearer, than the rod is long give its shape all the same.
-  for (double& s : shape.arc_lengths) s /= length;
-  start_points = measured_curvature(rod, shape);
+  start_points = start_curvature(scene, scale, rod);
+  if (!start_points) return;
   std::vector<OutlinePoint> line;
   outline(rod, start_points, search_parameters().outline_steps, line);
   scene.start_tip_angle = line.back().angle - rod.base_angle;

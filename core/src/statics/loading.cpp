@@ -79,7 +79,7 @@ Loading::Set Loading::set_from_rest(Rod rod, const std::vector<const Obstacle*>&
                                     const std::vector<double>& moments) {
   const LoadPath::Ends ends = ends_from_rest(rod, curvature, moments);
   const Curvature held = held_shape(rod, curvature);
-  return {LoadPath(std::move(rod), obstacles, ends), {held, {}, 0.0}, true, true};
+  return {LoadPath(std::move(rod), obstacles, ends), {held, {}, 0.0}, Tracker::Start::exact, true};
 }
 
 Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature,
@@ -88,13 +88,21 @@ Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, 
 
 Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, State earlier,
                  const std::vector<double>& first, const std::vector<double>& last, std::function<bool()> must_stop)
-    : Loading({LoadPath(rod, obstacles, {first, last, false}), std::move(earlier), false, first != last}, obstacles,
-              std::move(must_stop)) {}
+    : Loading({LoadPath(rod, obstacles, {first, last, false}), std::move(earlier), Tracker::Start::near, first != last},
+              obstacles, std::move(must_stop)) {}
+
+Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, Curvature shape,
+                 const std::vector<double>& moments, std::function<bool()> must_stop)
+    : Loading({LoadPath(rod, obstacles, {moments, moments, false}),
+               {std::move(shape), {}, 0.0},
+               Tracker::Start::let_go,
+               false},
+              obstacles, std::move(must_stop)) {}
 
 Loading::Loading(Set set, const std::vector<const Obstacle*>& obstacles, std::function<bool()> must_stop)
     : path_(std::move(set.path)),
       start_(std::move(set.start)),
-      exact_(set.exact),
+      from_(set.from),
       moves_(set.moves),
       must_stop_(std::move(must_stop)),
       tracker_(path_, must_stop_) {
@@ -140,7 +148,7 @@ void Loading::rub(const std::vector<double>& friction) {
 }
 
 bool Loading::run() {
-  if (!tracker_.begin(start_, exact_)) return false;
+  if (!tracker_.begin(start_, from_)) return false;
   if (moves_ || !overlaps_.empty()) return tracker_.follow();
   // Nothing changes along this path: its beginning is its end.
   Settled& s = tracker_.current();

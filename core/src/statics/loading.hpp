@@ -21,6 +21,9 @@ class Loading {
   /// From an earlier state under the moments `first` and all other loads; only the moments then change.
   Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, State earlier,
           const std::vector<double>& first, const std::vector<double>& last, std::function<bool()> must_stop);
+  /// From a shape that no loads are known to hold: it is let go under all loads.
+  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, Curvature shape,
+          const std::vector<double>& moments, std::function<bool()> must_stop);
   Loading(const Loading&) = delete;
   Loading& operator=(const Loading&) = delete;
 
@@ -55,8 +58,8 @@ class Loading {
   struct Set {
     LoadPath path;
     State start;
-    bool exact = false;  ///< the start is the equilibrium itself
-    bool moves = true;   ///< something changes along the path
+    Tracker::Start from = Tracker::Start::near;
+    bool moves = true;  ///< something changes along the path
   };
   Loading(Set set, const std::vector<const Obstacle*>& obstacles, std::function<bool()> must_stop);
   static Set set_from_rest(Rod rod, const std::vector<const Obstacle*>& obstacles, double curvature,
@@ -65,7 +68,8 @@ class Loading {
 
   LoadPath path_;
   State start_;
-  bool exact_, moves_;
+  Tracker::Start from_;
+  bool moves_;
   std::vector<Overlap> overlaps_;
   std::optional<std::size_t> without_side_;
   std::function<bool()> must_stop_;

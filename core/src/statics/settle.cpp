@@ -92,10 +92,10 @@ bool Tracker::coarse() const { return now_.statics->moment_balance(now_.z) > coa
 
 void Tracker::refine_fully() { resolve(fine_balance); }
 
-bool Tracker::begin(const State& guess, bool exact) {
-  std::optional<Settled> near = settle(guess, 0.0);
+bool Tracker::begin(const State& guess, Start start) {
+  std::optional<Settled> near = start == Start::let_go ? std::nullopt : settle(guess, 0.0);
   const auto stable = [](Settled& s) { return s.statics->margin(s.z) > tolerance::stability; };
-  if (near && !exact && stable(*near)) {
+  if (near && start == Start::near && stable(*near)) {
     // Newton's method may have gone to another equilibrium than the one below the guess.
     Eigen::VectorXd from = near->statics->point({guess.curvature, near->statics->state(near->z).contacts, 0.0});
     from -= near->z;

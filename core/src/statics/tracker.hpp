@@ -39,8 +39,10 @@ class Tracker {
  public:
   Tracker(const LoadPath& path, std::function<bool()> must_stop) : path_(path), must_stop_(std::move(must_stop)) {}
 
-  /// Sets out from a guess at load 0. `exact`: the guess is the equilibrium itself. False: `trouble()` says why.
-  bool begin(const State& guess, bool exact);
+  /// What a start is to the equilibrium from which the path is followed: that itself, near it, or above it.
+  enum class Start { exact, near, let_go };
+  /// Sets out from a guess at load 0. False: `trouble()` says why.
+  bool begin(const State& guess, Start start);
   /// Follows the path to load 1.
   bool follow();
   /// Refines the basis where it stands until the local moment balance stops improving or is tiny.
