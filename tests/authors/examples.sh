@@ -7,10 +7,13 @@ rm -rf "$work"
 mkdir -p "$work"
 cp -r "$examples" "$work/examples"
 cd "$work"
-clean() { env -i PATH="$prefix/bin:/usr/bin:/bin" HOME="$work" "$@"; }
+# Where ccache is, it knows what has not changed since the last time.
+launcher=() cache=${CCACHE_DIR:-${HOME:-$work}/.cache/ccache}
+if command -v ccache > /dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+clean() { env -i PATH="$prefix/bin:/usr/bin:/bin" HOME="$work" CCACHE_DIR="$cache" "$@"; }
 quiet() { "$@" > log 2>&1 || { cat log; exit 1; }; }
 
-quiet clean cmake -S examples -B build -G Ninja -DCMAKE_CXX_COMPILER="$compiler" -DTENDRIL_TEST_SOLVER="$solver" \
+quiet clean cmake -S examples -B build -G Ninja -DCMAKE_CXX_COMPILER="$compiler" -DTENDRIL_TEST_SOLVER="$solver" "${launcher[@]}" \
   -DCMAKE_CXX_FLAGS='-O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror'
 if grep 'left out' log; then echo 'the rest is tested'; fi
 quiet clean cmake --build build --parallel 2

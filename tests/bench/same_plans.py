@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""same_plans.py BENCH TENDRIL SOLVER SEEDS: random scenes that search far, each planned on an idle machine and then with more work
-than the machine has cores. Everything but times has to be the same, byte for byte.
+"""same_plans.py BENCH TENDRIL SOLVER SEEDS: random scenes that search far, each planned with a core of its own and then with more
+work than the machine has cores. Everything but times has to be the same, byte for byte.
 
 SEEDS: numbers between commas."""
 
@@ -37,14 +37,14 @@ with tempfile.TemporaryDirectory() as folder:
         text = subprocess.run([bench, "campaign", "--seeds", f"{seed}:{seed}", "--print-scene"], capture_output=True, text=True, check=True)
         scenes.append(pathlib.Path(folder) / f"seed_{seed}.toml")
         scenes[-1].write_text(text.stdout)
-    idle = [plan(scene) for scene in scenes]
-    spinners = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(cores)]
+    with concurrent.futures.ThreadPoolExecutor(cores) as pool:
+        idle = list(pool.map(plan, scenes))
+    spinner = subprocess.Popen([sys.executable, "-c", "while True: pass"])
     try:
         with concurrent.futures.ThreadPoolExecutor(2 * cores) as pool:
             busy = list(pool.map(plan, scenes))
     finally:
-        for spinner in spinners:
-            spinner.kill()
+        spinner.kill()
 
 differing = 0
 for scene, a, b in zip(scenes, idle, busy):

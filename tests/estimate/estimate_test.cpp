@@ -157,7 +157,7 @@ INSTANTIATE_TEST_SUITE_P(
                     CampaignCase{"braced arm, noise not told", test::braced_arm(), 2e-4, false, 200},
                     CampaignCase{"held from above", test::held_from_above(), 2e-3, true, 200},
                     CampaignCase{"stepped finger", test::stepped_finger(), 2e-4, true, 200},
-                    CampaignCase{"two pegs", test::two_pegs(), 2e-4, true, 200}));
+                    CampaignCase{"two pegs", test::two_pegs(), 2e-4, true, 120}));
 
 TEST(Identifiability, IsDeniedWhereTheBoundExceedsTenPercent) {
   // Close pegs: 217 % and 248 %. Two pegs at ten times the noise: the second force 18 %. Stepped finger: 13.9 %.

@@ -24,16 +24,17 @@ TENDRIL_API std::string_view to_string(EstimateStatus status);  ///< The status 
 
 /// From the lowest to the highest value.
 struct Interval {
-  double low = 0.0, high = 0.0;
+  double low = 0.0;   ///< the lowest
+  double high = 0.0;  ///< the highest
 };
 
 /// What a contact may be, whatever the state of its friction, at the best fit of each: noise comes on top. SI units.
 struct EstimatedFriction {
-  Interval ratio;  ///< of tangential to normal force, as far as the points allow it
-  Interval force;
-  Interval tangential_force;
-  Interval arc_length;
-  bool whole = true;  ///< every state of the cone was fitted; else fits ended inside it
+  Interval ratio;             ///< of tangential to normal force, as far as the points allow it
+  Interval force;             ///< N, along the normal
+  Interval tangential_force;  ///< N, along the rod towards its tip
+  Interval arc_length;        ///< m
+  bool whole = true;          ///< every state of the cone was fitted; else fits ended inside it
 };
 
 /// A contact seen through the rod's shape alone. SI units; errors are standard deviations.
