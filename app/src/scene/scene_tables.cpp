@@ -194,6 +194,24 @@ Table<SceneDraft> start_table() {
                    [](T& t, const std::string& v) { t.start_file = v; })}};
 }
 
+Table<TargetSpec> target_table() {
+  return {{point<TargetSpec>("position", dimension::length, "", "Where the tip should be.",
+                             [](TargetSpec& t, Vec2 v) { t.position = v; }),
+           quantity<TargetSpec>("angle", dimension::angle, any, "",
+                                "Direction that the tip should have; full turns do not count.",
+                                [](TargetSpec& t, double v) { t.angle = v; }),
+           integer<TargetSpec>("turns", -100, "whatever suits",
+                               "Full turns of the tip against the base, beyond the half turn at most that leads to "
+                               "'angle'.",
+                               [](TargetSpec& t, int v) { t.turns = v; }),
+           quantity<TargetSpec>("position_tolerance", dimension::length, positive, "none",
+                                "How far the tip may be from 'position'; a plan that cannot keep it is no plan.",
+                                [](TargetSpec& t, double v) { t.position_tolerance = v; }),
+           quantity<TargetSpec>("angle_tolerance", dimension::angle, positive, "none",
+                                "How far the tip's direction may be from 'angle', likewise.",
+                                [](TargetSpec& t, double v) { t.angle_tolerance = v; })}};
+}
+
 }  // namespace
 
 Table<SceneDraft> scene_table() {
@@ -236,24 +254,7 @@ Table<SceneDraft> scene_table() {
           "contact", "contact", "How contact with obstacles is planned.", contact_table(),
           [](T & t) -> auto& { return t.scene.contact; }),
       table<T>(
-          "target", "target", "The pose asked for.",
-          Table<TargetSpec>{
-              {point<TargetSpec>("position", dimension::length, "", "Where the tip should be.",
-                                 [](TargetSpec& t, Vec2 v) { t.position = v; }),
-               quantity<TargetSpec>("angle", dimension::angle, any, "",
-                                    "Direction that the tip should have; full turns do not count.",
-                                    [](TargetSpec& t, double v) { t.angle = v; }),
-               integer<TargetSpec>("turns", -100, "whatever suits",
-                                   "Full turns of the tip against the base, beyond the half turn at most that leads to "
-                                   "'angle'.",
-                                   [](TargetSpec& t, int v) { t.turns = v; }),
-               quantity<TargetSpec>("position_tolerance", dimension::length, positive, "none",
-                                    "How far the tip may be from 'position'; a plan that cannot keep it is no plan.",
-                                    [](TargetSpec& t, double v) { t.position_tolerance = v; }),
-               quantity<TargetSpec>("angle_tolerance", dimension::angle, positive, "none",
-                                    "How far the tip's direction may be from 'angle', likewise.",
-                                    [](TargetSpec& t, double v) { t.angle_tolerance = v; })}},
-          [](T & t) -> auto& { return t.scene.target; }),
+          "target", "target", "The pose asked for.", target_table(), [](T & t) -> auto& { return t.scene.target; }),
       tables<T>(
           "objective", "objective", "A term of the objective. Further keys are options of the plugin.",
           objective_table(), [](T & t) -> auto& { return t.scene.objectives; }),

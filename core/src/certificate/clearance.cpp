@@ -112,29 +112,40 @@ std::vector<ClosestApproach> closest_approaches(const Curve& curve, const Obstac
   return found;
 }
 
-void closest_approaches(const Curve& curve, const Obstacle& obstacle, double level,
-                        std::vector<ClosestApproach>& found) {
-  const auto sample = [&](int piece, double sigma) {
-    return ClosestApproach{piece, sigma, curve.start(piece) + sigma * curve.length(piece),
-                           obstacle.at(curve.position(piece, sigma)).distance - curve.radius(piece, sigma)};
-  };
-  const auto at_arc_length = [&](double s) {
-    int j = 0;
-    while (j + 1 < curve.piece_count() && s > curve.start(j + 1)) ++j;
-    return sample(j, std::clamp((s - curve.start(j)) / curve.length(j), 0.0, 1.0));
-  };
+namespace {
+
+/// Local minima of the distance along a curve, of which samples in their order are shown to it.
+class Valleys {
+ public:
+  Valleys(const Curve& curve, const Obstacle& obstacle, double level, std::vector<ClosestApproach>& found)
+      : curve_(curve), obstacle_(obstacle), level_(level), found_(found) {}
+
+  ClosestApproach sample(int piece, double sigma) const {
+    return {piece, sigma, curve_.start(piece) + sigma * curve_.length(piece),
+            obstacle_.at(curve_.position(piece, sigma)).distance - curve_.radius(piece, sigma)};
+  }
   /// A sample between its neighbours along the rod, where it has them.
-  const auto consider = [&](const ClosestApproach* before, const ClosestApproach& here, const ClosestApproach* after) {
+  void consider(const ClosestApproach* before, const ClosestApproach& here, const ClosestApproach* after) {
     if (before != nullptr && here.distance > before->distance) return;
     if (after != nullptr && here.distance >= after->distance) return;
-    double low = before != nullptr ? before->arc_length : here.arc_length;
-    double high = after != nullptr ? after->arc_length : here.arc_length;
+    const double low = before != nullptr ? before->arc_length : here.arc_length;
+    const double high = after != nullptr ? after->arc_length : here.arc_length;
     // A sample may stand above the level although the minimum beside it does not: neighbours bound the slope by 1, and
     // by that of the body.
-    const double slope = 1.0 + curve.radius_bounds(here.piece).slope;
-    if (here.distance - slope * std::max(here.arc_length - low, high - here.arc_length) > level) return;
-    ClosestApproach best = here;
-    // Golden section: the distance has one minimum between neighbours of a lowest sample.
+    const double slope = 1.0 + curve_.radius_bounds(here.piece).slope;
+    if (here.distance - slope * std::max(here.arc_length - low, high - here.arc_length) > level_) return;
+    const ClosestApproach best = lowest(here, low, high);
+    if (best.distance <= level_) found_.push_back(best);
+  }
+
+ private:
+  ClosestApproach at_arc_length(double s) const {
+    int j = 0;
+    while (j + 1 < curve_.piece_count() && s > curve_.start(j + 1)) ++j;
+    return sample(j, std::clamp((s - curve_.start(j)) / curve_.length(j), 0.0, 1.0));
+  }
+  /// Golden section: the distance has one minimum between neighbours of a lowest sample.
+  ClosestApproach lowest(ClosestApproach best, double low, double high) const {
     const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);
     ClosestApproach left = at_arc_length(high - ratio * (high - low));
     ClosestApproach right = at_arc_length(low + ratio * (high - low));
@@ -151,8 +162,20 @@ void closest_approaches(const Curve& curve, const Obstacle& obstacle, double lev
       const ClosestApproach& lower = left.distance < right.distance ? left : right;
       if (lower.distance < best.distance) best = lower;
     }
-    if (best.distance <= level) found.push_back(best);
-  };
+    return best;
+  }
+
+  const Curve& curve_;
+  const Obstacle& obstacle_;
+  double level_;
+  std::vector<ClosestApproach>& found_;
+};
+
+}  // namespace
+
+void closest_approaches(const Curve& curve, const Obstacle& obstacle, double level,
+                        std::vector<ClosestApproach>& found) {
+  Valleys valleys(curve, obstacle, level, found);
   // Valleys of the distance are as wide as the obstacle is small; the curve itself is smooth on the scale of its
   // pieces.
   ClosestApproach before, here;
@@ -160,21 +183,21 @@ void closest_approaches(const Curve& curve, const Obstacle& obstacle, double lev
   for (int j = 0; j < curve.piece_count(); ++j) {
     // A piece is no nearer than its middle less half its length.
     const double reach = 0.5 * curve.length(j) * (1.0 + curve.radius_bounds(j).slope);
-    if (sample(j, 0.5).distance - reach > level) {
-      if (seen > 0) consider(seen > 1 ? &before : nullptr, here, nullptr);
+    if (valleys.sample(j, 0.5).distance - reach > level) {
+      if (seen > 0) valleys.consider(seen > 1 ? &before : nullptr, here, nullptr);
       seen = 0;
       continue;
     }
     const double wanted = curve.length(j) / std::clamp(0.5 * obstacle.smallest_radius(), 1e-3, 0.02);
     const int steps = std::clamp(static_cast<int>(std::ceil(wanted)), 8, 1000);
     for (int i = seen == 0 ? 0 : 1; i <= steps; ++i, ++seen) {
-      const ClosestApproach next = sample(j, static_cast<double>(i) / steps);
-      if (seen > 0) consider(seen > 1 ? &before : nullptr, here, &next);
+      const ClosestApproach next = valleys.sample(j, static_cast<double>(i) / steps);
+      if (seen > 0) valleys.consider(seen > 1 ? &before : nullptr, here, &next);
       before = here;
       here = next;
     }
   }
-  if (seen > 0) consider(seen > 1 ? &before : nullptr, here, nullptr);
+  if (seen > 0) valleys.consider(seen > 1 ? &before : nullptr, here, nullptr);
 }
 
 }  // namespace tendril

@@ -11,8 +11,6 @@ namespace {
 /// Errors of points beyond this many standard deviations are none.
 constexpr double most_deviations = 10.0;
 
-std::string text(double value) { return shown(value, 3); }
-
 /// Refuses points that no shape of the rod has, whatever holds it: a point further from the base than the rod is long,
 /// one at the base that is not there, neighbours further apart than the rod between them.
 void require_reachable(const RodSpec& rod, const MeasurementSpec& measurement) {
@@ -24,15 +22,15 @@ void require_reachable(const RodSpec& rod, const MeasurementSpec& measurement) {
     farthest = std::max(farthest, distance);
     if (p.arc_length == 0.0 && distance > std::max(0.02 * length, errors)) {
       throw SceneError("measurement",
-                       "the measured point at arc length 0 lies " + text(distance) +
+                       "the measured point at arc length 0 lies " + shown(distance, 3) +
                            " m from the rod's base, expected it there: are the points' origin and the rod's base "
                            "right, and the arc lengths counted from the base?");
     }
   }
   if (farthest > 1.5 * length + errors) {
     const bool thousandth = 1e-3 * farthest <= 1.05 * length && 1e-3 * farthest >= 0.05 * length;
-    throw SceneError("measurement", "the points lie up to " + text(farthest) + " m from the base of a rod of " +
-                                        text(length) + " m, expected them within its length: " +
+    throw SceneError("measurement", "the points lie up to " + shown(farthest, 3) + " m from the base of a rod of " +
+                                        shown(length, 3) + " m, expected them within its length: " +
                                         (thousandth ? "are they in mm? A plain number is in m"
                                                     : "are their unit and origin right? A plain number is in m"));
   }
@@ -44,8 +42,8 @@ void require_reachable(const RodSpec& rod, const MeasurementSpec& measurement) {
     const double chord = norm(points[i].position - points[i - 1].position);
     const double arc = points[i].arc_length - points[i - 1].arc_length;
     if (chord > 1.5 * arc + errors) {
-      throw SceneError("measurement", "two neighbouring points lie " + text(chord) +
-                                          " m apart where points without arc lengths are taken to be " + text(arc) +
+      throw SceneError("measurement", "two neighbouring points lie " + shown(chord, 3) +
+                                          " m apart where points without arc lengths are taken to be " + shown(arc, 3) +
                                           " m apart along the rod: expected equal distances with the last one at the "
                                           "tip, or arc lengths (s, x, y)");
     }
@@ -107,9 +105,9 @@ EstimateInput::EstimateInput(const Scene& scene) {
     const double s = p.arc_length / scale.length;
     // A part in 1e9 is the rounding of units.
     if (!(s > 0.0 && s <= 1.0 + 1e-9)) {
-      throw SceneError("measurement", "a measured point is at arc length " + text(p.arc_length) +
+      throw SceneError("measurement", "a measured point is at arc length " + shown(p.arc_length, 3) +
                                           " m, expected at least 0 and at most the rod's length, " +
-                                          text(scale.length) + " m: " +
+                                          shown(scale.length, 3) + " m: " +
                                           (s > 1.0 && 1e-3 * points.back().arc_length <= 1.05 * scale.length
                                                ? "are the points in mm? A plain number is in m"
                                                : "are its unit and the rod's length right?"));
