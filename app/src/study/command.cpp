@@ -207,10 +207,8 @@ int finish(Session& session, const StudyArguments& arguments, const StudySpec& s
   return all_solved(result) ? 0 : 1;
 }
 
-}  // namespace
-
-int run_study(const StudyArguments& arguments) {
-  if (arguments.worker) return serve(arguments);
+/// Which part of the cases is asked for. What cannot be written had better be known before the work begins.
+Shard checked(const StudyArguments& arguments) {
   const std::optional<Shard> shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard);
   if (!shard) {
     throw InputError(
@@ -223,7 +221,6 @@ int run_study(const StudyArguments& arguments) {
     throw InputError("--merge joins all shards, expected no --shard beside it");
   }
   if (arguments.figure) {
-    // What cannot be written had better be known before the work begins.
     picture_of(*arguments.figure);
     const StagedFiles trial(arguments.figure->parent_path());
   }
@@ -231,6 +228,14 @@ int run_study(const StudyArguments& arguments) {
     require_movie(*arguments.movie);
     const StagedFiles trial(arguments.movie->parent_path());
   }
+  return *shard;
+}
+
+}  // namespace
+
+int run_study(const StudyArguments& arguments) {
+  if (arguments.worker) return serve(arguments);
+  const Shard shard = checked(arguments);
   if (arguments.scene.scene == standard_input) share_standard_input();
   const std::uint64_t fingerprint = fingerprint_of(arguments.scene);
   Session session(arguments.scene);
@@ -244,8 +249,8 @@ int run_study(const StudyArguments& arguments) {
 
   std::optional<Journal> journal;
   if (arguments.output) {
-    journal.emplace(*arguments.output / journal_name(shard->number, shard->count),
-                    JournalHeader{fingerprint, shard->number, shard->count, case_count});
+    journal.emplace(*arguments.output / journal_name(shard.number, shard.count),
+                    JournalHeader{fingerprint, shard.number, shard.count, case_count});
   }
   std::map<int, StudyRecord> records = journal ? journal->records() : std::map<int, StudyRecord>{};
   PoolTasks tasks;
@@ -253,7 +258,7 @@ int run_study(const StudyArguments& arguments) {
   tasks.arguments.push_back("--worker");
   tasks.greeting = greeting_of(fingerprint);
   for (const StudyCase& one : cases) {
-    if (shard->holds(one.index) && !records.contains(one.index)) tasks.cases.push_back(one.index);
+    if (shard.holds(one.index) && !records.contains(one.index)) tasks.cases.push_back(one.index);
   }
   const std::size_t mine = tasks.cases.size() + records.size();
   if (!records.empty() && !tasks.cases.empty()) {
@@ -288,8 +293,8 @@ int run_study(const StudyArguments& arguments) {
                      journal ? "; run the same command again to go on" : ""));
     return 1;
   }
-  if (shard->count == 1) return finish(session, arguments, study, records);
-  note(fmt::format("shard {} of {}: {} cases are finished; --merge joins the shards", shard->number, shard->count,
+  if (shard.count == 1) return finish(session, arguments, study, records);
+  note(fmt::format("shard {} of {}: {} cases are finished; --merge joins the shards", shard.number, shard.count,
                    records.size()));
   return 0;
 }
