@@ -83,6 +83,7 @@ PYBIND11_MODULE(_native, module) {
              [](const std::string& file, const std::string& text, const std::vector<SettingTuple>& settings) {
                return files::scene_text(source_of(file, text, settings, {}));
              });
+  module.def("drawing", [](const std::string& result) { return files::drawing_json({result}); });
   py::class_<SceneFile>(module, "SceneFile")
       .def(py::init([](const std::string& file, const std::string& text, const std::vector<SettingTuple>& settings,
                        const std::vector<std::string>& plugin_directories) {

@@ -1,126 +1,120 @@
-"""Pictures with matplotlib, which is loaded when the first one is asked for. Lengths are in mm."""
+"""Pictures with matplotlib, which is loaded when the first one is asked for, of the document of docs/drawing.md."""
 
 from __future__ import annotations
 
+import json
 import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from ._results import Trajectory, _Shape
+from ._native import drawing
 
-_MM = 1e3
+if TYPE_CHECKING:
+    from ._results import Result, Trajectory, _Shape
+
 _OBSTACLE = {"facecolor": "0.85", "edgecolor": "0.4", "zorder": 1}
 
 
-def _axes(ax: Any) -> Any:
-    if ax is None:
-        import matplotlib.pyplot as plt
+class _Picture:
+    """Axes, and a drawing in its own unit of length."""
 
-        ax = plt.subplots(layout="constrained")[1]
-    ax.set_aspect("equal")
-    ax.set_xlabel("x in mm")
-    ax.set_ylabel("y in mm")
-    return ax
+    def __init__(self, result: Result, ax: Any) -> None:
+        self.drawing: dict[str, Any] = json.loads(drawing(result.to_json()))
+        if ax is None:
+            import matplotlib.pyplot as plt
 
+            ax = plt.subplots(layout="constrained")[1]
+        self.ax = ax
+        self.per_metre = 1.0 / self.drawing["length_unit"]["size"]
+        forces = [c.get("force", 0.0) for frame in self.drawing["frames"] for c in frame["contacts"]]
+        self.per_newton = 0.15 * self.drawing["length"] / max([*forces, 0.0]) if max([*forces, 0.0]) > 0.0 else 0.0
 
-def _outline(obstacle: dict[str, Any]) -> Any:
-    """Points around an obstacle, m, one per row; None for a shape that is not known here."""
-    if obstacle["shape"] == "circle":
-        return _grown(np.array([obstacle["center"]]), obstacle["radius"])
-    if obstacle["shape"] == "capsule":
-        return _grown(np.array([obstacle["from"], obstacle["to"]]), obstacle["radius"])
-    return None
+    def points(self, points: Any) -> Any:
+        """Two rows, x and y, in the unit of the axes."""
+        return self.per_metre * np.array(points, dtype=float).reshape(-1, 2).T
 
+    def surroundings(self, *frames: dict[str, Any]) -> None:
+        unit = self.drawing["length_unit"]["name"]
+        self.ax.set_aspect("equal")
+        self.ax.set_xlabel(f"x in {unit}")
+        self.ax.set_ylabel(f"y in {unit}")
+        for shape in [*self.drawing["obstacles"], *(shape for frame in frames for shape in frame.get("obstacles", []))]:
+            self.area(shape["outlines"], **(_OBSTACLE if not shape.get("ignored") else {"facecolor": "none", "edgecolor": "0.5", "linestyle": "--"}))
+        # Obstacles may go on for ever; the rod says what is looked at.
+        near = 0.35 * self.drawing["length"] * self.per_metre
+        lines = [self.points(line) for frame in frames for rod in frame["rods"] for line in (rod["line"], rod.get("body", []))]
+        if lines:
+            points = np.hstack(lines)
+            self.ax.set_xlim(points[0].min() - near, points[0].max() + near)
+            self.ax.set_ylim(points[1].min() - near, points[1].max() + near)
 
-def _grown(corners: Any, radius: float) -> Any:
-    """Points around the convex hull of corners, grown by a radius: in each direction the farthest corner, and more."""
-    turn = np.linspace(0.0, 2.0 * np.pi, 181)
-    circle = np.column_stack([np.cos(turn), np.sin(turn)])
-    return corners[np.argmax(circle @ corners.T, axis=1)] + radius * circle
+    def area(self, outlines: Any, **style: Any) -> None:
+        """What lies within an odd number of lines: as one path, in which holes run the other way."""
+        from matplotlib.patches import PathPatch
+        from matplotlib.path import Path
 
+        self.ax.add_patch(PathPatch(Path.make_compound_path(*[Path(self.points([*o, o[0]]).T, closed=True) for o in outlines]), **style))
 
-def _draw_polygon(ax: Any, obstacle: dict[str, Any]) -> None:
-    """The outlines as one path, whose holes run the other way, and each of their sides grown by the rounding."""
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path
+    def frame(self, frame: dict[str, Any], **style: Any) -> None:
+        """The rods, what touches them, and where they should be."""
+        for contact in frame["contacts"]:
+            if contact.get("friction") and contact.get("force", 0.0) > 0.0:
+                self.cone(contact)
+        style = {"color": "C0", "linewidth": 2.5, "solid_capstyle": "round", "zorder": 3, **style}
+        for rod in frame["rods"]:
+            if "body" in rod:
+                self.area([rod["body"]], facecolor=style["color"], edgecolor="none", alpha=0.3, zorder=2)
+            self.ax.plot(*self.points(rod["line"]), **style)
+        for key, mark, color in (("measured", "o", "C1"), ("tips", "o", "C4"), ("path", ".", "C2")):
+            self.ax.plot(*self.points(frame.get(key, [])), mark, color=color, fillstyle="none", zorder=4)
+        self.contacts([c for c in frame["contacts"] if c.get("force", 0.0) > 0.0])
+        target = frame.get("target", {}).get("position")
+        if target:
+            self.ax.plot(*self.points(target), "+", color="C2", markersize=10, zorder=4)
 
-    vertices = np.array(obstacle["vertices"])
-    ends = np.cumsum([int(n) for n in obstacle.get("outlines", [len(vertices)])])
-    fill = {"facecolor": _OBSTACLE["facecolor"], "edgecolor": "none", "zorder": _OBSTACLE["zorder"]}
-    outlines = [np.vstack([part, part[:1]]) for part in np.split(vertices, ends[:-1])]
-    ax.add_patch(PathPatch(Path.make_compound_path(*[Path(_MM * o, closed=True) for o in outlines]), **fill))
-    for outline in outlines:
-        for side in zip(outline[:-1], outline[1:]):
-            ax.fill(*(_MM * _grown(np.array(side), obstacle["rounding"]).T), **fill)
+    def cone(self, contact: dict[str, Any]) -> None:
+        size = self.per_newton * contact["force"]
+        top = np.array(contact["surface"]) + size * np.array(contact["normal"])
+        half = contact["friction"] * size * np.array(contact["tangent"])
+        self.area([[contact["surface"], top + half, top - half]], facecolor="C3", edgecolor="none", alpha=0.2, zorder=2)
 
-
-def _draw_channel(ax: Any, obstacle: dict[str, Any]) -> None:
-    """Both walls, half of the width beside the middle."""
-    points = np.array(obstacle["points"])
-    widths = np.array(obstacle.get("widths", [obstacle.get("width")] * len(points)))
-    along = np.gradient(points, axis=0)
-    across = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
-    for side in (0.5, -0.5):
-        ax.plot(*(_MM * (points + side * widths[:, None] * across).T), color=_OBSTACLE["edgecolor"], zorder=1)
-
-
-def _draw_scene(ax: Any, result: Any) -> None:
-    for obstacle in result.get("obstacles") or []:
-        if obstacle["shape"] == "wall":
-            angle = obstacle.get("angle")
-            along = (-obstacle["normal"][1], obstacle["normal"][0]) if angle is None else (np.cos(angle), np.sin(angle))
-            start = _MM * np.array(obstacle["point"])
-            ax.axline(start, start + np.array(along), color="0.4", zorder=1)
-        if obstacle["shape"] == "polygon":
-            _draw_polygon(ax, obstacle)
-        if obstacle["shape"] == "channel":
-            _draw_channel(ax, obstacle)
-        outline = _outline(obstacle)
-        if outline is not None:
-            ax.fill(*(_MM * outline.T), **_OBSTACLE)
-    grasped = (result.get("grasp") or {}).get("object")
-    if grasped:
-        ax.fill(*(_MM * _outline({"shape": "circle", **grasped}).T), **_OBSTACLE)
+    def contacts(self, pressed: list[dict[str, Any]]) -> None:
+        if not pressed:
+            return
+        starts = self.points([c["surface"] for c in pressed]).T
+        arrows = self.points([np.multiply(c["normal"], c["force"] * self.per_newton) for c in pressed]).T
+        style = {"color": "C3", "angles": "xy", "scale_units": "xy", "scale": 1.0, "zorder": 4}
+        self.ax.quiver(*starts.T, *arrows.T, width=0.005, **style)
+        for contact, start, arrow in zip(pressed, starts, arrows):
+            self.ax.annotate(f"{contact['force']:.3g} N", start + arrow, color="C3", textcoords="offset points", xytext=(4, 4))
+            if contact.get("tangential_force"):
+                along = self.points(np.multiply(contact["tangent"], contact["tangential_force"] * self.per_newton))[:, 0]
+                self.ax.quiver(*start, *along, width=0.003, **style)
 
 
 def plot(result: _Shape, ax: Any = None, **style: Any) -> Any:
-    ax = _axes(ax)
-    _draw_scene(ax, result)
-    style = {"color": "C0", "linewidth": 2.5, "solid_capstyle": "round", "zorder": 3, **style}
-    fingers = result.get("fingers") or [result]
-    for finger in fingers:
-        points = np.array(finger["backbone"]).reshape(-1, 5)
-        ax.plot(_MM * points[:, 1], _MM * points[:, 2], **style)
-    pressed = [c for c in result.contacts if c.point and c.force and c.force > 0.0]
-    if pressed:
-        size = 0.15 * result["backbone"][-1][0] / max(c.force for c in pressed)
-        starts = np.array([c.point for c in pressed])
-        arrows = np.array([np.multiply(c.normal, c.force * size) for c in pressed])
-        ax.quiver(*(_MM * starts.T), *(_MM * arrows.T), color="C3", angles="xy", scale_units="xy", scale=1.0, width=0.005, zorder=4)
-        ax.update_datalim(_MM * (starts + 1.2 * arrows))  # arrows alone leave the limits as they are
-        for contact, start, arrow in zip(pressed, starts, arrows):
-            ax.annotate(f"{contact.force:.3g} N", _MM * (start + arrow), color="C3", textcoords="offset points", xytext=(4, 4))
-    target = (result.get("target") or {}).get("position")
-    if target:
-        ax.plot(_MM * target[0], _MM * target[1], "+", color="C2", markersize=10, zorder=4)
-    ax.autoscale_view()
-    ax.set_title(f"{result.title}" + ("" if result.solved else f" ({result.status})"))
-    return ax
+    picture = _Picture(result, ax)
+    frame = picture.drawing["frames"][-1]
+    picture.surroundings(frame)
+    picture.frame(frame, **style)
+    picture.ax.set_title(f"{result.title}" + ("" if result.solved else f" ({result.status})"))
+    return picture.ax
 
 
 def plot_steps(trajectory: Trajectory, ax: Any = None) -> Any:
-    ax = _axes(ax)
-    _draw_scene(ax, trajectory)
+    picture = _Picture(trajectory, ax)
+    frames = picture.drawing["frames"]
+    picture.surroundings(*frames)
     import matplotlib
 
-    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, max(len(trajectory.steps), 1)))
-    for step, colour in zip(trajectory.steps, colours):
-        ax.plot(_MM * step.x, _MM * step.y, color=colour, linewidth=1.0, zorder=2)
-    ax.plot(_MM * trajectory.tips[:, 0], _MM * trajectory.tips[:, 1], ".", color="C3", markersize=3, zorder=3)
-    ax.set_title(trajectory.title)
-    return ax
+    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, max(len(frames), 1)))
+    for frame, colour in zip(frames, colours):
+        for rod in frame["rods"]:
+            picture.ax.plot(*picture.points(rod["line"]), color=colour, linewidth=1.0, zorder=2)
+    picture.ax.plot(*picture.points([rod["line"][-1] for frame in frames for rod in frame["rods"]]), ".", color="C3", markersize=3, zorder=3)
+    picture.ax.set_title(trajectory.title)
+    return picture.ax
 
 
 def animate(trajectory: Trajectory, file: str | os.PathLike[str] | None, fps: float, ax: Any) -> Any:
@@ -133,19 +127,19 @@ def animate(trajectory: Trajectory, file: str | os.PathLike[str] | None, fps: fl
     name = None if file is None else os.fspath(file)
     if name is not None and not name.endswith((".gif", ".mp4", ".html")):
         raise ValueError(f"file: found {name!r}, expected a name that ends in .gif, .mp4 or .html")
-    ax = _axes(ax)
-    points = _MM * np.vstack([step.backbone[:, 1:3] for step in trajectory.steps])
-    margin = 0.1 * np.ptp(points, axis=0).max()
+    picture = _Picture(trajectory, ax)
+    frames = picture.drawing["frames"]
+    tips = picture.points([rod["line"][-1] for frame in frames for rod in frame["rods"][:1]])
 
     def frame(i: int) -> list[Any]:
-        ax.clear()
-        plot(trajectory.steps[i], ax)
-        ax.plot(_MM * trajectory.tips[: i + 1, 0], _MM * trajectory.tips[: i + 1, 1], color="C1", linewidth=1.0)
-        ax.set_xlim(points[:, 0].min() - margin, points[:, 0].max() + margin)
-        ax.set_ylim(points[:, 1].min() - margin, points[:, 1].max() + margin)
+        picture.ax.clear()
+        picture.surroundings(*frames)
+        picture.frame(frames[i])
+        picture.ax.plot(*tips[:, : i + 1], color="C1", linewidth=1.0)
+        picture.ax.set_title(f"{trajectory.title}, {frames[i]['label']}")
         return []
 
-    animation = FuncAnimation(ax.figure, frame, frames=len(trajectory.steps), interval=1e3 / fps)
+    animation = FuncAnimation(picture.ax.figure, frame, frames=len(frames), interval=1e3 / fps)
     if name is not None and name.endswith(".html"):
         with open(name, "w", encoding="utf-8") as stream:
             stream.write(animation.to_jshtml(fps=fps))

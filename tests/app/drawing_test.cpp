@@ -49,7 +49,7 @@ double apart(const json& a, const json& b) {
 TEST(Page, ShowsAPlan) {
   const json result = json_of({"plan", scene_path("brace.toml")});
   const json drawing = drawn(page_of({"plan", scene_path("brace.toml")}));
-  ASSERT_EQ(drawing["drawing"], 1);
+  ASSERT_EQ(drawing["drawing"], 2);
   EXPECT_EQ(drawing["length_unit"]["name"], "mm");
   EXPECT_EQ(drawing["gravity"], json({0.0, -9.81}));
   ASSERT_EQ(drawing["frames"].size(), 1U);
@@ -65,7 +65,7 @@ TEST(Page, ShowsAPlan) {
   EXPECT_NEAR(line.back()[0].get<double>(), result["tip"]["x"].get<double>(), 1e-7);
   EXPECT_FALSE(frame["rods"][0].contains("body"));
   ASSERT_EQ(drawing["obstacles"].size(), 1U);
-  for (const json& p : drawing["obstacles"][0]["outline"]) EXPECT_NEAR(apart(p, json{0.06, 0.0}), 0.008, 2e-7);
+  for (const json& p : drawing["obstacles"][0]["outlines"][0]) EXPECT_NEAR(apart(p, json{0.06, 0.0}), 0.008, 2e-7);
   EXPECT_FALSE(drawing["obstacles"][0].contains("ignored"));
   EXPECT_EQ(drawing["start"].size(), result["start_backbone"].size());
 }
@@ -231,8 +231,8 @@ TEST(View, RefusesWhatIsNoResult) {
   refused(R"({"schema": 1, "backbone": [[0,0,0,0,0]], "contacts": [], "target": {"position": "x"}})",
           "found string at '/target/position'");
   expect_refused(tendril({"view", directory / "none.json"}), "cannot open result");
-  expect_refused(tendril({"view", directory / "r.json", "--output", directory / "p.pdf"}),
-                 "expected a name that ends in .html");
+  expect_refused(tendril({"view", directory / "r.json", "--output", directory / "p.jpg"}),
+                 "expected a name that ends in .svg, .png, .pdf or .html");
 }
 
 TEST(View, WritesBesideYouByTheNameOfTheResult) {

@@ -70,7 +70,7 @@ TEST(Estimate, WritesResultAndFigure) {
   EXPECT_TRUE(contains_text(run.out, "supported by the points"));
   EXPECT_EQ(json::parse(read_file(directory / "out/result.json"))["status"], "solved");
   const std::string data = read_file(directory / "out/figure.dat");
-  EXPECT_TRUE(contains_text(data, "# measured"));
+  EXPECT_TRUE(contains_text(data, "# frame 1: measured."));
   EXPECT_TRUE(contains_text(read_file(directory / "out/figure.gnuplot"), "title 'measured'"));
   EXPECT_GT(read_file(directory / "out/figure.png").size(), 1000U);
 }

@@ -98,6 +98,22 @@ def check_plan(browser, page, result, downloads, dark):
     assert not browser.messages()
 
 
+def check_old_browser(browser, page):
+    """One that lacks what the page needs says so instead of nothing."""
+    made = browser.command("Page.addScriptToEvaluateOnNewDocument", source="delete window.ResizeObserver")
+    browser.open_file(page)
+    assert "the browser is too old" in browser.run("return document.body.innerText")
+    browser.command("Page.removeScriptToEvaluateOnNewDocument", identifier=made["identifier"])
+
+
+def check_friction(browser, page):
+    """What the force of a contact may be is drawn, and explained."""
+    browser.open_file(page)
+    browser.wait("return document.querySelectorAll('td[data-value]').length > 5")
+    assert painted(browser, [246, 211, 189]) > 100, "the friction cone"
+    assert "friction cone" in browser.run("return document.querySelector('aside').textContent")
+
+
 def check_movie(browser, page, downloads):
     browser.open_file(page)
     browser.run("[...document.querySelectorAll('footer button')].find((b) => b.textContent === 'Movie').click()")
@@ -118,7 +134,9 @@ def main():
         executed = make(directory, "executed", "execute", "snap_through.toml", "--moments", "-50 N mm", "--start", directory / "up/result.json")
         others = [make(directory, "grasp", "plan", "grasp_unequal.toml"), executed,
                   make(directory, "study", "study", "grasp_distal_sweep.toml")]
-        for page, _ in (trajectory, plan, *others):
+        friction = make(directory, "friction", "plan", "brace.toml", "--set", "contact.friction=0.5")
+        others.append(make(directory, "channel", "plan", "endoscope.toml"))
+        for page, _ in (trajectory, plan, friction, *others):
             check_policy(page)
         try:
             for dark in (False, True):
@@ -128,11 +146,14 @@ def main():
                     check_plan(browser, *plan, directory, dark)
                     if not dark:
                         check_movie(browser, others[1][0], directory)
+                        check_friction(browser, friction[0])
                     for page, _ in others:
                         browser.requests()
                         browser.open_file(page)
                         browser.wait("return document.querySelectorAll('td[data-value]').length > 3")
                         assert browser.requests() == [page.resolve().as_uri()] and not browser.messages()
+                    if dark:
+                        check_old_browser(browser, plan[0])
         except Missing as why:
             print(f"skipped: {why}")
             sys.exit(77)

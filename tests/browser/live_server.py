@@ -11,8 +11,10 @@ import urllib.parse
 class LiveServer:
     """Use it in a `with` statement."""
 
-    def __init__(self, command, scene, *options):
-        self.process = subprocess.Popen([command, "live", str(scene), "--no-browser", *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    def __init__(self, command, scene, *options, environment=None):
+        """No browser is opened, unless an `environment` says with which."""
+        options = [*options, *([] if environment else ["--no-browser"])]
+        self.process = subprocess.Popen([command, "live", str(scene), *options], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
         line = self.process.stdout.readline()
         found = re.match(r"live at (http://127\.0\.0\.1:(\d+)/([0-9a-f]{32})/)$", line)
         if not found:

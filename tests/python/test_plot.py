@@ -9,23 +9,26 @@ matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("Agg")
 
 
-@pytest.mark.parametrize("name", ["brace", "ledge", "table", "grasp_60mm", "grasp_unequal"])
+@pytest.mark.parametrize("name", ["brace", "ledge", "table", "grasp_60mm", "grasp_unequal", "silicone_finger", "window"])
 def test_plot(scenes, name):
     plan = tendril.load(scenes / f"{name}.toml").plan()
     ax = plan.plot()
     rods = [line for line in ax.lines if line.get_linewidth() == 2.5]
-    assert len(rods) == (2 if name == "grasp_unequal" else 1)
+    assert len(rods) == (2 if name.startswith("grasp") else 1)
     assert rods[0].get_xdata()[-1] == pytest.approx(1e3 * plan.tip.x)
     assert plan.title in ax.get_title()
     matplotlib.pyplot.close("all")
 
 
-def test_shapes_stand_at_their_distance():
-    from tendril._plot import _outline
-
-    capsule = _outline({"shape": "capsule", "from": [0.0, 0.0], "to": [1.0, 0.0], "radius": 0.1})
-    nearest = np.hypot(capsule[:, 0] - np.clip(capsule[:, 0], 0.0, 1.0), capsule[:, 1])
-    assert nearest == pytest.approx(np.full(len(capsule), 0.1))
+def test_draws_what_the_page_shows(scenes):
+    plan = tendril.load(scenes / "brace.toml").copy({"contact.friction": 0.3}).plan()
+    ax = plan.plot()
+    peg, cone = (patch.get_path().vertices for patch in ax.patches)
+    assert np.hypot(peg[:, 0] - 60.0, peg[:, 1]) == pytest.approx(np.full(len(peg), 8.0), abs=1e-3)
+    # From the contact its sides rise by the coefficient of friction.
+    middle = 0.5 * (cone[1] + cone[2])
+    assert np.linalg.norm(cone[1] - cone[2]) == pytest.approx(2 * 0.3 * np.linalg.norm(middle - cone[0]))
+    matplotlib.pyplot.close("all")
 
 
 def test_forces_have_their_own_direction(brace):

@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include "command/result_files.hpp"
+#include "figure/backbones.hpp"
 #include "figure/panels.hpp"
 #include "result/calibration_report.hpp"
-#include "tendril/app/figure.hpp"
-#include "tendril/app/files.hpp"
 
 namespace tendril::app {
 
@@ -19,8 +18,7 @@ ShapePanel panel_of(const Scene& scene, const Calibration& calibration, bool che
   ShapePanel panel;
   panel.title = checked ? "only checked" : "fitted";
   panel.targets_are = "measured";
-  panel.base = scene.rod.base_position;
-  panel.base_angle = scene.rod.base_angle;
+  panel.clamp = {scene.rod.base_position, scene.rod.base_angle};
   std::vector<const CalibratedShape*> shapes;
   for (const CalibratedShape& shape : calibration.shapes) {
     if (shape.check_only == checked && !shape.backbone.empty()) shapes.push_back(&shape);
@@ -68,15 +66,15 @@ void draw(const Scene& scene, const Calibration& calibration, StagedFiles& files
 int run_calibrate(Session& session, const ResultPlaces& places) {
   const Calibration calibration = session.calibrate();
   const Scene& scene = session.scene();
-  ResultForms forms{[&] { return calibration_json(scene, calibration, session.run_info()); },
-                    [&] { return calibration_report(scene, calibration); },
-                    {},
-                    "the calibration came to no shape"};
-  if (!calibration.shapes.empty()) {
-    forms.draw = [&](StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
-      draw(scene, calibration, files, stem, pictures);
-    };
-  }
+  const ResultForms forms{[&] { return calibration_json(scene, calibration, session.run_info()); },
+                          [&] { return calibration_report(scene, calibration); },
+                          {},
+                          [&](StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
+                            if (calibration.shapes.empty())
+                              throw InputError("no figure: the calibration came to no shape");
+                            draw(scene, calibration, files, stem, pictures);
+                            return true;
+                          }};
   if (places.output && !calibration.shapes.empty()) {
     StagedFiles files(*places.output);
     files.write("rod.toml", session.calibrated_rod(calibration));

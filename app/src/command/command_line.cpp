@@ -99,13 +99,18 @@ void add_json(CLI::App& command, bool& json) {
   command.add_flag("--json", json, "One JSON document on standard output and nothing else");
 }
 
+void add_movie(CLI::App& command, std::string& movie) {
+  command.add_option("--movie", movie, "Movie of all steps, states beside snaps, or cases: .gif, or .mp4 with ffmpeg")
+      ->type_name("FILE");
+}
+
 std::optional<std::filesystem::path> optional_path(const std::string& text) {
   return text.empty() ? std::nullopt : std::optional<std::filesystem::path>(text);
 }
 
 /// Where a result comes from and goes to.
 struct ResultOptions {
-  std::string start, output, figure;
+  std::string start, output, figure, movie;
   bool json = false;
 
   void add_to(CLI::App& command, const char* what) {
@@ -114,14 +119,16 @@ struct ResultOptions {
         ->type_name("DIR");
     command.add_option("--figure", figure, std::string("Picture of the ") + what + ", .svg, .png, .pdf or .html")
         ->type_name("FILE");
+    add_movie(command, movie);
     add_json(command, json);
   }
   void check(const CLI::App& command) const {
     require_name(command, "--start", start);
     require_name(command, "--output", output);
     require_name(command, "--figure", figure);
+    require_name(command, "--movie", movie);
   }
-  ResultPlaces places() const { return {optional_path(output), optional_path(figure), json}; }
+  ResultPlaces places() const { return {optional_path(output), optional_path(figure), optional_path(movie), json}; }
 };
 
 /// Names and text of a scene appear in messages; they must not steer the terminal.
@@ -252,11 +259,8 @@ Command execute_command(CLI::App& app) {
             const ResultOptions& result = parsed->result;
             result.check(*execute);
             require_name(*execute, "--plan", parsed->plan);
-            return run_execute({parsed->scene.arguments(),
-                                parsed->inputs,
-                                optional_path(parsed->plan),
-                                optional_path(result.start),
-                                {optional_path(result.output), optional_path(result.figure), result.json}});
+            return run_execute({parsed->scene.arguments(), parsed->inputs, optional_path(parsed->plan),
+                                optional_path(result.start), result.places()});
           }};
 }
 
@@ -282,7 +286,7 @@ Command calibrate_command(CLI::App& app) {
             require_name(*calibrate, "--output", parsed->output);
             require_name(*calibrate, "--figure", parsed->figure);
             return run_calibrate({parsed->scene.arguments(),
-                                  {optional_path(parsed->output), optional_path(parsed->figure), parsed->json}});
+                                  {optional_path(parsed->output), optional_path(parsed->figure), {}, parsed->json}});
           }};
 }
 
@@ -290,7 +294,7 @@ Command study_command(CLI::App& app, std::vector<std::string> words) {
   struct Parsed {
     SceneOptions scene;
     StudyArguments arguments;
-    std::string output, figure;
+    std::string output, figure, movie;
   };
   CLI::App* study = app.add_subcommand(
       "study", "Every combination of the sweeps in [study]; exit code 0: all solved, 1: not all, 2: wrong input");
@@ -301,6 +305,7 @@ Command study_command(CLI::App& app, std::vector<std::string> words) {
   study->add_option("--output", parsed->output, "Directory for results; run again with it, an unfinished study goes on")
       ->type_name("DIR");
   study->add_option("--figure", parsed->figure, "Picture of the study, .svg, .png, .pdf or .html")->type_name("FILE");
+  add_movie(*study, parsed->movie);
   study->add_option("--jobs", arguments.jobs, "Worker processes")->type_name("N")->check(CLI::Range(1, 1024));
   study->add_option("--shard", arguments.shard, "Only the i-th of N parts of the cases")->type_name("i/N");
   study->add_flag("--merge", arguments.merge, "Join the parts that are in the output directory");
@@ -311,7 +316,9 @@ Command study_command(CLI::App& app, std::vector<std::string> words) {
             require_name(*study, "--figure", parsed->figure);
             parsed->arguments.scene = parsed->scene.arguments();
             parsed->arguments.output = optional_path(parsed->output);
+            require_name(*study, "--movie", parsed->movie);
             parsed->arguments.figure = optional_path(parsed->figure);
+            parsed->arguments.movie = optional_path(parsed->movie);
             return run_study(parsed->arguments);
           }};
 }
@@ -350,11 +357,12 @@ Command view_command(CLI::App& app) {
     std::string result, output;
     std::vector<std::string> directories;
   };
-  CLI::App* view = app.add_subcommand("view", "Write a page that shows a result: one file, which any browser opens");
+  CLI::App* view = app.add_subcommand("view", "Show a result: a page that any browser opens, a picture, or a movie");
   const auto parsed = std::make_shared<Parsed>();
   view->add_option("RESULT.json", parsed->result, "What plan, execute or study has written")->required();
-  view->add_option("--output", parsed->output, "The page, by default named like the result, in the current directory")
-      ->type_name("FILE.html");
+  view->add_option("--output", parsed->output,
+                   "What to write, .html, .svg, .png, .pdf, .gif or .mp4; by default a page named like the result")
+      ->type_name("FILE");
   SceneOptions::add_plugin_directory(*view, parsed->directories);
   return {
       view, [view, parsed] {

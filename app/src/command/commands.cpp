@@ -8,12 +8,13 @@
 #include "command/estimate_command.hpp"
 #include "command/result_files.hpp"
 #include "command/trajectory_command.hpp"
-#include "figure/page.hpp"
+#include "figure/drawing.hpp"
+#include "figure/movie.hpp"
+#include "figure/picture.hpp"
 #include "result/json_reader.hpp"
 #include "session/inputs.hpp"
 #include "system/output.hpp"
 #include "system/tables.hpp"
-#include "tendril/app/figure.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/plugin_list.hpp"
@@ -30,19 +31,6 @@ void note_dropped(const Session& session) {
   for (const LeftOut& item : session.dropped())
     text += fmt::format("{}{} ({})", text.empty() ? "dropped " : ", ", item.what, item.why);
   if (!text.empty()) note(printable(text));
-}
-
-ResultForms forms_of(Session& session, const Plan& plan, std::function<std::string()> json,
-                     std::function<std::string()> report) {
-  ResultForms forms{std::move(json), std::move(report), {}, "the plan came to no shape"};
-  if (plan.backbone.empty()) return forms;
-  forms.draw = [&session, &plan](StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
-    FigureScene figure = figure_scene(session.scene(), session.make_obstacles());
-    add_gripper(figure, session.scene(), plan);
-    if (plan.status != PlanStatus::solved) figure.doubt = to_string(plan.status);
-    draw_figure(figure, plan, files, stem, pictures);
-  };
-  return forms;
 }
 
 std::optional<Plan> start_of(const std::optional<std::filesystem::path>& path, const Session& session) {
@@ -63,9 +51,8 @@ int run_plan(const PlanArguments& arguments) {
   if (arguments.verify) session.verify(plan, start);
   const RunInfo run = session.run_info();
   give_result(arguments.places,
-              forms_of(
-                  session, plan, [&] { return plan_json(session.scene(), plan, run); },
-                  [&] { return plan_report(session.scene(), plan, run); }),
+              {[&] { return plan_json(session.scene(), plan, run); },
+               [&] { return plan_report(session.scene(), plan, run); }, "the plan came to no shape"},
               session);
   return plan.status == PlanStatus::solved && !(arguments.strict && plan.search_cut) ? 0 : 1;
 }
@@ -90,9 +77,8 @@ int run_execute(const ExecuteArguments& arguments) {
   const auto& execution = std::get<Execution>(executed);
   const RunInfo run = session.run_info();
   give_result(arguments.places,
-              forms_of(
-                  session, execution.result, [&] { return execution_json(session.scene(), execution, run); },
-                  [&] { return execution_report(session.scene(), execution, run); }),
+              {[&] { return execution_json(session.scene(), execution, run); },
+               [&] { return execution_report(session.scene(), execution, run); }, "the rod came to no shape"},
               session);
   return execution.result.status == PlanStatus::solved ? 0 : 1;
 }
@@ -118,12 +104,17 @@ int run_describe(const SceneArguments& arguments, bool json) {
 int run_view(const ViewArguments& arguments) {
   const std::string name = arguments.result.string();
   std::filesystem::path page = arguments.output.value_or(arguments.result.filename().replace_extension(".html"));
-  if (picture_of(page) != Picture::page) {
-    throw InputError("found the page '" + page.string() + "', expected a name that ends in .html");
+  if (is_movie(page)) {
+    require_movie(page);
+  } else {
+    picture_of(page);
   }
   plugins::Registry registry(plugins::Catalog(plugins::search_places(arguments.plugin_directories)));
-  write_page(page, parse_result(read_input(arguments.result, "result", largest_result), name, "result"), name,
-             registry);
+  const Json drawing =
+      drawing_of(parse_result(read_input(arguments.result, "result", largest_result), name, "result"), name, registry);
+  if (!has_shape(drawing)) throw InputError("no figure: " + name + " holds no shape");
+  for (const Json& text : drawing["notes"]) note(text.get<std::string>());
+  write_picture(page, drawing);
   print("wrote " + printable(page.string()) + '\n');
   return 0;
 }

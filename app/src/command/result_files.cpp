@@ -1,35 +1,69 @@
 #include "command/result_files.hpp"
 
-#include "figure/page.hpp"
+#include "figure/drawing.hpp"
+#include "figure/movie.hpp"
+#include "figure/picture.hpp"
 #include "system/output.hpp"
-#include "tendril/app/figure.hpp"
-#include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::app {
 
 namespace {
 
-void draw(const ResultForms& forms, const std::filesystem::path& directory, const std::string& stem,
-          const std::vector<Picture>& pictures) {
-  if (!forms.draw) return note("no figure: " + forms.no_shape);
-  StagedFiles files(directory);
-  forms.draw(files, stem, pictures);
-  files.publish();
-}
+/// The pictures of a result, of which the drawing is made once.
+class Pictures {
+ public:
+  Pictures(const ResultForms& forms, Session& session) : forms_(forms), session_(session) {}
+
+  void into(const std::filesystem::path& directory, const std::string& stem, const std::vector<Picture>& pictures) {
+    if (!forms_.draw && !drawing()) return;
+    StagedFiles files(directory);
+    if (!forms_.draw) {
+      draw_pictures(*drawing(), files, stem, pictures);
+    } else if (!forms_.draw(files, stem, pictures)) {
+      return note("no figure: " + forms_.no_shape);
+    }
+    files.publish();
+  }
+  void as(const std::filesystem::path& file) {
+    if (forms_.draw) return into(file.parent_path(), file.stem().string(), {picture_of(file)});
+    if (drawing()) write_picture(file, *drawing());
+  }
+
+ private:
+  /// Null: there is no shape, which was said.
+  const Json* drawing() {
+    if (!made_) {
+      made_ = true;
+      drawing_ = drawing_of(Json::parse(forms_.json()), "the result", session_.registry());
+      if (!has_shape(drawing_)) {
+        drawing_ = nullptr;
+        note("no figure: " + forms_.no_shape);
+      }
+    }
+    return drawing_.is_null() ? nullptr : &drawing_;
+  }
+
+  const ResultForms& forms_;
+  Session& session_;
+  bool made_ = false;
+  Json drawing_;
+};
 
 }  // namespace
 
 void try_places(const ResultPlaces& places) {
-  if (places.figure) {
-    picture_of(*places.figure);
-    const StagedFiles trial(places.figure->parent_path());
+  if (places.figure) picture_of(*places.figure);
+  if (places.movie) require_movie(*places.movie);
+  for (const auto& file : {places.figure, places.movie}) {
+    if (file) const StagedFiles trial(file->parent_path());
   }
   if (places.output) const StagedFiles trial(*places.output);
 }
 
 void give_result(const ResultPlaces& places, const ResultForms& forms, Session& session) {
   const std::string json = places.json || places.output ? forms.json() : "";
+  Pictures pictures(forms, session);
   if (places.output) {
     {
       StagedFiles files(*places.output);
@@ -37,15 +71,13 @@ void give_result(const ResultPlaces& places, const ResultForms& forms, Session& 
       files.publish();
     }
     try {
-      draw(forms, *places.output, "figure", {Picture::svg, Picture::png});
+      pictures.into(*places.output, "figure", {Picture::svg, Picture::png});
     } catch (const InputError& error) {
       note(error.what());
     }
   }
-  if (places.figure && picture_of(*places.figure) == Picture::page && forms.draw) {
-    write_page(*places.figure, Json::parse(forms.json()), "the result", session.registry());
-  } else if (places.figure) {
-    draw(forms, places.figure->parent_path(), places.figure->stem().string(), {picture_of(*places.figure)});
+  for (const auto& file : {places.figure, places.movie}) {
+    if (file) pictures.as(*file);
   }
   print(places.json ? json : forms.report());
 }

@@ -5,16 +5,18 @@
 #include <vector>
 
 #include "tendril/app/commands.hpp"
-#include "tendril/app/figure.hpp"
+#include "tendril/app/files.hpp"
+#include "tendril/app/picture.hpp"
 
 namespace tendril::app {
 
-/// A result in its forms, each made when it is needed. An empty `draw`: there is no shape, as `no_shape` says.
+/// A result in its forms, each made when it is needed.
 struct ResultForms {
   std::function<std::string()> json;
   std::function<std::string()> report;
-  std::function<void(StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures)> draw;
-  std::string no_shape{};
+  std::string no_shape{};  ///< what is said where nothing is there to be drawn
+  /// Draws what is no drawing's, or says that there is no shape; empty: the drawing of the JSON is drawn.
+  std::function<bool(StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures)> draw{};
 };
 
 /// What cannot be written had better be known before the work begins. Throws InputError.

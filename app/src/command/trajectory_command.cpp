@@ -3,31 +3,11 @@
 #include <algorithm>
 
 #include "command/result_files.hpp"
-#include "figure/panels.hpp"
 #include "result/trajectory_result.hpp"
 #include "system/output.hpp"
-#include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::app {
-
-namespace {
-
-void draw(Session& session, const Trajectory& trajectory, StagedFiles& files, const std::string& stem,
-          const std::vector<Picture>& pictures) {
-  ShapePanel panel = shape_panel(figure_scene(session.scene(), session.make_obstacles()));
-  panel.ordered = true;
-  for (const TrajectoryStep& step : trajectory.steps) {
-    panel.rods.push_back(line_of(step.plan.backbone));
-    if (step.target.position) panel.targets.push_back(*step.target.position);
-    for (const PlannedContact& contact : step.plan.contacts) {
-      if (contact.force > 0.0) panel.contacts.push_back(contact.point);
-    }
-  }
-  draw_panels(session.scene().title, {{panel}}, {}, files, stem, pictures);
-}
-
-}  // namespace
 
 int run_trajectory(Session& session, const PlanArguments& arguments) {
   if (arguments.start) throw InputError("--start: a trajectory starts from its scene, expected no --start");
@@ -42,10 +22,7 @@ int give_trajectory(Session& session, const Trajectory& trajectory, const Result
   }
   give_result(places,
               {[&] { return trajectory_json(session.scene(), trajectory, session.run_info()); },
-               [&] { return trajectory_report(session.scene(), trajectory); },
-               [&](StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
-                 draw(session, trajectory, files, stem, pictures);
-               }},
+               [&] { return trajectory_report(session.scene(), trajectory); }, "no step came to a shape"},
               session);
   const bool cut = std::any_of(trajectory.steps.begin(), trajectory.steps.end(),
                                [](const TrajectoryStep& step) { return step.plan.search_cut; });

@@ -8,6 +8,7 @@
 
 #include "figure/gnuplot.hpp"
 #include "tendril/app/input_error.hpp"
+#include "tendril/numbers.hpp"
 
 namespace tendril::app {
 

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "figure/backbones.hpp"
 #include "figure/drawing_numbers.hpp"
 #include "figure/gnuplot.hpp"
-#include "figure/panels.hpp"
+#include "figure/outlines.hpp"
 #include "result/json_reader.hpp"
-#include "tendril/app/figure.hpp"
 #include "tendril/grasp.hpp"
 #include "tendril/plugins/components.hpp"
 
@@ -43,58 +43,29 @@ class Shorter {
   double places_, per_length_;
 };
 
-std::vector<BackbonePoint> backbone_of(const Reader& state, const std::string& name = "backbone") {
-  std::vector<BackbonePoint> backbone;
-  for (const Reader& entry : state.member(name).list()) {
-    const std::vector<double> p = entry.reals();
-    if (p.size() != 5) entry.fail("five numbers: s, x, y, angle, curvature");
-    backbone.push_back({p[0], p[1], p[2], p[3], p[4]});
-  }
-  return backbone;
-}
+/// The box around all that a drawing's frames hold, with as much as the rod is long twice more around it: what of an
+/// unbounded obstacle lies beyond is never seen.
+struct Reach {
+  Vec2 low{infinity, infinity}, high{-infinity, -infinity};
 
-/// Half the diameters that a state lists for its points, between these in proportion; empty: it has no body.
-BodyRadius radius_of(const Reader& state) {
-  const auto thickness = state.optional("thickness");
-  if (!thickness) return {};
-  std::vector<std::pair<double, double>> known;  // arc length, radius
-  const std::vector<BackbonePoint> backbone = backbone_of(state);
-  const std::vector<double> diameters = thickness->reals();
-  if (diameters.size() != backbone.size() || backbone.empty())
-    thickness->fail("a number for each point of the backbone");
-  known.reserve(backbone.size());
-  for (std::size_t i = 0; i < backbone.size(); ++i) known.emplace_back(backbone[i].s, 0.5 * diameters[i]);
-  return [known](double s) {
-    const auto above = std::lower_bound(known.begin(), known.end(), s,
-                                        [](const auto& point, double value) { return point.first < value; });
-    if (above == known.begin()) return known.front().second;
-    if (above == known.end()) return known.back().second;
-    const auto below = above - 1;
-    const double share = (s - below->first) / (above->first - below->first);
-    return below->second + share * (above->second - below->second);
-  };
-}
-
-std::vector<Vec2> points_in(const Reader& list) {
-  std::vector<Vec2> points;
-  for (const Reader& entry : list.list()) points.push_back(entry.point());
-  return points;
-}
-
-/// The first backbone or line of a result, for the length of its rod.
-double length_of(const Reader& result) {
-  for (const char* list : {"cases", "steps"}) {
-    if (!result.has(list)) continue;
-    for (const Reader& one : result.member(list).list()) {
-      if (const double length = length_of(one); length > 0.0) return length;
+  Reach(const Json& frames, double length) {
+    for (const Json& frame : frames) {
+      for (const Json& rod : frame["rods"]) {
+        for (const Json& p : rod["line"]) add({p[0], p[1]});
+      }
+      if (!frame.contains("target") || !frame["target"].contains("position")) continue;
+      const Json& p = frame["target"]["position"];
+      add({p[0], p[1]});
     }
-    return 0.0;
+    if (low.x > high.x) add({});
+    low = (1.0 / length) * low - Vec2{2.0, 2.0};
+    high = (1.0 / length) * high + Vec2{2.0, 2.0};
   }
-  if (const auto plan = result.optional("plan")) return length_of(*plan);
-  if (!result.has("backbone")) return 0.0;
-  const std::vector<BackbonePoint> backbone = backbone_of(result);
-  return backbone.empty() ? 0.0 : backbone.back().s;
-}
+  void add(Vec2 p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+  }
+};
 
 RawValue raw_of(const Json& value) {
   if (value.is_array()) {
@@ -118,12 +89,13 @@ class Draft {
   Json document() {
     const LengthUnit unit = unit_for(length_);
     Json drawing;
-    drawing["drawing"] = 1;
+    drawing["drawing"] = 2;
     drawing["title"] = result_.has("title") ? result_.member("title").text() : "";
     drawing["problem"] = problem();
     drawing["length"] = length_;
     drawing["length_unit"] = {{"name", unit.name}, {"size", unit.size}};
-    drawing["obstacles"] = obstacles();
+    drawing["obstacles"] = Json::array();
+    read_friction();
     if (const auto gravity = result_.optional("gravity")) drawing["gravity"] = {gravity->point().x, gravity->point().y};
     if (result_.has("start_backbone")) {
       drawing["start"] = shorter_.points(line_of(backbone_of(result_, "start_backbone")));
@@ -134,6 +106,7 @@ class Draft {
       for (const Reader& one : cases) frames.push_back(case_frame(one, cases.size()));
     } else if (result_.has("steps")) {
       const auto steps = result_.member("steps").list();
+      drawing["ordered"] = true;
       for (std::size_t i = 0; i < steps.size(); ++i) {
         frames.push_back(plan_frame(steps[i], fmt::format("step {} of {}", i + 1, steps.size())));
         if (frames.back().contains("target"))
@@ -143,6 +116,7 @@ class Draft {
       add_snaps(frames);
       frames.push_back(plan_frame(result_, problem() == "execute" ? "at rest" : ""));
     }
+    drawing["obstacles"] = obstacles(Reach(frames, length_));
     drawing["frames"] = std::move(frames);
     drawing["notes"] = notes_;
     return drawing;
@@ -151,8 +125,18 @@ class Draft {
  private:
   std::string problem() const { return result_.has("problem") ? result_.member("problem").text() : "pose"; }
 
+  /// The coefficients of the scene's obstacles.
+  void read_friction() {
+    const auto obstacles = result_.optional("obstacles");
+    if (!obstacles) return;
+    for (const Reader& entry : obstacles->list()) {
+      const auto coefficient = entry.optional("friction");
+      frictions_.push_back(coefficient ? coefficient->real() : 0.0);
+    }
+  }
+
   /// Outlines of the scene's obstacles, which are made as the scene made them.
-  Json obstacles() {
+  Json obstacles(const Reach& reach) {
     Json array = Json::array();
     if (problem() == "grasp" || problem() == "estimate") return array;
     if (!result_.has("obstacles")) {
@@ -166,13 +150,17 @@ class Draft {
     for (const Reader& entry : result_.member("obstacles").list()) {
       ObstacleSpec spec{entry.member("name").text(), entry.member("shape").text()};
       for (const auto& [name, value] : entry.json().items()) {
-        if (name != "name" && name != "shape") spec.options[name] = raw_of(value);
+        if (name != "name" && name != "shape" && name != "friction") spec.options[name] = raw_of(value);
       }
       scene.obstacles = {std::move(spec)};
       try {
-        const FigureScene::Shape shape = figure_scene(scene, plugins::make_obstacles(registry_, scene)).obstacles[0];
-        if (shape.outline.empty()) continue;
-        array.push_back({{"name", shape.name}, {"outline", shorter_.points(shape.outline)}});
+        const auto made = plugins::make_obstacles(registry_, scene);
+        std::vector<ClosedLine> outlines = outlines_of(*made[0], reach.low, reach.high);
+        if (outlines.empty()) continue;
+        for (ClosedLine& line : outlines) {
+          for (Vec2& p : line) p = length_ * p;
+        }
+        array.push_back(shape(scene.obstacles[0].name, outlines));
         if (ignored) array.back()["ignored"] = true;
       } catch (const Error& error) {
         notes_.push_back(fmt::format("'{}' is not drawn: {}", scene.obstacles[0].name, error.what()));
@@ -180,6 +168,13 @@ class Draft {
     }
     return array;
   }
+
+  Json shape(const std::string& name, const std::vector<ClosedLine>& outlines) const {
+    Json json{{"name", name}, {"outlines", Json::array()}};
+    for (const ClosedLine& line : outlines) json["outlines"].push_back(shorter_.points(line));
+    return json;
+  }
+  Json object(Vec2 center, double radius) const { return shape("object", {circle_outline(center, radius)}); }
 
   Json rod(const std::string& name, const std::vector<BackbonePoint>& backbone, const BodyRadius& radius) const {
     Json::array_t along;
@@ -196,11 +191,12 @@ class Draft {
   void add_rod(Json& frame, const std::string& name, const Reader& state, const BodyRadius& radius) const {
     const std::vector<BackbonePoint> backbone = backbone_of(state);
     if (!backbone.empty()) frame["rods"].push_back(rod(name, backbone, radius));
-    add_contacts(frame, state, radius);
+    add_contacts(frame, state, backbone, radius);
   }
 
   /// Adds the contacts of a state that have a place.
-  void add_contacts(Json& frame, const Reader& state, const BodyRadius& radius) const {
+  void add_contacts(Json& frame, const Reader& state, const std::vector<BackbonePoint>& backbone,
+                    const BodyRadius& radius) const {
     for (const Reader& entry : state.member("contacts").list()) {
       const auto point = entry.optional("point");
       const auto normal = entry.optional("normal");
@@ -218,8 +214,21 @@ class Draft {
       contact["normal"] = {normal->point().x, normal->point().y};
       const double depth = radius ? radius(arc_length->real()) : 0.0;
       contact["surface"] = shorter_.point(point->point() - depth * normal->point());
+      add_friction(contact, entry);
+      if (contact.contains("friction") || contact.contains("tangential_force")) {
+        const Vec2 tangent = tangent_at(backbone, arc_length->real(), normal->point());
+        contact["tangent"] = {tangent.x, tangent.y};
+      }
       frame["contacts"].push_back(std::move(contact));
     }
+  }
+
+  void add_friction(Json& contact, const Reader& entry) const {
+    const auto index = entry.optional("obstacle_index");
+    if (!index || frictions_.empty()) return;
+    const int obstacle = index->whole(0, static_cast<int>(frictions_.size()) - 1);
+    if (const double friction = frictions_[static_cast<std::size_t>(obstacle)]; friction > 0.0)
+      contact["friction"] = friction;
   }
 
   static Json target_of(const Reader& target) {
@@ -246,15 +255,22 @@ class Draft {
       add_rod(frame, plan.has("grasp") ? "finger" : "rod", plan, radius_of(plan));
     }
     if (const auto grasp = plan.optional("grasp")) add_grasp_to(frame, plan, *grasp);
+    if (const auto measured = plan.optional("measured")) frame["measured"] = shorter_.points(points_in(*measured));
+    if (const auto states = plan.optional("friction_range")) {
+      for (const Reader& state : states->list()) {
+        const auto x = state.member("tip").optional("x");
+        const auto y = state.member("tip").optional("y");
+        if (x && y) frame["tips"].push_back(shorter_.point({x->real(), y->real()}));
+      }
+    }
     frame["numbers"] = plan_numbers(plan);
     return frame;
   }
 
   /// The object, the palm, and the mirror image of a finger that stands for both.
   void add_grasp_to(Json& frame, const Reader& plan, const Reader& grasp) const {
-    if (const auto object = grasp.optional("object")) {
-      const FigureScene::Shape shape = object_shape(object->member("center").point(), object->member("radius").real());
-      frame["obstacles"].push_back({{"name", shape.name}, {"outline", shorter_.points(shape.outline)}});
+    if (const auto held = grasp.optional("object")) {
+      frame["obstacles"].push_back(object(held->member("center").point(), held->member("radius").real()));
     }
     const auto palm = grasp.optional("palm");
     if (!palm) return;
@@ -326,11 +342,10 @@ class Draft {
     }
     if (const auto path = one.optional("path")) frame["path"] = shorter_.points(points_in(*path));
     if (const auto objects = one.optional("objects")) {
-      for (const Reader& object : objects->list()) {
-        const std::vector<double> o = object.reals();
-        if (o.size() != 3) object.fail("centre and radius of an object");
-        frame["obstacles"].push_back(
-            {{"name", "object"}, {"outline", shorter_.points(object_shape({o[0], o[1]}, o[2]).outline)}});
+      for (const Reader& entry : objects->list()) {
+        const std::vector<double> o = entry.reals();
+        if (o.size() != 3) entry.fail("centre and radius of an object");
+        frame["obstacles"].push_back(object({o[0], o[1]}, o[2]));
       }
     }
     frame["contacts"] = Json::array();
@@ -345,6 +360,7 @@ class Draft {
   plugins::Registry& registry_;
   double length_;
   Shorter shorter_;
+  std::vector<double> frictions_;
   std::vector<std::string> notes_;
 };
 

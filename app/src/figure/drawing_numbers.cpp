@@ -22,10 +22,10 @@ void add_forces(Json& numbers, const Reader& state) {
   for (const Reader& contact : state.member("contacts").list()) {
     const auto obstacle = contact.optional("obstacle");
     const auto finger = contact.optional("finger");
-    add_number(numbers,
-               fmt::format("force {}{}", obstacle ? "of " + obstacle->text() : "of a contact",
-                           finger ? ", " + finger->text() + " finger" : ""),
-               contact.optional("force"), "N");
+    const std::string of = fmt::format("of {}{}", obstacle ? obstacle->text() : "a contact",
+                                       finger ? ", " + finger->text() + " finger" : "");
+    add_number(numbers, "force " + of, contact.optional("force"), "N");
+    add_number(numbers, "force along the rod " + of, contact.optional("tangential_force"), "N");
   }
 }
 

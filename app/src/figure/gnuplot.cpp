@@ -41,6 +41,18 @@ void add_clamp(DataFile& data, Vec2 base, double base_angle, double length, cons
   }
 }
 
+void add_outlines(DataFile& data, const std::vector<ClosedLine>& outlines, const std::string& body,
+                  const std::string& edge) {
+  data.block(body, "x y");
+  for (const Vec2 p : joined(outlines)) data.row(p);
+  data.block(edge, "x y");
+  for (const ClosedLine& line : outlines) {
+    for (const Vec2 p : line) data.row(p);
+    if (!line.empty()) data.row(line[0]);
+    data.gap();
+  }
+}
+
 std::string gnuplot_file(const std::string& name) {
   std::string out = "'./";
   for (const char c : name) out += c == '\'' ? std::string("''") : std::string(1, c);

@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "tendril/app/figure.hpp"
+#include "figure/outlines.hpp"
+#include "tendril/app/files.hpp"
+#include "tendril/app/picture.hpp"
 
 namespace tendril::app {
 
@@ -25,9 +27,6 @@ class DataFile {
 
   void block(const std::string& name, const std::string& columns) {
     text_ += fmt::format("\n\n# {}\n# {}\n", name, columns);
-  }
-  void points(const std::vector<BackbonePoint>& backbone) {
-    for (const BackbonePoint& p : backbone) row(p.position());
   }
   void row(Vec2 point) { row({point.x, point.y}); }
   void row(std::initializer_list<double> lengths) {
@@ -48,7 +47,11 @@ class DataFile {
 };
 
 /// A base line across the clamp with short strokes behind it, as a block.
-void add_clamp(DataFile& data, Vec2 base, double base_angle, double length, const std::string& block = "clamp");
+void add_clamp(DataFile& data, Vec2 base, double base_angle, double length, const std::string& block);
+
+/// An obstacle: the block `body` can be filled although gnuplot knows no holes, `edge` holds its lines.
+void add_outlines(DataFile& data, const std::vector<ClosedLine>& outlines, const std::string& body,
+                  const std::string& edge);
 
 /// A file beside the script, as a string of the script. Path names must stay as they are, so a quote is doubled;
 /// picture_of() has seen to it that no two stand together.

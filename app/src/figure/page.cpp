@@ -2,11 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "figure/drawing.hpp"
 #include "figure/page_assets.hpp"
-#include "system/output.hpp"
-#include "tendril/app/files.hpp"
-#include "tendril/app/input_error.hpp"
 
 namespace tendril::app {
 
@@ -63,8 +59,8 @@ std::string page_of(const PageParts& parts) {
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n"
-      "<style>{}</style>\n</head>\n<body>\n<div id=\"tendril\"></div>\n<noscript>This page draws with "
-      "JavaScript.</noscript>\n"
+      "<style>{}</style>\n</head>\n<body>\n<div id=\"tendril\"><p>This page draws with JavaScript. "
+      "Where this stays, it is switched off, or the browser is too old: expected one of 2021 or later.</p></div>\n"
       "<script type=\"application/json\" id=\"{}\">{}</script>\n{}</body>\n</html>\n",
       page_policy(parts.scripts, parts.connects), escaped(parts.title), page_style.text, parts.data_name,
       data_text(parts.data), scripts);
@@ -72,16 +68,6 @@ std::string page_of(const PageParts& parts) {
 
 std::string drawing_page(const Json& drawing) {
   return page_of({drawing.value("title", ""), "drawing", drawing, {&drawing_script}});
-}
-
-void write_page(const std::filesystem::path& file, const Json& result, const std::string& name,
-                plugins::Registry& registry) {
-  const Json drawing = drawing_of(result, name, registry);
-  if (!has_shape(drawing)) throw InputError("no figure: " + name + " holds no shape");
-  for (const Json& text : drawing["notes"]) note(text.get<std::string>());
-  StagedFiles files(file.parent_path());
-  files.write(file.filename().string(), drawing_page(drawing));
-  files.publish();
 }
 
 }  // namespace tendril::app

@@ -5,20 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "figure/box.hpp"
 #include "figure/gnuplot.hpp"
 
 namespace tendril::app {
 
 namespace {
-
-struct Window {
-  Vec2 low{infinity, infinity};
-  Vec2 high{-infinity, -infinity};
-  void add(Vec2 p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-  }
-};
 
 double length_of(const std::vector<std::vector<ShapePanel>>& rows) {
   double longest = 0.0;
@@ -35,37 +27,31 @@ double length_of(const std::vector<std::vector<ShapePanel>>& rows) {
 }
 
 /// One window for all panels: rods and targets, and obstacles where they are near.
-Window window_of(const std::vector<std::vector<ShapePanel>>& rows, double length) {
-  Window window;
-  Window shapes;
+Box window_of(const std::vector<std::vector<ShapePanel>>& rows, double length) {
+  Box window, shapes;
   for (const auto& row : rows) {
     for (const ShapePanel& panel : row) {
-      window.add(panel.base);
+      window.add(panel.clamp.base);
       for (const std::vector<Vec2>& rod : panel.rods) {
         for (const Vec2 p : rod) window.add(p);
       }
       for (const Vec2 p : panel.targets) window.add(p);
-      for (const FigureScene::Shape& shape : panel.obstacles) {
-        for (const Vec2 p : shape.outline) shapes.add(p);
+      for (const ShapePanel::Obstacle& obstacle : panel.obstacles) {
+        for (const ClosedLine& line : obstacle.outlines) {
+          for (const Vec2 p : line) shapes.add(p);
+        }
       }
     }
   }
-  if (shapes.low.x <= shapes.high.x) {
-    const double near = 0.35 * length;
-    const Vec2 low = window.low - Vec2{near, near};
-    const Vec2 high = window.high + Vec2{near, near};
-    window.add({std::clamp(shapes.low.x, low.x, high.x), std::clamp(shapes.low.y, low.y, high.y)});
-    window.add({std::clamp(shapes.high.x, low.x, high.x), std::clamp(shapes.high.y, low.y, high.y)});
-  }
-  const double margin = 0.07 * length;
-  window.low = window.low - Vec2{margin, margin};
-  window.high = window.high + Vec2{margin, margin};
-  const double least = 0.4 * (window.high.x - window.low.x);
-  if (const double missing = least - (window.high.y - window.low.y); missing > 0.0) {
-    window.low.y -= 0.5 * missing;
-    window.high.y += 0.5 * missing;
-  }
+  window.add_near(shapes, 0.35 * length);
+  window.grow(0.07 * length);
+  window.widen({0.0, 0.4 * window.size().x});
   return window;
+}
+
+/// Of the data file; with its end no name begins another one, as gnuplot looks for them. `item`: 0 where there is one.
+std::string panel_block(int panel, const std::string& name, std::size_t item) {
+  return item > 0 ? fmt::format("{} {} {}.", name, panel, item) : fmt::format("{} {}.", name, panel);
 }
 
 struct Rgb {
@@ -92,7 +78,7 @@ struct Layout {
 };
 
 Layout layout_of(const std::string& title, const std::vector<std::vector<ShapePanel>>& rows,
-                 const std::vector<BarPanel>& bars, const Window& window) {
+                 const std::vector<BarPanel>& bars, const Box& window) {
   Layout at;
   std::size_t columns = bars.size();
   for (const auto& row : rows) columns = std::max(columns, row.size());
@@ -120,7 +106,7 @@ class Script {
                          1.0 - 26.0 / at_.height);
   }
 
-  void shapes(const std::vector<ShapePanel>& row, const Window& window) {
+  void shapes(const std::vector<ShapePanel>& row, const Box& window) {
     for (std::size_t i = 0; i < row.size(); ++i) {
       place(i, at_.panel_height);
       text_ += fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", window.low.x / unit_.size,
@@ -228,17 +214,16 @@ class Script {
     ++panel_;
     std::vector<std::string> parts;
     const auto block = [&](const std::string& name, std::size_t i) {
-      return fmt::format("{} index '{} {}{}' using 1:2", data_, name, panel_,
-                         i > 0 ? fmt::format(" {}", i) : std::string());
+      return fmt::format("{} index '{}' using 1:2", data_, panel_block(panel_, name, i));
     };
     for (std::size_t i = 0; i < panel.obstacles.size(); ++i) {
-      if (panel.obstacles[i].outline.empty()) continue;
-      const std::string outline = block("obstacle", i + 1);
-      if (panel.obstacles_ignored) {
-        parts.push_back(outline + " with lines dashtype (4,4) linewidth 1.2 linecolor rgb '#808080' notitle");
+      const std::string edge = block("edge", i + 1);
+      if (panel.obstacles[i].ignored) {
+        parts.push_back(edge + " with lines dashtype (4,4) linewidth 1.2 linecolor rgb '#808080' notitle");
       } else {
-        parts.push_back(outline + " with filledcurves closed fillstyle solid 1.0 fillcolor rgb '#d5d5d5' notitle");
-        parts.push_back(outline + " with lines linewidth 1.2 linecolor rgb '#707070' notitle");
+        parts.push_back(block("obstacle", i + 1) +
+                        " with filledcurves closed fillstyle solid 1.0 fillcolor rgb '#d5d5d5' notitle");
+        parts.push_back(edge + " with lines linewidth 1.2 linecolor rgb '#707070' notitle");
       }
     }
     parts.push_back(block("clamp", 0) + " with lines linewidth 1.5 linecolor rgb '#404040' notitle");
@@ -285,20 +270,20 @@ DataFile data_of(const std::vector<std::vector<ShapePanel>>& rows, const std::ve
     for (const ShapePanel& panel : row) {
       ++number;
       for (std::size_t i = 0; i < panel.obstacles.size(); ++i) {
-        data.block(fmt::format("obstacle {} {}", number, i + 1), "x y");
-        for (const Vec2 p : panel.obstacles[i].outline) data.row(p);
+        add_outlines(data, panel.obstacles[i].outlines, panel_block(number, "obstacle", i + 1),
+                     panel_block(number, "edge", i + 1));
       }
-      add_clamp(data, panel.base, panel.base_angle, length, fmt::format("clamp {}", number));
+      add_clamp(data, panel.clamp.base, panel.clamp.angle, length, panel_block(number, "clamp", 0));
       for (std::size_t i = 0; i < panel.rods.size(); ++i) {
-        data.block(fmt::format("rod {} {}", number, i + 1), "x y");
+        data.block(panel_block(number, "rod", i + 1), "x y");
         for (const Vec2 p : panel.rods[i]) data.row(p);
       }
       for (std::size_t i = 0; i < panel.targets.size(); ++i) {
-        data.block(fmt::format("target {} {}", number, i + 1), "x y");
+        data.block(panel_block(number, "target", i + 1), "x y");
         data.row({panel.targets[i].x, panel.targets[i].y});
       }
       if (panel.contacts.empty()) continue;
-      data.block(fmt::format("contacts {}", number), "x y");
+      data.block(panel_block(number, "contacts", 0), "x y");
       for (const Vec2 p : panel.contacts) data.row(p);
     }
   }
@@ -343,20 +328,31 @@ std::vector<Script::Entry> shape_legend(const std::vector<std::vector<ShapePanel
 
 }  // namespace
 
-ShapePanel shape_panel(const FigureScene& figure) {
-  ShapePanel panel;
-  panel.obstacles = figure.obstacles;
-  panel.obstacles_ignored = figure.obstacles_ignored;
-  panel.base = figure.base;
-  panel.base_angle = figure.base_angle;
-  return panel;
+ShapePanel::ShapePanel(const Json& drawing) {
+  for (const Json& shape : drawing["obstacles"]) obstacles.push_back({lines_of(shape), shape.value("ignored", false)});
+  for (const Json& frame : drawing["frames"]) {
+    if (frame["rods"].empty()) continue;
+    clamp = clamp_of(frame["rods"][0]);
+    break;
+  }
 }
 
-std::vector<Vec2> line_of(const std::vector<BackbonePoint>& backbone) {
-  std::vector<Vec2> line;
-  line.reserve(backbone.size());
-  for (const BackbonePoint& p : backbone) line.push_back(p.position());
-  return line;
+void ShapePanel::add(const Json& frame) {
+  const auto points_of = [](const Json& list) {
+    std::vector<Vec2> points;
+    points.reserve(list.size());
+    for (const Json& p : list) points.push_back(point(p));
+    return points;
+  };
+  for (const Json& rod : frame["rods"]) rods.push_back(points_of(rod["line"]));
+  if (has_target(frame)) targets.push_back(point(frame["target"]["position"]));
+  if (has<path_key>(frame)) {
+    ordered = true;
+    for (const Vec2 p : points_of(frame["path"])) targets.push_back(p);
+  }
+  for (const Json& contact : frame["contacts"]) {
+    if (presses(contact) || touches(contact)) contacts.push_back(point(contact["surface"]));
+  }
 }
 
 void draw_panels(const std::string& title, const std::vector<std::vector<ShapePanel>>& shapes,
@@ -364,7 +360,7 @@ void draw_panels(const std::string& title, const std::vector<std::vector<ShapePa
                  const std::vector<Picture>& pictures) {
   const double length = length_of(shapes);
   const LengthUnit unit = unit_for(length);
-  const Window window = window_of(shapes, length);
+  const Box window = window_of(shapes, length);
   const Layout layout = layout_of(title, shapes, bars, window);
   Script script(layout, unit, gnuplot_file(stem + ".dat"));
   std::size_t count = bars.size();

@@ -3,17 +3,27 @@
 #include <string>
 #include <vector>
 
-#include "tendril/app/figure.hpp"
+#include "figure/frames.hpp"
+#include "tendril/app/files.hpp"
+#include "tendril/app/picture.hpp"
 
 namespace tendril::app {
 
 /// Shapes of one rod in one picture.
 struct ShapePanel {
+  struct Obstacle {
+    std::vector<ClosedLine> outlines;
+    bool ignored = false;  ///< the plan knows nothing of it
+  };
+  ShapePanel() = default;
+  /// An empty panel of a drawing: its obstacles, and where its rod is held.
+  explicit ShapePanel(const Json& drawing);
+  /// Adds the rods, targets and contacts of one of its frames.
+  void add(const Json& frame);
+
   std::string title;
-  std::vector<FigureScene::Shape> obstacles;
-  bool obstacles_ignored = false;
-  Vec2 base{};
-  double base_angle = 0.0;
+  std::vector<Obstacle> obstacles;
+  Clamp clamp;
   std::vector<std::vector<Vec2>> rods;  ///< m
   std::vector<Vec2> targets, contacts;  ///< m
   const char* targets_are = "targets";  ///< in the legend
@@ -36,12 +46,8 @@ struct BarPanel {
   std::vector<Series> series;
 };
 
-/// An empty panel of the scene of `figure`.
-ShapePanel shape_panel(const FigureScene& figure);
-std::vector<Vec2> line_of(const std::vector<BackbonePoint>& backbone);
-
 /// Draws rows of panels, all in one window and scale, and a row of bars below them. Lettered if there are several.
-/// Files and errors as in draw_figure().
+/// Files and errors as in draw_pictures().
 void draw_panels(const std::string& title, const std::vector<std::vector<ShapePanel>>& shapes,
                  const std::vector<BarPanel>& bars, StagedFiles& files, const std::string& stem,
                  const std::vector<Picture>& pictures);

@@ -2,8 +2,10 @@
 
 #include <utility>
 
+#include "figure/drawing.hpp"
 #include "result/calibration_report.hpp"
 #include "result/estimate_report.hpp"
+#include "result/json_reader.hpp"
 #include "result/trajectory_result.hpp"
 #include "session/inputs.hpp"
 #include "tendril/app/session.hpp"
@@ -29,6 +31,11 @@ std::string scene_text(const SceneSource& source) {
   app::Document document = app::read_document(arguments);
   document.apply(arguments.overrides);
   return app::text_of(document);
+}
+
+std::string drawing_json(const ResultText& result, const std::vector<std::filesystem::path>& plugin_directories) {
+  plugins::Registry registry(plugins::Catalog(plugins::search_places(plugin_directories)));
+  return app::drawing_of(app::parse_result(result.text, result.name, "result"), result.name, registry).dump();
 }
 
 class SceneFile::Opened {

@@ -70,6 +70,9 @@ class Offer {
   }
 
  private:
+  /// Only plans of poses look at friction.
+  bool may_rub() const { return session_.scene().problem == ProblemKind::pose && !session_.scene().obstacles.empty(); }
+
   const Control* find(const std::string& key) const {
     const auto found = std::find_if(controls_.begin(), controls_.end(), [&](const Control& c) { return c.key == key; });
     return found != controls_.end() ? &*found : nullptr;
@@ -82,6 +85,7 @@ class Offer {
     }
     if (!node.is_table()) return;
     for (const KeySpec& key : spec.keys) {
+      table_ = node.position.line;
       const std::string inner = path + '.' + key.name;
       const Node* value = node.find(key.name);
       if (inner == "coordinates.plugin") {
@@ -94,8 +98,14 @@ class Offer {
         add_table(key, inner, *value);
       } else if (value != nullptr) {
         add(key, inner, value);
+      } else if (inner == "contact.friction" && may_rub()) {
+        Control control{inner};
+        control.value = 0.0;
+        control.minimum = 0.0;
+        controls_.push_back(std::move(control));
       }
     }
+    table_ = node.position.line;
     if (spec.takes_options) add_options(spec.name, path, node);
   }
 
@@ -141,6 +151,8 @@ class Offer {
   void add(const KeySpec& spec, const std::string& path, const Node* node) {
     if (node == nullptr) return;
     Control control{path};
+    control.line = node->position.line;
+    control.table = table_;
     control.minimum = spec.minimum;
     if (spec.type == KeyType::quantity || spec.type == KeyType::integer) {
       const auto number = written(*node);
@@ -212,6 +224,7 @@ class Offer {
   }
 
   Session& session_;
+  int table_ = 0;  ///< the line of the table that is looked at
   std::vector<Control> controls_;
 };
 

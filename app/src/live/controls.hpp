@@ -20,7 +20,8 @@ struct Control {
   bool one_point = false;  ///< written as [x, y] and not as a list of such
   double minimum = -infinity;
   std::vector<std::string> choices{};
-  std::string moves{};  ///< what is dragged by these points: "target", "base", "obstacle 2"
+  int line = 0, table = 0;  ///< of the scene's file, where it and its table are; 0: not written there
+  std::string moves{};      ///< what is dragged by these points: "target", "base", "obstacle 2"
 };
 
 /// What can be changed of the scene of a session, in the order of the reference page.

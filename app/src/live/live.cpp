@@ -30,10 +30,20 @@ std::string random_token() {
 
 /// The server's library, which nothing else of the command needs.
 decltype(&http::tendril_http_serve) load_server() {
-  void* library = ::dlopen(TENDRIL_HTTP_LIBRARY, RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) throw InputError(fmt::format("live: the page's server cannot be loaded: {}", ::dlerror()));
+  const std::string name = TENDRIL_HTTP_LIBRARY;
+  if (name.empty()) {
+    throw InputError(
+        "live: this tendril was built without the server of the page, which needs cpp-httplib (Debian: "
+        "libcpp-httplib-dev); expected a build with it");
+  }
+  void* library = ::dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) {
+    throw InputError(
+        fmt::format("live: the page's server cannot be loaded, expected {} and, of Debian, libcpp-httplib0.11: {}",
+                    name, ::dlerror()));
+  }
   void* const symbol = ::dlsym(library, "tendril_http_serve");
-  if (symbol == nullptr) throw InputError(fmt::format("live: {} holds no server", TENDRIL_HTTP_LIBRARY));
+  if (symbol == nullptr) throw InputError(fmt::format("live: {} holds no server", name));
   return reinterpret_cast<decltype(&http::tendril_http_serve)>(symbol);
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
 #include <chrono>
 
 #include "figure/drawing.hpp"
@@ -43,12 +45,27 @@ std::string inputs_of(const Json& request, std::size_t actuators) {
   return text;
 }
 
-/// The control that a message begins with, so that the page can show it there.
-Json refused(const std::string& message, const std::vector<Control>& controls) {
+/// The line of the scene's file that a message begins with, as "scene.toml:21:1: ..."; 0: none.
+int line_of(const std::string& message, const std::string& file) {
+  if (!message.starts_with(file + ':')) return 0;
+  int line = 0;
+  std::from_chars(message.data() + file.size() + 1, message.data() + message.size(), line);
+  return line;
+}
+
+/// What the page shows of a message, and the control that it belongs to: the one that it begins with, or that stands at
+/// its line, or the first one of the table there.
+Json refused(const std::string& message, const std::vector<Control>& controls, const std::string& file) {
+  const int line = line_of(message, file);
+  const auto first = [&](auto&& belongs) {
+    const auto found = std::find_if(controls.begin(), controls.end(), belongs);
+    return found != controls.end() ? &*found : nullptr;
+  };
+  const Control* at = first([&](const Control& c) { return message.starts_with(c.key + ':'); });
+  if (at == nullptr && line > 0) at = first([&](const Control& c) { return c.line == line; });
+  if (at == nullptr && line > 0) at = first([&](const Control& c) { return c.table == line; });
   Json body{{"error", message}};
-  for (const Control& control : controls) {
-    if (message.starts_with(control.key + ':')) body["key"] = control.key;
-  }
+  if (at != nullptr) body["key"] = at->key;
   return body;
 }
 
@@ -56,7 +73,7 @@ Json drawing_without_shape(const Scene& scene) {
   const double length = scene.rod.segments.empty() ? 1.0 : scene.rod.length();
   const LengthUnit unit = unit_for(length);
   Json frame{{"label", ""}, {"rods", Json::array()}, {"contacts", Json::array()}, {"numbers", Json::array()}};
-  return {{"drawing", 1},
+  return {{"drawing", 2},
           {"title", scene.title},
           {"problem", to_string(scene.problem)},
           {"length", length},
@@ -78,6 +95,7 @@ LiveScene::LiveScene(const SceneArguments& arguments) : arguments_(arguments) {
                      ": an estimate is made of measured points, so there is nothing to drag; expected another problem");
   }
   if (scene.problem != ProblemKind::execute) session.describe();
+  file_ = scene.file;
   controls_ = controls_of(session);
   beginning_ = {{"controls", controls_json(controls_)},
                 {"plans", scene.problem != ProblemKind::execute},
@@ -112,7 +130,7 @@ LiveAnswer LiveScene::run(const Json& request) {
     made.body["number"] = mine;
     return {200, std::move(made.body)};
   } catch (const Error& error) {
-    return newest_ != mine ? late : LiveAnswer{400, refused(error.what(), controls_)};
+    return newest_ != mine ? late : LiveAnswer{400, refused(error.what(), controls_, file_)};
   }
 }
 
@@ -153,7 +171,7 @@ LiveAnswer LiveScene::scene_text(const Json& request) const {
     document.apply(arguments.overrides);
     return {200, {{"text", text_of(document)}}};
   } catch (const Error& error) {
-    return {400, refused(error.what(), controls_)};
+    return {400, refused(error.what(), controls_, file_)};
   }
 }
 

@@ -43,6 +43,7 @@ class LiveScene {
 
   SceneArguments arguments_;
   std::vector<Control> controls_;
+  std::string file_;  ///< as messages name it
   Json beginning_;
   std::atomic<std::int64_t> newest_{0};
   std::atomic<bool> stop_{false}, ended_{false};

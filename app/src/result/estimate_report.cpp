@@ -149,6 +149,9 @@ std::string estimate_json(const Scene& scene, const Estimate& estimate, const Ru
   json["seconds"] = {
       {"read", number(run.seconds_read)}, {"open", number(run.seconds_open)}, {"solve", number(estimate.seconds)}};
   json["backbone"] = backbone_json(estimate.backbone);
+  json["measured"] = Json::array();
+  for (const MeasuredPoint& p : scene.measurement.points)
+    json["measured"].push_back(numbers({p.position.x, p.position.y}));
   json["plugins"] = components_json(run.components);
   json["versions"] = versions_json();
   return written(json);

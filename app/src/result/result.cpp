@@ -100,9 +100,11 @@ Json si_json(const RawValue& value, const QuantityReader& read) {
 
 Json obstacles_json(const Scene& scene) {
   Json array = Json::array();
-  for (const ObstacleSpec& obstacle : scene.obstacles) {
+  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
+    const ObstacleSpec& obstacle = scene.obstacles[i];
     Json one{{"name", obstacle.name}, {"shape", obstacle.shape}};
     for (const auto& [name, value] : obstacle.options) one[name] = si_json(value, scene.read_quantity);
+    if (const double friction = friction_of(scene, i); friction > 0.0) one["friction"] = friction;
     array.push_back(std::move(one));
   }
   return array;

@@ -1,17 +1,19 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <set>
 
-#include "figure/page.hpp"
+#include "figure/drawing.hpp"
+#include "figure/movie.hpp"
+#include "figure/picture.hpp"
 #include "study/case.hpp"
 #include "study/journal.hpp"
 #include "study/result.hpp"
 #include "study/worker_pool.hpp"
 #include "system/output.hpp"
+#include "system/progress.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/interrupt.hpp"
 #include "tendril/app/study_command.hpp"
@@ -51,41 +53,6 @@ std::uint64_t fingerprint_of(const SceneArguments& arguments) {
 }
 
 std::string greeting_of(std::uint64_t fingerprint) { return fmt::format("tendril worker {:016x}", fingerprint); }
-
-/// One line on a terminal, renewed as cases are finished; nothing anywhere else.
-class Progress {
- public:
-  Progress(std::size_t cases, std::size_t done) : cases_(cases), done_(done), at_start_(done) { show(); }
-  ~Progress() {
-    if (terminal_) fmt::print(stderr, "\r\x1b[K");
-  }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  void step(bool failed) {
-    ++done_;
-    failed_ += failed ? 1 : 0;
-    show();
-  }
-
- private:
-  void show() const {
-    if (!terminal_) return;
-    std::string text = fmt::format("\rstudy: {} of {} cases", done_, cases_);
-    if (failed_ > 0) text += fmt::format(", {} failed", failed_);
-    if (done_ > at_start_) {
-      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-      text += fmt::format(", {:.0f} s left",
-                          seconds * static_cast<double>(cases_ - done_) / static_cast<double>(done_ - at_start_));
-    }
-    fmt::print(stderr, "{}\x1b[K", text);
-    std::fflush(stderr);
-  }
-
-  const bool terminal_ = ::isatty(STDERR_FILENO) == 1;
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-  std::size_t cases_, done_, at_start_, failed_ = 0;
-};
 
 int serve(const StudyArguments& arguments) {
   const std::uint64_t fingerprint = fingerprint_of(arguments.scene);
@@ -191,6 +158,10 @@ std::map<int, StudyRecord> merged(const fs::path& directory, std::uint64_t finge
   return records;
 }
 
+void require_shape(const Json& drawing) {
+  if (!has_shape(drawing)) throw InputError("no figure: the study holds no shape");
+}
+
 /// Final files, table and exit code of a study of which every case is known.
 int finish(Session& session, const StudyArguments& arguments, const StudySpec& study,
            const std::map<int, StudyRecord>& records) {
@@ -198,6 +169,9 @@ int finish(Session& session, const StudyArguments& arguments, const StudySpec& s
   const Scene& scene = session.scene();
   const std::string json = study_json(scene, result);
   const std::string report = study_report(scene, result);
+  std::optional<Json> drawing;
+  if (arguments.output || arguments.figure || arguments.movie)
+    drawing = drawing_of(Json::parse(json), "the study", session.registry());
   if (arguments.output) {
     {
       StagedFiles files(*arguments.output);
@@ -211,27 +185,30 @@ int finish(Session& session, const StudyArguments& arguments, const StudySpec& s
     // Results without their picture are still results.
     try {
       StagedFiles files(*arguments.output);
-      draw_study(session, result, files, "figure", {Picture::svg, Picture::png});
+      draw_study(scene, result, *drawing, files, "figure", {Picture::svg, Picture::png});
       files.publish();
     } catch (const InputError& error) {
       note(error.what());
     }
   }
-  if (arguments.figure && picture_of(*arguments.figure) == Picture::page) {
-    write_page(*arguments.figure, Json::parse(json), "the study", session.registry());
-  } else if (arguments.figure) {
+  if (arguments.figure && picture_of(*arguments.figure) != Picture::page) {
     StagedFiles files(arguments.figure->parent_path());
-    draw_study(session, result, files, arguments.figure->stem().string(), {picture_of(*arguments.figure)});
+    draw_study(scene, result, *drawing, files, arguments.figure->stem().string(), {picture_of(*arguments.figure)});
     files.publish();
+  } else if (arguments.figure) {
+    require_shape(*drawing);
+    write_picture(*arguments.figure, *drawing);
+  }
+  if (arguments.movie) {
+    require_shape(*drawing);
+    write_movie(*arguments.movie, *drawing);
   }
   print(arguments.json ? json : report);
   return all_solved(result) ? 0 : 1;
 }
 
-}  // namespace
-
-int run_study(const StudyArguments& arguments) {
-  if (arguments.worker) return serve(arguments);
+/// Which part of the cases is asked for. What cannot be written had better be known before the work begins.
+Shard checked(const StudyArguments& arguments) {
   const std::optional<Shard> shard = arguments.shard.empty() ? Shard{} : parse_shard(arguments.shard);
   if (!shard) {
     throw InputError(
@@ -244,10 +221,21 @@ int run_study(const StudyArguments& arguments) {
     throw InputError("--merge joins all shards, expected no --shard beside it");
   }
   if (arguments.figure) {
-    // What cannot be written had better be known before the work begins.
     picture_of(*arguments.figure);
     const StagedFiles trial(arguments.figure->parent_path());
   }
+  if (arguments.movie) {
+    require_movie(*arguments.movie);
+    const StagedFiles trial(arguments.movie->parent_path());
+  }
+  return *shard;
+}
+
+}  // namespace
+
+int run_study(const StudyArguments& arguments) {
+  if (arguments.worker) return serve(arguments);
+  const Shard shard = checked(arguments);
   if (arguments.scene.scene == standard_input) share_standard_input();
   const std::uint64_t fingerprint = fingerprint_of(arguments.scene);
   Session session(arguments.scene);
@@ -261,8 +249,8 @@ int run_study(const StudyArguments& arguments) {
 
   std::optional<Journal> journal;
   if (arguments.output) {
-    journal.emplace(*arguments.output / journal_name(shard->number, shard->count),
-                    JournalHeader{fingerprint, shard->number, shard->count, case_count});
+    journal.emplace(*arguments.output / journal_name(shard.number, shard.count),
+                    JournalHeader{fingerprint, shard.number, shard.count, case_count});
   }
   std::map<int, StudyRecord> records = journal ? journal->records() : std::map<int, StudyRecord>{};
   PoolTasks tasks;
@@ -270,7 +258,7 @@ int run_study(const StudyArguments& arguments) {
   tasks.arguments.push_back("--worker");
   tasks.greeting = greeting_of(fingerprint);
   for (const StudyCase& one : cases) {
-    if (shard->holds(one.index) && !records.contains(one.index)) tasks.cases.push_back(one.index);
+    if (shard.holds(one.index) && !records.contains(one.index)) tasks.cases.push_back(one.index);
   }
   const std::size_t mine = tasks.cases.size() + records.size();
   if (!records.empty() && !tasks.cases.empty()) {
@@ -281,7 +269,7 @@ int run_study(const StudyArguments& arguments) {
   tasks.stop = &InterruptGuard::flag();
   bool finished = true;
   {
-    Progress progress(mine, records.size());
+    Progress progress("study", "cases", mine, records.size());
     const auto keep = [&](StudyRecord record, bool failed) {
       if (journal) journal->append(record);
       const int index = record.index;
@@ -305,8 +293,8 @@ int run_study(const StudyArguments& arguments) {
                      journal ? "; run the same command again to go on" : ""));
     return 1;
   }
-  if (shard->count == 1) return finish(session, arguments, study, records);
-  note(fmt::format("shard {} of {}: {} cases are finished; --merge joins the shards", shard->number, shard->count,
+  if (shard.count == 1) return finish(session, arguments, study, records);
+  note(fmt::format("shard {} of {}: {} cases are finished; --merge joins the shards", shard.number, shard.count,
                    records.size()));
   return 0;
 }

@@ -18,33 +18,9 @@ namespace {
 constexpr std::size_t most_columns = 6;
 constexpr std::size_t most_rows = 6;
 
-std::vector<Vec2> points_of(const Json& list) {
-  std::vector<Vec2> points;
-  for (const Json& p : list) {
-    if (p.is_array() && p.size() == 2 && p[0].is_number() && p[1].is_number()) points.push_back({p[0], p[1]});
-  }
-  return points;
-}
-
 std::string title_of(const std::optional<StudyMode>& mode) {
   if (!mode) return "";
   return *mode == StudyMode::ignore_then_execute ? "ignore, then execute" : std::string(to_string(*mode));
-}
-
-void add_case(ShapePanel& panel, const StudyCase& one, const Json& value) {
-  if (one.target) panel.targets.push_back(*one.target);
-  if (const auto lines = value.find("lines"); lines != value.end()) {
-    for (const Json& line : *lines) panel.rods.push_back(points_of(line));
-  }
-  if (const auto path = value.find("path"); path != value.end()) {
-    panel.ordered = true;
-    const std::vector<Vec2> more = points_of(*path);
-    panel.targets.insert(panel.targets.end(), more.begin(), more.end());
-  }
-  if (const auto contacts = value.find("contact_points"); contacts != value.end()) {
-    const std::vector<Vec2> more = points_of(*contacts);
-    panel.contacts.insert(panel.contacts.end(), more.begin(), more.end());
-  }
 }
 
 /// A power of ten of a unit.
@@ -107,10 +83,9 @@ std::string series_color(std::size_t i) {
   return colors[i % std::size(colors)];
 }
 
-void draw_study(Session& session, const StudyResult& result, StagedFiles& files, const std::string& stem,
-                const std::vector<Picture>& pictures) {
-  const Scene& scene = session.scene();
-  if (scene.problem == ProblemKind::grasp) return draw_grasp_study(scene, result, files, stem, pictures);
+void draw_study(const Scene& scene, const StudyResult& result, const Json& drawing, StagedFiles& files,
+                const std::string& stem, const std::vector<Picture>& pictures) {
+  if (scene.problem == ProblemKind::grasp) return draw_grasp_study(scene, result, drawing, files, stem, pictures);
   std::size_t columns = 1;
   while (columns < result.groups.size() && result.groups[columns].limit == result.groups[0].limit) ++columns;
   const std::size_t rows = result.groups.size() / columns;
@@ -119,12 +94,12 @@ void draw_study(Session& session, const StudyResult& result, StagedFiles& files,
                                  most_columns, most_rows));
   }
   const DisplayUnits units(scene);
-  FigureScene figure = figure_scene(scene, session.make_obstacles());
   std::vector<std::vector<ShapePanel>> panels(rows);
   for (std::size_t i = 0; i < result.groups.size(); ++i) {
     const StudyGroup& group = result.groups[i];
-    ShapePanel panel = shape_panel(figure);
-    panel.obstacles_ignored = group.mode ? *group.mode == StudyMode::ignore : figure.obstacles_ignored;
+    ShapePanel panel(drawing);
+    for (ShapePanel::Obstacle& obstacle : panel.obstacles)
+      obstacle.ignored = group.mode ? *group.mode == StudyMode::ignore : obstacle.ignored;
     panel.title = title_of(group.mode);
     if (group.limit) panel.title += (panel.title.empty() ? "" : ", ") + units.moment(*group.limit);
     panel.color = series_color(i / columns);
@@ -138,7 +113,7 @@ void draw_study(Session& session, const StudyResult& result, StagedFiles& files,
       seen = 0;
     }
     ++seen;
-    add_case(panels[group / columns][group % columns], result.cases[i], result.values[i]);
+    panels[group / columns][group % columns].add(drawing["frames"][i]);
   }
   draw_panels(scene.title, panels, bars_of(scene, result, columns), files, stem, pictures);
 }

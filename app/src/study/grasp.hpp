@@ -16,7 +16,7 @@ std::string grasp_cells(const StudyResult& result, std::size_t index);
 std::string grasp_study_report(const Scene& scene, const StudyResult& result);
 
 /// Shapes, and moments or pressures over the diameter; or forces over the moment that is swept.
-void draw_grasp_study(const Scene& scene, const StudyResult& result, StagedFiles& files, const std::string& stem,
-                      const std::vector<Picture>& pictures);
+void draw_grasp_study(const Scene& scene, const StudyResult& result, const Json& drawing, StagedFiles& files,
+                      const std::string& stem, const std::vector<Picture>& pictures);
 
 }  // namespace tendril::app

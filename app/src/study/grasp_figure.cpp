@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "figure/frames.hpp"
 #include "figure/gnuplot.hpp"
 #include "study/grasp.hpp"
 #include "system/tables.hpp"
@@ -16,17 +16,19 @@ namespace {
 /// Cases with the same force limit, in order.
 struct Series {
   double limit = 0.0;
-  std::vector<const Json*> values;
+  std::vector<const Json*> values, frames;
 };
 
-std::vector<Series> series_of(const StudyResult& result) {
+std::vector<Series> series_of(const StudyResult& result, const Json& drawing) {
   std::vector<Series> all;
-  for (const Json& value : result.values) {
+  for (std::size_t i = 0; i < result.values.size(); ++i) {
+    const Json& value = result.values[i];
     if (!value.contains("axial_force") || !value["force_limit"].is_number()) continue;
     const double limit = value["force_limit"];
     const auto found = std::find_if(all.begin(), all.end(), [&](const Series& s) { return s.limit == limit; });
-    Series& series = found != all.end() ? *found : all.emplace_back(Series{limit, {}});
+    Series& series = found != all.end() ? *found : all.emplace_back(Series{limit, {}, {}});
     series.values.push_back(&value);
+    series.frames.push_back(&drawing["frames"][i]);
   }
   return all;
 }
@@ -54,10 +56,10 @@ double value_of(const Json& list, std::size_t i) {
 /// Panels side by side, and the data behind them.
 class GraspStudyFigure {
  public:
-  GraspStudyFigure(const Scene& scene, const StudyResult& result, std::string file)
+  GraspStudyFigure(const Scene& scene, const StudyResult& result, const Json& drawing, std::string file)
       : scene_(scene),
         unit_(unit_for(scene.rod.length())),
-        series_(series_of(result)),
+        series_(series_of(result, drawing)),
         data_(unit_),
         file_(std::move(file)) {
     if (series_.empty()) throw InputError("no figure: no case came to a grasp");
@@ -135,17 +137,17 @@ class GraspStudyFigure {
     std::string plot;
     const std::size_t n = series_[s].values.size();
     for (std::size_t i = 0; i < n; ++i) {
-      const Json& v = *series_[s].values[i];
+      const Json& frame = *series_[s].frames[i];
       const std::string name = fmt::format("{} {}", s + 1, i + 1);
-      add_outlines(v, name);
+      add_shapes_of(frame, name);
       const double t = n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) : 1.0;
       const auto mix = [t](double a, double b) { return static_cast<int>((1.0 - t) * a + t * b); };
       const std::string color = fmt::format("#{:02x}{:02x}{:02x}", mix(224, 31), mix(135, 78), mix(43, 140));
-      plot += fmt::format("{}{} index 'object {}' using 1:2 with lines linewidth 1 linecolor rgb '{}' notitle",
+      plot += fmt::format("{}{} index 'object {}.' using 1:2 with lines linewidth 1 linecolor rgb '{}' notitle",
                           plot.empty() ? "plot " : ", \\\n     ", file_, name, color);
-      for (std::size_t line = 1; line <= v["lines"].size(); ++line) {
+      for (std::size_t line = 1; line <= frame["rods"].size(); ++line) {
         plot += fmt::format(
-            ", \\\n     {} index 'finger {} {}' using 1:2 with lines linewidth 2.5 linecolor rgb '{}' "
+            ", \\\n     {} index 'finger {} {}.' using 1:2 with lines linewidth 2.5 linecolor rgb '{}' "
             "notitle",
             file_, name, line, color);
       }
@@ -156,17 +158,11 @@ class GraspStudyFigure {
               plot + '\n');
   }
 
-  void add_outlines(const Json& v, const std::string& name) {
-    data_.block("object " + name, "x y");
-    const Json& o = v["objects"][0];
-    for (int k = 0; k <= 90; ++k) {
-      const double turn = 2.0 * std::numbers::pi * k / 90.0;
-      data_.row({o[0].get<double>() + o[2].get<double>() * std::cos(turn),
-                 o[1].get<double>() + o[2].get<double>() * std::sin(turn)});
-    }
-    for (std::size_t line = 0; line < v["lines"].size(); ++line) {
-      data_.block(fmt::format("finger {} {}", name, line + 1), "x y");
-      for (const Json& p : v["lines"][line]) data_.row({p[0].get<double>(), p[1].get<double>()});
+  void add_shapes_of(const Json& frame, const std::string& name) {
+    add_outlines(data_, lines_of(frame["obstacles"][0]), "body " + name + '.', "object " + name + '.');
+    for (std::size_t line = 0; line < frame["rods"].size(); ++line) {
+      data_.block(fmt::format("finger {} {}.", name, line + 1), "x y");
+      for (const Json& p : frame["rods"][line]["line"]) data_.row(point(p));
     }
   }
 
@@ -181,9 +177,9 @@ class GraspStudyFigure {
 
 }  // namespace
 
-void draw_grasp_study(const Scene& scene, const StudyResult& result, StagedFiles& files, const std::string& stem,
-                      const std::vector<Picture>& pictures) {
-  GraspStudyFigure(scene, result, gnuplot_file(stem + ".dat")).write(files, stem, pictures);
+void draw_grasp_study(const Scene& scene, const StudyResult& result, const Json& drawing, StagedFiles& files,
+                      const std::string& stem, const std::vector<Picture>& pictures) {
+  GraspStudyFigure(scene, result, drawing, gnuplot_file(stem + ".dat")).write(files, stem, pictures);
 }
 
 }  // namespace tendril::app

@@ -6,8 +6,8 @@
 
 #include "result/result_object.hpp"
 #include "study/journal.hpp"
-#include "tendril/app/figure.hpp"
 #include "tendril/app/files.hpp"
+#include "tendril/app/picture.hpp"
 #include "tendril/app/session.hpp"
 
 namespace tendril::app {
@@ -59,9 +59,9 @@ std::string study_report(const Scene& scene, const StudyResult& result);
 /// The colour of the i-th series of a figure.
 std::string series_color(std::size_t i);
 
-/// The panels of all groups: a row for each limit, a column for each mode, and means below. Throws InputError as
-/// draw_figure() does.
-void draw_study(Session& session, const StudyResult& result, StagedFiles& files, const std::string& stem,
-                const std::vector<Picture>& pictures);
+/// The panels of all groups, from the frames of the study's drawing: a row for each limit, a column for each mode, and
+/// means below. Throws InputError as draw_pictures() does.
+void draw_study(const Scene& scene, const StudyResult& result, const Json& drawing, StagedFiles& files,
+                const std::string& stem, const std::vector<Picture>& pictures);
 
 }  // namespace tendril::app

@@ -180,6 +180,11 @@ StagedFiles::~StagedFiles() {
 }
 
 void StagedFiles::write(const std::string& name, const std::string& content) {
+  write_aside(name, content);
+  names_.push_back(name);
+}
+
+void StagedFiles::write_aside(const std::string& name, const std::string& content) {
   const fs::path path = staging_ / name;
   const Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   bool good = file.valid();
@@ -190,7 +195,6 @@ void StagedFiles::write(const std::string& name, const std::string& content) {
     if (good) done += static_cast<std::size_t>(count);
   }
   if (!good) throw InputError("cannot write '" + (directory_ / name).string() + "': " + reason(errno));
-  names_.push_back(name);
 }
 
 void StagedFiles::adopt(const std::string& name) { names_.push_back(name); }

@@ -7,16 +7,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cstdlib>
 
 extern char** environ;
 
 namespace tendril::app {
 
 ProcessResult run_process(const std::string& program, const std::vector<std::string>& arguments,
-                          const std::filesystem::path& directory, double seconds) {
+                          const std::filesystem::path& directory, double seconds, const ProcessWatch& watch) {
   ProcessResult result;
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) return result;
@@ -44,8 +46,12 @@ ProcessResult run_process(const std::string& program, const std::vector<std::str
   while (result.started) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
     pollfd source{pipe[0], POLLIN, 0};
-    const int ready = left > 0 ? ::poll(&source, 1, static_cast<int>(left)) : 0;
+    const bool stopped = watch.stop != nullptr && *watch.stop;
+    // What is to stop it is looked at ten times a second.
+    const auto wait = watch.stop != nullptr ? std::min<long>(left, 100) : left;
+    const int ready = left > 0 && !stopped ? ::poll(&source, 1, static_cast<int>(wait)) : 0;
     if (ready < 0 && errno == EINTR) continue;
+    if (ready == 0 && left > wait && !stopped) continue;
     if (ready <= 0) {
       result.timed_out = true;
       ::kill(child, SIGKILL);
@@ -55,6 +61,7 @@ ProcessResult run_process(const std::string& program, const std::vector<std::str
     if (count <= 0) break;
     if (result.output.size() < std::size_t{1} << 16)
       result.output.append(block.data(), static_cast<std::size_t>(count));
+    if (watch.on_output) watch.on_output({block.data(), static_cast<std::size_t>(count)});
   }
   ::close(pipe[0]);
   if (result.started) {
@@ -64,6 +71,19 @@ ProcessResult run_process(const std::string& program, const std::vector<std::str
     if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
   }
   return result;
+}
+
+bool program_found(const std::string& program) {
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): nothing sets variables here
+  const char* const path = std::getenv("PATH");
+  std::string_view rest = path != nullptr ? path : "/usr/bin:/bin";
+  while (true) {
+    const std::size_t colon = rest.find(':');
+    const std::filesystem::path file = std::filesystem::path(rest.substr(0, colon)) / program;
+    if (::access(file.c_str(), X_OK) == 0) return true;
+    if (colon == std::string_view::npos) return false;
+    rest.remove_prefix(colon + 1);
+  }
 }
 
 }  // namespace tendril::app

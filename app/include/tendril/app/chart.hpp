@@ -3,7 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "tendril/app/figure.hpp"
+#include "tendril/app/files.hpp"
+#include "tendril/app/picture.hpp"
 
 namespace tendril::app {
 
@@ -30,7 +31,8 @@ struct Chart {
   std::vector<ChartLevel> levels;
 };
 
-/// Draws the chart with gnuplot; files and errors as in draw_figure(). Throws InputError for a chart without a point.
+/// Draws the chart with gnuplot; `stem`.svg, .png or .pdf, and beside them its script and data. Throws InputError for a
+/// chart without a point.
 void draw_chart(const Chart& chart, StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures);
 
 }  // namespace tendril::app

@@ -13,6 +13,7 @@ namespace tendril::app {
 struct ResultPlaces {
   std::optional<std::filesystem::path> output;  ///< directory of result.json and of a figure in all formats
   std::optional<std::filesystem::path> figure;  ///< file of the figure alone
+  std::optional<std::filesystem::path> movie;   ///< file of a movie
   bool json = false;                            ///< on standard output
 };
 
@@ -34,7 +35,8 @@ struct ExecuteArguments {
 
 struct ViewArguments {
   std::filesystem::path result;
-  std::optional<std::filesystem::path> output;  ///< the page; else named like the result, in the current directory
+  std::optional<std::filesystem::path>
+      output;  ///< the page, picture or movie; else a page named like the result, in the current directory
   std::vector<std::filesystem::path> plugin_directories;
 };
 

@@ -56,6 +56,8 @@ class StagedFiles {
   const std::filesystem::path& staging() const { return staging_; }
   /// Writes one file. `name` is a plain file name. Throws InputError if the disk refuses.
   void write(const std::string& name, const std::string& content);
+  /// Writes one that other programs read in staging() and that stays there.
+  void write_aside(const std::string& name, const std::string& content);
   /// Takes in a file that another program has written into staging().
   void adopt(const std::string& name);
   /// Puts everything on disk and moves it to its place. Throws InputError and leaves nothing behind if that fails.

@@ -13,6 +13,7 @@ struct StudyArguments {
   SceneArguments scene;
   std::optional<std::filesystem::path> output;  ///< a directory; without it nothing can be resumed
   std::optional<std::filesystem::path> figure;  ///< file of the figure alone
+  std::optional<std::filesystem::path> movie;   ///< file of a movie, a frame for each case
   int jobs = 1;
   std::string shard;    ///< "i/N"; empty: all cases
   bool merge = false;   ///< only join the shards in `output`

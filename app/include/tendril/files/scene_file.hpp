@@ -47,6 +47,11 @@ struct ResultText {
   std::string name = "result";  ///< a file, for instance
 };
 
+/// What there is to see of a result, as the JSON document of docs/drawing.md: outlines, rods, contacts, for each step,
+/// state or case. Obstacles are made anew, by components that are searched for as a scene's. Throws Error.
+TENDRIL_API std::string drawing_json(const ResultText& result,
+                                     const std::vector<std::filesystem::path>& plugin_directories = {});
+
 /// The kind of `Inputs::text`.
 enum class InputKind {
   none,       ///< nothing was said

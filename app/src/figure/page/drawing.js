@@ -5,9 +5,9 @@ const Tendril = (() => {
   // Colours that stay apart for every kind of colour vision (Okabe and Ito), on a light and on a dark ground.
   const themes = {
     light: { ground: "#ffffff", ink: "#1c1c1c", soft: "#5c5c5c", grid: "#e8e8e6", obstacle: "#d5d5d3", edge: "#707070",
-      rods: ["#0072b2", "#3d94c9"], body: "#bfdcec", force: "#d55e00", target: "#00835f", start: "#8a8a8a", doubt: "#8a8a8a", tips: "#b0588a" },
+      rods: ["#0072b2", "#3d94c9"], body: "#bfdcec", force: "#d55e00", target: "#00835f", start: "#8a8a8a", doubt: "#8a8a8a", tips: "#b0588a", cone: "#f6d3bd", measured: "#9a6a00" },
     dark: { ground: "#14171a", ink: "#e9ebec", soft: "#a7adb1", grid: "#2a3035", obstacle: "#454c52", edge: "#8d959b",
-      rods: ["#56b4e9", "#8fcdf2"], body: "#234a60", force: "#ff8a3c", target: "#1fc995", start: "#8d959b", doubt: "#8d959b", tips: "#e29ac4" },
+      rods: ["#56b4e9", "#8fcdf2"], body: "#234a60", force: "#ff8a3c", target: "#1fc995", start: "#8d959b", doubt: "#8d959b", tips: "#e29ac4", cone: "#5a3520", measured: "#f0c04a" },
   };
   const font = 'system-ui, "DejaVu Sans", sans-serif';
   const frames_per_second = 12;
@@ -41,12 +41,16 @@ const Tendril = (() => {
 
   class CanvasPen {
     constructor(context) { this.context = context; }
-    path(points, { stroke, width = 1, fill, dash = [], closed = false }) {
+    path(points, style) { this.paths([points], style); }
+    // Filled is what lies within an odd number of the lines.
+    paths(lines, { stroke, width = 1, fill, dash = [], closed = false }) {
       const c = this.context;
       c.beginPath();
-      points.forEach((p, i) => (i ? c.lineTo(p[0], p[1]) : c.moveTo(p[0], p[1])));
-      if (closed) c.closePath();
-      if (fill) { c.fillStyle = fill; c.fill(); }
+      for (const points of lines) {
+        points.forEach((p, i) => (i ? c.lineTo(p[0], p[1]) : c.moveTo(p[0], p[1])));
+        if (closed) c.closePath();
+      }
+      if (fill) { c.fillStyle = fill; c.fill("evenodd"); }
       if (!stroke) return;
       c.strokeStyle = stroke;
       c.lineWidth = width;
@@ -76,9 +80,10 @@ const Tendril = (() => {
   class SvgPen {
     constructor() { this.parts = []; }
     static escape(text) { return text.replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`); }
-    path(points, { stroke, width = 1, fill, dash = [], closed = false }) {
-      const d = points.map((p, i) => `${i ? "L" : "M"}${p[0].toFixed(2)} ${p[1].toFixed(2)}`).join("") + (closed ? "Z" : "");
-      this.parts.push(`<path d="${d}" fill="${fill || "none"}" stroke="${stroke || "none"}" stroke-width="${width}"` +
+    path(points, style) { this.paths([points], style); }
+    paths(lines, { stroke, width = 1, fill, dash = [], closed = false }) {
+      const d = lines.map((points) => points.map((p, i) => `${i ? "L" : "M"}${p[0].toFixed(2)} ${p[1].toFixed(2)}`).join("") + (closed ? "Z" : "")).join("");
+      this.parts.push(`<path d="${d}" fill="${fill || "none"}" fill-rule="evenodd" stroke="${stroke || "none"}" stroke-width="${width}"` +
         ` stroke-linejoin="round" stroke-linecap="round"${dash.length ? ` stroke-dasharray="${dash.join(" ")}"` : ""}/>`);
     }
     disc(p, radius, { fill, stroke, width = 1 }) {
@@ -118,7 +123,7 @@ const Tendril = (() => {
       for (const rod of frame.rods) { rod.line.forEach(add); (rod.body || []).forEach(add); }
       if (frame.target && frame.target.position) add(frame.target.position);
       for (const c of pressed(frame)) add(plus(c.surface, times(c.normal, 1.25 * arrow * c.force)));
-      (frame.palm || []).forEach(add);
+      for (const list of ["palm", "measured", "tips", "path"]) (frame[list] || []).forEach(add);
     }
     (drawing.start || []).forEach(add);
     if (low[0] > high[0]) { add([0, 0]); add([drawing.length, 0]); }
@@ -126,7 +131,7 @@ const Tendril = (() => {
     const edges = [low.map((v) => v - near), high.map((v) => v + near)];
     for (const frame of drawing.frames) {
       for (const shape of shapes_of(drawing, frame)) {
-        for (const p of shape.outline) add([0, 1].map((k) => Math.min(Math.max(p[k], edges[0][k]), edges[1][k])));
+        for (const p of shape.outlines.flat()) add([0, 1].map((k) => Math.min(Math.max(p[k], edges[0][k]), edges[1][k])));
       }
     }
     const margin = 0.07 * drawing.length;
@@ -148,18 +153,21 @@ const Tendril = (() => {
     paint_axes(pen, scene, at);
     for (const shape of shapes_of(drawing, frame)) {
       const ignored = shape.ignored || frame.ignored;
-      pen.path(shape.outline.map(at), { fill: ignored ? undefined : colors.obstacle, stroke: colors.edge, width: 1.4, dash: ignored ? [4, 4] : [], closed: true });
+      pen.paths(shape.outlines.map((line) => line.map(at)), { fill: ignored ? undefined : colors.obstacle, stroke: colors.edge, width: 1.4, dash: ignored ? [4, 4] : [], closed: true });
     }
     if (drawing.start) pen.path(drawing.start.map(at), { stroke: colors.start, width: 2, dash: [7, 6] });
     for (const p of frame.path || drawing.path || []) if (p) pen.disc(at(p), 2.2, { fill: colors.target });
-    if (drawing.path) paint_tips(pen, drawing, index, at, colors);
+    if (drawing.ordered) paint_tips(pen, drawing, index, at, colors);
     if (frame.palm) pen.path(frame.palm.map(at), { stroke: colors.edge, width: 4 });
+    for (const c of pressed(frame)) paint_cone(pen, scene, c, at);
     frame.rods.forEach((rod) => { if (rod.body) pen.path(rod.body.map(at), { fill: colors.body, stroke: colors.edge, width: 0.7, closed: true }); });
     frame.rods.forEach((rod, i) => {
       paint_clamp(pen, rod, at, colors);
       const color = doubtful ? colors.doubt : colors.rods[Math.min(i, 1)];
       pen.path(rod.line.map(at), { stroke: color, width: frame.rods.length > 2 ? 1.6 : rod.body ? 2.5 : 5, dash: doubtful ? [12, 8] : [] });
     });
+    for (const p of frame.measured || []) pen.disc(at(p), 4.5, { stroke: colors.measured, width: 1.8 });
+    for (const p of frame.tips || []) pen.disc(at(p), 3.5, { stroke: colors.tips, width: 1.6 });
     paint_contacts(pen, scene, at);
     if (frame.target && frame.target.position) paint_target(pen, frame.target, at, colors);
     if (drawing.gravity) paint_gravity(pen, drawing.gravity, width, colors);
@@ -218,6 +226,14 @@ const Tendril = (() => {
     pen.path([to, plus(neck, times(across, head * 0.4)), plus(neck, times(across, -head * 0.4))], { fill: color, closed: true });
   }
 
+  // What the force of a contact may be under friction.
+  function paint_cone(pen, { arrow, colors }, c, at) {
+    if (!c.friction) return;
+    const top = plus(c.surface, times(c.normal, arrow * c.force));
+    const half = times(c.tangent, arrow * c.force * c.friction);
+    pen.path([c.surface, plus(top, half), plus(top, times(half, -1))].map(at), { fill: colors.cone, stroke: colors.force, width: 0.8, dash: [3, 3], closed: true });
+  }
+
   function paint_contacts(pen, { drawing, frame, arrow, colors }, at) {
     for (const c of frame.contacts) {
       if (c.force === undefined) pen.disc(at(c.surface), 3.5, { fill: colors.force });
@@ -227,6 +243,7 @@ const Tendril = (() => {
       const to = at(plus(c.surface, times(c.normal, arrow * c.force)));
       pen.disc(from, 4.5, { fill: colors.force, stroke: colors.ground, width: 1.2 });
       paint_arrow(pen, from, to, colors.force, 2.6);
+      if (c.tangential_force) paint_arrow(pen, from, at(plus(c.surface, times(c.tangent, arrow * c.tangential_force))), colors.force, 1.8);
       const side = c.normal[0] > 0.5 ? "left" : c.normal[0] < -0.5 ? "right" : "center";
       const beside = plus(to, [c.normal[0] * 12, -c.normal[1] * 12]);
       pen.text(beside, quantity(c.force, "N", drawing.length_unit, 3), { fill: colors.force, align: side, size: 14, halo: colors.ground });
@@ -383,8 +400,9 @@ const Tendril = (() => {
       const colors = themes[this.theme];
       const frames = this.drawing.frames;
       const entries = [["▬ rod", colors.rods[0], true], ["▬ other finger", colors.rods[1], frames.some((f) => f.rods.length === 2)],
-        ["● ➝ contact, its force", colors.force, frames.some((f) => f.contacts.length)], ["✚ target", colors.target, frames.some((f) => f.target && f.target.position)],
-        ["╍ start", colors.start, this.drawing.start], ["─ way of the tip", colors.tips, this.drawing.path]];
+        ["● ➝ contact, its force", colors.force, frames.some((f) => f.contacts.length)], ["◁ friction cone", colors.force, frames.some((f) => f.contacts.some((c) => c.friction))],
+        ["○ tip under friction", colors.tips, frames.some((f) => f.tips)], ["○ measured", colors.measured, frames.some((f) => f.measured)], ["✚ target", colors.target, frames.some((f) => f.target && f.target.position)],
+        ["╍ start", colors.start, this.drawing.start], ["─ way of the tip", colors.tips, this.drawing.ordered]];
       this.legend.replaceChildren(...entries.filter((e) => e[2]).flatMap(([text, color]) => {
         const entry = element("span", { class: "sign" }, text);
         entry.style.color = color;
@@ -524,7 +542,7 @@ const Tendril = (() => {
       }
       if (text) return text;
       const world = this.to_world(at);
-      const shape = shapes_of(this.drawing, frame).find((s) => inside(world, s.outline));
+      const shape = shapes_of(this.drawing, frame).find((s) => inside(world, s.outlines));
       return shape ? shape.name : "";
     }
 
@@ -583,18 +601,25 @@ const Tendril = (() => {
     }
   }
 
-  function inside(p, outline) {
+  function inside(p, outlines) {
     let within = false;
-    for (let i = 0, j = outline.length - 1; i < outline.length; j = i++) {
-      const [a, b] = [outline[i], outline[j]];
-      if (a[1] > p[1] !== b[1] > p[1] && p[0] < ((b[0] - a[0]) * (p[1] - a[1])) / (b[1] - a[1]) + a[0]) within = !within;
+    for (const outline of outlines) {
+      for (let i = 0, j = outline.length - 1; i < outline.length; j = i++) {
+        const [a, b] = [outline[i], outline[j]];
+        if (a[1] > p[1] !== b[1] > p[1] && p[0] < ((b[0] - a[0]) * (p[1] - a[1])) / (b[1] - a[1]) + a[0]) within = !within;
+      }
     }
     return within;
   }
 
-  return { Viewer, element, quantity, save, plus, times, distance };
+  // What a page cannot do without, beside the language itself.
+  const suits = () => Boolean(window.ResizeObserver && window.PointerEvent && HTMLCanvasElement.prototype.toBlob && Element.prototype.replaceChildren);
+
+
+  return { Viewer, suits, element, quantity, save, plus, times, distance };
 })();
 
-if (document.getElementById("drawing")) {
+// A browser that is too old keeps what the page says without its scripts.
+if (document.getElementById("drawing") && Tendril.suits()) {
   new Tendril.Viewer(document.getElementById("tendril"), JSON.parse(document.getElementById("drawing").textContent));
 }

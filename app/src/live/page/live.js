@@ -347,8 +347,4 @@ class LivePage {
   }
 }
 
-if (!window.ResizeObserver || !HTMLCanvasElement.prototype.toBlob) {
-  document.body.textContent = "This browser is too old for this page.";
-} else {
-  window.live = new LivePage(document.getElementById("tendril"), JSON.parse(document.getElementById("live").textContent));
-}
+if (Tendril.suits()) window.live = new LivePage(document.getElementById("tendril"), JSON.parse(document.getElementById("live").textContent));

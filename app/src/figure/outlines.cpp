@@ -1,0 +1,87 @@
+#include "figure/outlines.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace tendril::app {
+
+namespace {
+
+/// Points that a shape is asked for: corners of rounded convex shapes, and those of parts from drawings.
+constexpr std::size_t convex_points = 361, part_points = 2401;
+
+bool same(Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }
+
+/// A part's outline is one line along all of its own, with ways there and back between them. Each of its own begins
+/// and ends at the same point of the surface, which those between do not lie on.
+std::vector<ClosedLine> parted(const Obstacle& obstacle, const ClosedLine& whole) {
+  constexpr double on_surface = 1e-8;
+  if (std::none_of(whole.begin() + 1, whole.end(), [&](Vec2 p) { return same(p, whole[0]); })) return {whole};
+  std::vector<ClosedLine> lines;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    if (std::abs(obstacle.at(whole[i]).distance) > on_surface) continue;
+    std::size_t end = i + 1;
+    while (end < whole.size() && !same(whole[end], whole[i])) ++end;
+    if (end == whole.size()) continue;
+    if (end - i > 2)
+      lines.emplace_back(whole.begin() + static_cast<std::ptrdiff_t>(i),
+                         whole.begin() + static_cast<std::ptrdiff_t>(end));
+    i = end;
+  }
+  if (lines.empty()) lines.push_back(whole);
+  return lines;
+}
+
+/// Without points on a straight line between others.
+ClosedLine without_spare(const ClosedLine& line) {
+  constexpr double straight = 1e-9;
+  ClosedLine kept;
+  kept.reserve(line.size());
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const Vec2 before = line[i] - (kept.empty() ? line.back() : kept.back());
+    const Vec2 after = line[(i + 1) % line.size()] - line[i];
+    const double size = norm(before) * norm(after);
+    if (size > 0.0 && (std::abs(cross(before, after)) > straight * size || dot(before, after) < 0.0))
+      kept.push_back(line[i]);
+  }
+  return kept.size() < 3 ? line : kept;
+}
+
+}  // namespace
+
+std::vector<ClosedLine> outlines_of(const Obstacle& obstacle, Vec2 low, Vec2 high) {
+  ClosedLine whole(obstacle.convex() ? convex_points : part_points);
+  obstacle.outline(whole, low, high);
+  for (const Vec2 p : whole) {
+    if (!std::isfinite(p.x) || !std::isfinite(p.y)) return {};
+  }
+  std::vector<ClosedLine> lines = obstacle.convex() ? std::vector<ClosedLine>{whole} : parted(obstacle, whole);
+  for (ClosedLine& line : lines) line = without_spare(line);
+  return lines;
+}
+
+ClosedLine circle_outline(Vec2 center, double radius) {
+  constexpr int corners = 180;
+  ClosedLine line;
+  line.reserve(corners);
+  for (int i = 0; i < corners; ++i) {
+    const double turn = 2.0 * std::numbers::pi * i / corners;
+    line.push_back(center + radius * Vec2{std::cos(turn), std::sin(turn)});
+  }
+  return line;
+}
+
+ClosedLine joined(const std::vector<ClosedLine>& outlines) {
+  ClosedLine all;
+  for (const ClosedLine& line : outlines) {
+    all.insert(all.end(), line.begin(), line.end());
+    if (!line.empty()) all.push_back(line[0]);
+  }
+  for (std::size_t i = outlines.size(); i-- > 1;) {
+    if (!outlines[i - 1].empty()) all.push_back(outlines[i - 1][0]);
+  }
+  return all;
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,61 @@
+"""Random drags on the live page, by pointer events inside of it, so that no round trip to the driver is measured."""
+
+# Takes the target, the peg or the base, moves it to a place around its home, lets go, waits for the picture, and now and then
+# takes the change back. Milliseconds of each drag.
+DRAGS = """
+  const [count, seconds, seed] = arguments;
+  let state = seed;
+  const chance = () => (state = (state * 1103515245 + 12345) % 2147483648) / 2147483648;
+  const around = (size) => (2 * chance() - 1) * size;
+  const canvas = live.viewer.canvas;
+  canvas.setPointerCapture = () => {};  // of a pointer that is none
+  window.homes = window.homes || new Map(live.handles().map((h) => [h.name, h.at]));
+  const sizes = { target: 0.02, "obstacle 1": 0.004, base: 0.004 };
+  const settled = () => new Promise((done) => {
+    const look = () => (!live.pending && live.shown === live.asked ? done() : setTimeout(look, 0));
+    look();
+  });
+  const point = (kind, at) => {
+    const box = canvas.getBoundingClientRect();
+    const p = live.viewer.to_screen(at);
+    canvas.dispatchEvent(new PointerEvent(kind, { clientX: box.left + p[0], clientY: box.top + p[1], pointerId: 1 }));
+  };
+  return (async () => {
+    const times = [], told = [];
+    const end = performance.now() + 1000 * seconds;
+    while (times.length < count && performance.now() < end) {
+      const names = Object.keys(sizes);
+      const name = names[Math.floor(chance() * names.length)];
+      const from = live.handles().find((h) => h.name === name).at;
+      const to = Tendril.plus(homes.get(name), [around(sizes[name]), around(sizes[name])]);
+      const begin = performance.now();
+      point("pointerdown", from);
+      if (!live.held || live.held.name !== name) { told.push(`${name} cannot be taken`); live.held = null; }
+      point("pointermove", to);
+      point("pointerup", to);
+      await settled();
+      times.push(performance.now() - begin);
+      if (live.trouble.textContent) told.push(live.trouble.textContent);
+      if (times.length % 25 === 0) { live.undo(); await settled(); }
+    }
+    return { times, told };
+  })();"""
+
+
+def drags(browser, count, seed, seconds=1e6):
+    """Milliseconds of each of `count` drags, or of those in so many seconds, and what the page complained of."""
+    found = browser.run(DRAGS, count, seconds, seed)
+    return found["times"], found["told"]
+
+
+def server_memory(live):
+    """KiB of the server that are in memory."""
+    with open(f"/proc/{live.process.pid}/status", encoding="utf-8") as status:
+        return int(next(line for line in status if line.startswith("VmRSS")).split()[1])
+
+
+def page_memory(browser):
+    """KiB that the page's scripts hold."""
+    browser.command("HeapProfiler.collectGarbage")
+    metrics = browser.command("Performance.getMetrics")["metrics"]
+    return round(next(m["value"] for m in metrics if m["name"] == "JSHeapUsedSize") / 1024)

@@ -1,0 +1,27 @@
+#!/usr/bin/python3
+"""long_drag.py COMMAND SCENES MINUTES: drags on the live page without a pause; memory and delay minute by minute."""
+
+import statistics
+import sys
+
+from browser import Browser
+from dragging import drags, page_memory, server_memory
+from live_server import LiveServer
+
+command, scenes, minutes = sys.argv[1:]
+with LiveServer(command, f"{scenes}/brace.toml") as live, Browser(1200, 800) as browser:
+    browser.open(live.address)
+    browser.wait("return window.live && !live.pending && live.shown === live.asked")
+    browser.command("Performance.enable")
+    total = 0
+    for minute in range(round(float(minutes))):
+        # In pieces, which the driver waits for.
+        times = []
+        for piece in range(6):
+            more, told = drags(browser, 10**9, 6 * minute + piece + 1, seconds=10)
+            assert not told, told
+            times += more
+        total += len(times)
+        print(f"minute {minute + 1}: {len(times)} drags, median {statistics.median(times):.1f} ms, 99 of 100 within {sorted(times)[len(times) * 99 // 100]:.1f} ms; "
+              f"server {server_memory(live)} KiB, page {page_memory(browser)} KiB", flush=True)
+    print(f"{total} drags")
