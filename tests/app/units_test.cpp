@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "scene/common_units.hpp"
 #include "support/contains.hpp"
 
 namespace tendril::app {
@@ -25,6 +26,18 @@ TEST_P(UnitsRead, GivesTheSiValue) {
   // A unit's factor and the product are each rounded once or twice.
   EXPECT_NEAR(units.read(GetParam().text, GetParam().dimension), GetParam().si,
               4.0 * std::numeric_limits<double>::epsilon() * std::abs(GetParam().si));
+}
+
+// Written in another way a unit is none of the usual ones, and UDUNITS is asked.
+TEST(CommonUnits, AreToTheLastBitThoseOfTheDatabase) {
+  const Units units;
+  for (const CommonUnit& common : common_units) {
+    const std::string unit(common.unit);
+    const std::string asked = unit.starts_with("1/") ? unit.substr(2) + "^-1" : "(" + unit + ")";
+    const Dimension dimension{0, 0, common.dimension};
+    EXPECT_EQ(units.read("1 " + asked, dimension), common.size) << unit;
+    EXPECT_EQ(units.read("1 " + unit, dimension), common.size) << unit;
+  }
 }
 
 TEST(UnitsUsed, AreThoseOfMostTextsTheEarlierOfTwo) {

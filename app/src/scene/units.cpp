@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 
+#include "scene/common_units.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::app {
@@ -154,6 +155,13 @@ ut_status visit_scaled(const ut_unit*, double scale, const ut_unit* underlying, 
   return ut_accept_visitor(underlying, &visitor, arg);
 }
 
+std::optional<double> common_size(std::string_view unit, const Dimension& dimension) {
+  for (const CommonUnit& common : common_units) {
+    if (common.unit == unit && common.dimension == dimension.unit) return common.size;
+  }
+  return std::nullopt;
+}
+
 /// UDUNITS keeps its parser and its tables of names in statics, so that one thread at a time may use it, and one
 /// database serves the process.
 std::mutex udunits_in_use;
@@ -255,11 +263,11 @@ double Units::read(std::string_view text, const Dimension& dimension) const {
   if (!looks_like_unit(unit)) refuse("and " + quoted(unit) + " is not a unit");
 
   const std::lock_guard lock(udunits_in_use);
-  const Database& database = Database::of_process();
   bool known = false;
-  const auto factor = database.factor(unit, dimension, known);
+  std::optional<double> factor = common_size(unit, dimension);
+  if (!factor) factor = Database::of_process().factor(unit, dimension, known);
   if (!factor) {
-    const std::string split = database.with_space(unit, dimension);
+    const std::string split = Database::of_process().with_space(unit, dimension);
     refuse(known ? "whose unit is not that of " + dimension_name(dimension)
                  : "and " + quoted(unit) + " is not a known unit",
            split.empty() ? "" : "; did you mean '" + split + "'?");
@@ -267,7 +275,7 @@ double Units::read(std::string_view text, const Dimension& dimension) const {
   if (const std::string unusual = unusual_size(*factor, dimension); !unusual.empty()) {
     std::string other(unit);
     if (other.front() == 'M' || other.front() == 'm') other.front() = other.front() == 'M' ? 'm' : 'M';
-    const auto size = database.factor(other, dimension, known);
+    const auto size = Database::of_process().factor(other, dimension, known);
     const bool better = other != unit && size && unusual_size(*size, dimension).empty();
     refuse(unusual, better ? "; did you mean '" + other + "'?" : "");
   }

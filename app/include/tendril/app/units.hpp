@@ -46,7 +46,8 @@ class QuantityError : public InputError {
   std::string why_;
 };
 
-/// Reads numbers with units. The unit database of UDUNITS is opened by the first text of the process that has a unit.
+/// Reads numbers with units. The unit database of UDUNITS is opened by the first text of the process with a unit that
+/// is not among the usual ones.
 class Units {
  public:
   Units() = default;
