@@ -1,7 +1,7 @@
 """Random drags on the live page, by pointer events inside of it, so that no round trip to the driver is measured."""
 
 # Takes the target, the peg or the base, moves it to a place around its home, lets go, waits for the picture, and now and then
-# takes the change back. Milliseconds of each drag.
+# takes the change back. `dragged` holds the milliseconds of each drag, and what the page complained of.
 DRAGS = """
   const [count, seconds, seed] = arguments;
   let state = seed;
@@ -20,8 +20,8 @@ DRAGS = """
     const p = live.viewer.to_screen(at);
     canvas.dispatchEvent(new PointerEvent(kind, { clientX: box.left + p[0], clientY: box.top + p[1], pointerId: 1 }));
   };
-  return (async () => {
-    const times = [], told = [];
+  const run = async () => {
+    const { times, told } = (window.dragged = { times: [], told: [] });
     const end = performance.now() + 1000 * seconds;
     while (times.length < count && performance.now() < end) {
       const names = Object.keys(sizes);
@@ -38,13 +38,24 @@ DRAGS = """
       if (live.trouble.textContent) told.push(live.trouble.textContent);
       if (times.length % 25 === 0) { live.undo(); await settled(); }
     }
-    return { times, told };
-  })();"""
+    return window.dragged;
+  };"""
 
 
-def drags(browser, count, seed, seconds=1e6):
-    """Milliseconds of each of `count` drags, or of those in so many seconds, and what the page complained of."""
-    found = browser.run(DRAGS, count, seconds, seed)
+def drags(browser, count, seed):
+    """Milliseconds of each of `count` drags, and what the page complained of."""
+    found = browser.run(DRAGS + "return run();", count, 1e6, seed)
+    return found["times"], found["told"]
+
+
+def begin_drags(browser, seconds, seed):
+    """Drags for so long, while other things can be asked for."""
+    browser.run(DRAGS + "run();", 1e9, seconds, seed)
+
+
+def drags_since(browser):
+    """As drags(), of those since the last call."""
+    found = browser.run("return { times: dragged.times.splice(0), told: dragged.told.splice(0) };")
     return found["times"], found["told"]
 
 
