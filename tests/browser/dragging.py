@@ -24,6 +24,7 @@ DRAGS = """
     const { times, told } = (window.dragged = { times: [], told: [] });
     const end = performance.now() + 1000 * seconds;
     while (times.length < count && performance.now() < end) {
+      while (window.paused) await new Promise((done) => setTimeout(done, 20));
       const names = Object.keys(sizes);
       const name = names[Math.floor(chance() * names.length)];
       const from = live.handles().find((h) => h.name === name).at;
@@ -54,9 +55,12 @@ def begin_drags(browser, seconds, seed):
 
 
 def drags_since(browser):
-    """As drags(), of those since the last call."""
-    found = browser.run("return { times: dragged.times.splice(0), told: dragged.told.splice(0) };")
-    return found["times"], found["told"]
+    """As drags(), of those since the last call, and what the page's scripts then hold, at rest."""
+    found = browser.run("window.paused = true; return { times: dragged.times.splice(0), told: dragged.told.splice(0) };")
+    browser.wait("return !live.pending && live.shown === live.asked")
+    memory = page_memory(browser)
+    browser.run("window.paused = false")
+    return found["times"], found["told"], memory
 
 
 def server_memory(live):

@@ -6,7 +6,7 @@ import sys
 import time
 
 from browser import Browser
-from dragging import begin_drags, drags_since, page_memory, server_memory
+from dragging import begin_drags, drags_since, server_memory
 from live_server import LiveServer
 
 command, scenes, minutes = sys.argv[1:]
@@ -18,9 +18,9 @@ with LiveServer(command, f"{scenes}/brace.toml") as live, Browser(1200, 800) as 
     total = 0
     for minute in range(round(float(minutes))):
         time.sleep(60)
-        times, told = drags_since(browser)
+        times, told, memory = drags_since(browser)
         assert not told, told
         total += len(times)
         print(f"minute {minute + 1}: {len(times)} drags, median {statistics.median(times):.1f} ms, 99 of 100 within {sorted(times)[len(times) * 99 // 100]:.1f} ms; "
-              f"server {server_memory(live)} KiB, page {page_memory(browser)} KiB", flush=True)
+              f"server {server_memory(live)} KiB, page {memory} KiB", flush=True)
     print(f"{total} drags")
