@@ -1,7 +1,7 @@
 """Random drags on the live page, by pointer events inside of it, so that no round trip to the driver is measured."""
 
 # Takes the target, the peg or the base, moves it to a place around its home, lets go, waits for the picture, and now and then
-# takes the change back. Milliseconds of each drag.
+# takes the change back. `dragged` holds the milliseconds of each drag, and what the page complained of.
 DRAGS = """
   const [count, seconds, seed] = arguments;
   let state = seed;
@@ -20,10 +20,11 @@ DRAGS = """
     const p = live.viewer.to_screen(at);
     canvas.dispatchEvent(new PointerEvent(kind, { clientX: box.left + p[0], clientY: box.top + p[1], pointerId: 1 }));
   };
-  return (async () => {
-    const times = [], told = [];
+  const run = async () => {
+    const { times, told } = (window.dragged = { times: [], told: [] });
     const end = performance.now() + 1000 * seconds;
     while (times.length < count && performance.now() < end) {
+      while (window.paused) await new Promise((done) => setTimeout(done, 20));
       const names = Object.keys(sizes);
       const name = names[Math.floor(chance() * names.length)];
       const from = live.handles().find((h) => h.name === name).at;
@@ -38,14 +39,28 @@ DRAGS = """
       if (live.trouble.textContent) told.push(live.trouble.textContent);
       if (times.length % 25 === 0) { live.undo(); await settled(); }
     }
-    return { times, told };
-  })();"""
+    return window.dragged;
+  };"""
 
 
-def drags(browser, count, seed, seconds=1e6):
-    """Milliseconds of each of `count` drags, or of those in so many seconds, and what the page complained of."""
-    found = browser.run(DRAGS, count, seconds, seed)
+def drags(browser, count, seed):
+    """Milliseconds of each of `count` drags, and what the page complained of."""
+    found = browser.run(DRAGS + "return run();", count, 1e6, seed)
     return found["times"], found["told"]
+
+
+def begin_drags(browser, seconds, seed):
+    """Drags for so long, while other things can be asked for."""
+    browser.run(DRAGS + "run();", 1e9, seconds, seed)
+
+
+def drags_since(browser):
+    """As drags(), of those since the last call, and what the page's scripts then hold, at rest."""
+    found = browser.run("window.paused = true; return { times: dragged.times.splice(0), told: dragged.told.splice(0) };")
+    browser.wait("return !live.pending && live.shown === live.asked")
+    memory = page_memory(browser)
+    browser.run("window.paused = false")
+    return found["times"], found["told"], memory
 
 
 def server_memory(live):

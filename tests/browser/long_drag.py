@@ -3,9 +3,10 @@
 
 import statistics
 import sys
+import time
 
 from browser import Browser
-from dragging import drags, page_memory, server_memory
+from dragging import begin_drags, drags_since, server_memory
 from live_server import LiveServer
 
 command, scenes, minutes = sys.argv[1:]
@@ -13,15 +14,13 @@ with LiveServer(command, f"{scenes}/brace.toml") as live, Browser(1200, 800) as 
     browser.open(live.address)
     browser.wait("return window.live && !live.pending && live.shown === live.asked")
     browser.command("Performance.enable")
+    begin_drags(browser, 60 * float(minutes) + 10, 1)
     total = 0
     for minute in range(round(float(minutes))):
-        # In pieces, which the driver waits for.
-        times = []
-        for piece in range(6):
-            more, told = drags(browser, 10**9, 6 * minute + piece + 1, seconds=10)
-            assert not told, told
-            times += more
+        time.sleep(60)
+        times, told, memory = drags_since(browser)
+        assert not told, told
         total += len(times)
         print(f"minute {minute + 1}: {len(times)} drags, median {statistics.median(times):.1f} ms, 99 of 100 within {sorted(times)[len(times) * 99 // 100]:.1f} ms; "
-              f"server {server_memory(live)} KiB, page {page_memory(browser)} KiB", flush=True)
+              f"server {server_memory(live)} KiB, page {memory} KiB", flush=True)
     print(f"{total} drags")

@@ -229,7 +229,7 @@ class LivePage {
     this.shown = number;
     for (const { trouble } of this.rows.values()) trouble.textContent = "";
     const row = this.rows.get(body.key);
-    this.trouble.textContent = body.error && !row ? body.error : "";
+    this.trouble.textContent = body.error || "";  // its place may be out of sight
     if (row) row.trouble.textContent = body.error;
     document.documentElement.dataset.shown = number;
     if (body.error) return;
@@ -268,7 +268,7 @@ class LivePage {
 
   // Dragging
 
-  // Where something can be taken: the middle of its points, SI.
+  // Where something can be taken: the middle of its points, SI; of a line of many the one that is nearest to it, which lies on it.
   handles() {
     const moved = new Map();
     for (const { control } of this.rows.values()) {
@@ -276,7 +276,11 @@ class LivePage {
       const points = this.value(control).map((p) => Tendril.times(p, control.size));
       moved.set(control.moves, [...(moved.get(control.moves) || []), ...points]);
     }
-    return [...moved].map(([name, points]) => ({ name, at: Tendril.times(points.reduce(Tendril.plus), 1 / points.length) }));
+    return [...moved].map(([name, points]) => {
+      const middle = Tendril.times(points.reduce(Tendril.plus), 1 / points.length);
+      const nearest = (a, b) => (Tendril.distance(b, middle) < Tendril.distance(a, middle) ? b : a);
+      return { name, at: points.length > 2 ? points.reduce(nearest) : middle };
+    });
   }
 
   paint_handles(pen, colors) {
