@@ -300,7 +300,7 @@ class SvgReader {
       const bool left = twice_area(lines[i]) > 0.0;
       int outside = 0;
       for (std::size_t k = 0; k < lines.size(); ++k) {
-        if (k == i || !holds(rough[k], rough[i][1])) continue;
+        if (k == i || !lies_inside(rough[k], rough[i][1])) continue;
         outside += even_odd || twice_area(lines[k]) > 0.0 ? 1 : -1;
       }
       const int inside = outside + (even_odd || left ? 1 : -1);
@@ -311,16 +311,6 @@ class SvgReader {
   }
 
   static Vec2 middle_of(const Cubic& c) { return 0.125 * (c[0] + c[3]) + 0.375 * (c[1] + c[2]); }
-
-  static bool holds(const Outline& line, Vec2 p) {
-    bool inside = false;
-    for (std::size_t i = 0, j = line.size() - 1; i < line.size(); j = i++) {
-      const Vec2 a = line[i];
-      const Vec2 b = line[j];
-      if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y))) inside = !inside;
-    }
-    return inside;
-  }
 
   void finish() {
     for (const auto& [name, count] : unread_) drawing_.unread.push_back(fmt::format("{} <{}>", count, name));

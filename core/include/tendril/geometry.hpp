@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <span>
 
 namespace tendril {
 
@@ -32,5 +34,16 @@ constexpr double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 constexpr Vec2 turned(Vec2 a) { return {-a.y, a.x}; }
 /// Length.
 inline double norm(Vec2 a) { return std::hypot(a.x, a.y); }
+/// Whether `p` lies inside of a closed line, given by its corners: a ray from it crosses the line an odd number of
+/// times.
+inline bool lies_inside(std::span<const Vec2> line, Vec2 p) {
+  bool inside = false;
+  for (std::size_t i = 0, j = line.size() - 1; i < line.size(); j = i++) {
+    const Vec2 a = line[i];
+    const Vec2 b = line[j];
+    if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y))) inside = !inside;
+  }
+  return inside;
+}
 
 }  // namespace tendril

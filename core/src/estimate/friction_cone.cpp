@@ -6,7 +6,8 @@ namespace tendril {
 namespace {
 
 constexpr int most_steps_of_a_fit = 200;
-constexpr int steps = 6;  // from a state without friction to the edge of its cone
+/// From a state without friction to the edge of its cone: what the points allow is told to a sixth of the coefficient.
+constexpr int steps = 6;
 
 }  // namespace
 

@@ -140,13 +140,6 @@ OptionSpec length_option(std::string name, std::string description) {
 }  // namespace
 
 Component<Obstacle> channel_component() {
-  OptionSpec points;
-  points.name = "points";
-  points.type = OptionType::points;
-  points.size = 2;
-  points.required = true;
-  points.dimension = dimension::length;
-  points.description = "the middle of the channel, from its start to its end";
   OptionSpec widths;
   widths.name = "widths";
   widths.type = OptionType::list;
@@ -161,7 +154,8 @@ Component<Obstacle> channel_component() {
   return {
       "channel",
       "the walls of a channel or a pipe along a line, inside of which a rod can be",
-      {points, length_option("width", "free room between the walls"), widths,
+      {points_option("points", 2, "the middle of the channel, from its start to its end"),
+       length_option("width", "free room between the walls"), widths,
        length_option("wall",
                      "thickness of the walls; the largest width unless given. Where the channel comes back to "
                      "itself, its room is cut out of the wall"),

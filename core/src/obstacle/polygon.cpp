@@ -83,13 +83,6 @@ std::unique_ptr<Obstacle> make_polygon(const Options& options) {
 }  // namespace
 
 Component<Obstacle> polygon_component() {
-  OptionSpec vertices;
-  vertices.name = "vertices";
-  vertices.type = OptionType::points;
-  vertices.size = 3;
-  vertices.required = true;
-  vertices.dimension = dimension::length;
-  vertices.description = "corners of the polygon, in order around it either way";
   OptionSpec outlines;
   outlines.name = "outlines";
   outlines.type = OptionType::list;
@@ -98,7 +91,7 @@ Component<Obstacle> polygon_component() {
       "overlap, counterclockwise, holes clockwise";
   return {"polygon",
           "a polygon, convex or not, with holes or in parts, grown by a distance, which rounds its corners",
-          {vertices, outlines,
+          {points_option("vertices", 3, "corners of the polygon, in order around it either way"), outlines,
            positive_length_option("rounding", "distance by which the polygon is grown: radius of its corners")},
           make_polygon};
 }

@@ -40,17 +40,6 @@ bool meet(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
          lies_on(c, d, b, 0.0);
 }
 
-/// Whether a point lies inside of a line.
-bool holds(const ClosedLine& line, Vec2 p) {
-  bool inside = false;
-  for (std::size_t i = 0, j = line.size() - 1; i < line.size(); j = i++) {
-    const Vec2 a = line[i];
-    const Vec2 b = line[j];
-    if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * ((p.y - a.y) / (b.y - a.y))) inside = !inside;
-  }
-  return inside;
-}
-
 /// Points by number: those nearer to each other than the reach share one.
 class Points {
  public:
@@ -156,7 +145,7 @@ class Arrangement {
   bool solid(Vec2 p) const {
     int in = 0;
     for (const Body& body : bodies_) {
-      if (!body.box.holds(p) || !holds(body.line, p)) continue;
+      if (!body.box.holds(p) || !lies_inside(body.line, p)) continue;
       if (!body.solid && overlap_ == Overlap::cut) return false;
       in += body.solid ? 1 : -1;
     }

@@ -15,6 +15,13 @@ OptionSpec point_option(std::string name, std::string description) {
   return point;
 }
 
+OptionSpec points_option(std::string name, int least, std::string description) {
+  OptionSpec points = point_option(std::move(name), std::move(description));
+  points.type = OptionType::points;
+  points.size = least;
+  return points;
+}
+
 OptionSpec positive_length_option(std::string name, std::string description) {
   OptionSpec length;
   length.name = std::move(name);

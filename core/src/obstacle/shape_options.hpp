@@ -15,6 +15,8 @@ TENDRIL_API Component<Obstacle> polygon_component();
 TENDRIL_API Component<Obstacle> channel_component();
 
 OptionSpec point_option(std::string name, std::string description);
+/// At least `least` points.
+OptionSpec points_option(std::string name, int least, std::string description);
 OptionSpec positive_length_option(std::string name, std::string description);
 Vec2 point_of(const Options& options, std::string_view name);
 
