@@ -9,12 +9,15 @@ import json
 import pathlib
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from decimal import Decimal
 
 command, source, work = sys.argv[1], pathlib.Path(sys.argv[2]), pathlib.Path(sys.argv[3])
-work.mkdir(parents=True, exist_ok=True)
+# A study of another version would go on where this one begins.
+shutil.rmtree(work, ignore_errors=True)
+work.mkdir(parents=True)
 NUMBER = r"(-?\d+(?:\.\d+)?(?:e-?\d+)?)"
 mm, mN, Nmm = 1e3, 1e3, 1e3
 
