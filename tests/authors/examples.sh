@@ -14,7 +14,7 @@ clean() { env -i PATH="$prefix/bin:/usr/bin:/bin" HOME="$work" CCACHE_DIR="$cach
 quiet() { "$@" > log 2>&1 || { cat log; exit 1; }; }
 
 quiet clean cmake -S examples -B build -G Ninja -DCMAKE_CXX_COMPILER="$compiler" -DTENDRIL_TEST_SOLVER="$solver" "${launcher[@]}" \
-  -DCMAKE_CXX_FLAGS='-O1 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror'
+  -DCMAKE_CXX_FLAGS='-O0 -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror'
 if grep 'left out' log; then echo 'the rest is tested'; fi
 quiet clean cmake --build build --parallel 2
 quiet clean ctest --test-dir build --output-on-failure

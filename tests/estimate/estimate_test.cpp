@@ -152,11 +152,11 @@ TEST_P(CampaignTest, IsAsGoodAsTheBoundAndSaysSo) {
 
 INSTANTIATE_TEST_SUITE_P(
     Noise, CampaignTest,
-    testing::Values(CampaignCase{"braced arm", test::braced_arm(), 2e-4, true, 200},
-                    CampaignCase{"braced arm, ten times the noise", test::braced_arm(), 2e-3, true, 200},
-                    CampaignCase{"braced arm, noise not told", test::braced_arm(), 2e-4, false, 200},
-                    CampaignCase{"held from above", test::held_from_above(), 2e-3, true, 200},
-                    CampaignCase{"stepped finger", test::stepped_finger(), 2e-4, true, 200},
+    testing::Values(CampaignCase{"braced arm", test::braced_arm(), 2e-4, true, 120},
+                    CampaignCase{"braced arm, ten times the noise", test::braced_arm(), 2e-3, true, 120},
+                    CampaignCase{"braced arm, noise not told", test::braced_arm(), 2e-4, false, 120},
+                    CampaignCase{"held from above", test::held_from_above(), 2e-3, true, 120},
+                    CampaignCase{"stepped finger", test::stepped_finger(), 2e-4, true, 120},
                     CampaignCase{"two pegs", test::two_pegs(), 2e-4, true, 120}));
 
 TEST(Identifiability, IsDeniedWhereTheBoundExceedsTenPercent) {
