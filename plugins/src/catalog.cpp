@@ -170,6 +170,7 @@ const PluginFile& Catalog::find(ComponentKind kind, std::string_view name,
   std::vector<std::string> known = names(kind);
   known.insert(known.end(), more_names.begin(), more_names.end());
   std::sort(known.begin(), known.end());
+  known.erase(std::unique(known.begin(), known.end()), known.end());
   std::string message =
       std::string(to_string(kind)) + " plugin '" + std::string(name) + "' was not found" + did_you_mean(name, known);
   for (const ComponentKind other : kinds) {

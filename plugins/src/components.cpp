@@ -18,16 +18,12 @@ void run(const Located& at, const std::string& path, const std::function<void()>
 
 std::string numbered(const char* table, std::size_t i) { return std::string(table) + '[' + std::to_string(i) + ']'; }
 
-/// What came from a plugin is guarded in use; what core brings along needs no guard.
+/// What came from elsewhere is guarded in use; what core brings along needs no guard.
 template <class Interface>
-std::unique_ptr<Interface> guarded_if_opened(const Registry& registry, ComponentKind kind, const std::string& name,
-                                             std::unique_ptr<Interface> made) {
-  for (const Registry::Opened& opened : registry.opened()) {
-    if (opened.kind != kind || opened.name != name) continue;
-    return guarded(std::move(made),
-                   std::string(to_string(kind)) + " plugin '" + name + "' (" + opened.file.string() + ")");
-  }
-  return made;
+std::unique_ptr<Interface> guarded_if_foreign(const Registry& registry, ComponentKind kind, const std::string& name,
+                                              std::unique_ptr<Interface> made) {
+  const std::string origin = registry.origin(kind, name);
+  return origin.empty() ? std::move(made) : guarded(std::move(made), origin);
 }
 
 /// Makes components of one scene, each with its options resolved.
@@ -50,8 +46,8 @@ std::vector<std::unique_ptr<Obstacle>> make_obstacles(Registry& registry, const 
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const ObstacleSpec& spec = scene.obstacles[i];
     run(at, numbered("obstacle", i), [&] {
-      made.push_back(guarded_if_opened(registry, ComponentKind::obstacle, spec.shape,
-                                       make(registry.obstacle(spec.shape), spec.options, "obstacle shape")));
+      made.push_back(guarded_if_foreign(registry, ComponentKind::obstacle, spec.shape,
+                                        make(registry.obstacle(spec.shape), spec.options, "obstacle shape")));
     });
   }
   return made;
@@ -61,7 +57,7 @@ Components make_components(Registry& registry, const Scene& scene, const Located
   const Maker make{scene};
   Components made;
   run(at, "coordinates", [&] {
-    made.coordinates = guarded_if_opened(
+    made.coordinates = guarded_if_foreign(
         registry, ComponentKind::coordinates, scene.coordinates.plugin,
         make(registry.coordinates(scene.coordinates.plugin), scene.coordinates.options, "coordinates plugin"));
   });
@@ -73,8 +69,8 @@ Components make_components(Registry& registry, const Scene& scene, const Located
       continue;
     }
     run(at, numbered("objective", i), [&] {
-      made.terms.push_back(guarded_if_opened(registry, ComponentKind::objective, spec.plugin,
-                                             make(registry.objective(spec.plugin), spec.options, "objective plugin")));
+      made.terms.push_back(guarded_if_foreign(registry, ComponentKind::objective, spec.plugin,
+                                              make(registry.objective(spec.plugin), spec.options, "objective plugin")));
     });
   }
   const SolverComponent* solver = nullptr;

@@ -1,38 +1,78 @@
 #include "tendril/plugins/registry.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace tendril::plugins {
 
 namespace {
 
-/// Takes core's shapes; core registers nothing else.
-class ObstacleCollector : public Registrar {
+/// Takes what a program registers.
+class Collector : public Registrar {
  public:
-  void add(CoordinateComponent) override {}
-  void add(ObjectiveComponent) override {}
-  void add(SolverComponent) override {}
-  void add(ObstacleComponent component) override {
-    std::string name = component.name;
-    obstacles.insert_or_assign(std::move(name), std::move(component));
-  }
-  std::map<std::string, ObstacleComponent, std::less<>> obstacles;
+  void add(CoordinateComponent component) override { all.emplace_back(std::move(component)); }
+  void add(ObjectiveComponent component) override { all.emplace_back(std::move(component)); }
+  void add(ObstacleComponent component) override { all.emplace_back(std::move(component)); }
+  void add(SolverComponent component) override { all.emplace_back(std::move(component)); }
+  std::vector<AnyComponent> all;
 };
+
+/// In the order of AnyComponent.
+constexpr std::array kinds{ComponentKind::coordinates, ComponentKind::objective, ComponentKind::obstacle,
+                           ComponentKind::solver};
 
 }  // namespace
 
-Registry::Registry(Catalog catalog) : catalog_(std::move(catalog)) {
-  ObstacleCollector collector;
-  register_builtin_obstacles(collector);
-  builtin_obstacles_ = std::move(collector.obstacles);
+Registry::Registry(Catalog catalog, const ComponentSource& provide) : catalog_(std::move(catalog)) {
+  Collector shapes;
+  register_builtin_obstacles(shapes);
+  for (AnyComponent& shape : shapes.all) {
+    auto& component = std::get<ObstacleComponent>(shape);
+    std::string name = component.name;
+    builtin_obstacles_.insert_or_assign(std::move(name), std::move(component));
+  }
+  Collector own;
+  if (provide) provide(own);
+  for (AnyComponent& component : own.all) {
+    const ComponentKind kind = kinds[component.index()];
+    const std::string name = std::visit([](const auto& c) { return c.name; }, component);
+    const std::vector<std::string> taken = names(kind);
+    const auto refuse = [&](const std::string& reason) {
+      throw PluginError(Failure::wrong_component, std::string(to_string(kind)) + " '" + name + "' " + reason);
+    };
+    if (!parse_file_name(file_name(kind, name))) {
+      refuse("is no name of a component: lower-case letters, digits and '_' are, a letter first");
+    }
+    if (std::find(taken.begin(), taken.end(), name) != taken.end()) refuse("is there already; expected another name");
+    provided_.emplace(kind, name);
+    components_.emplace(std::pair(kind, name), std::move(component));
+  }
+}
+
+std::string Registry::origin(ComponentKind kind, std::string_view name) const {
+  const std::string shown = std::string(to_string(kind)) + " ";
+  for (const Opened& plugin : opened_) {
+    if (plugin.kind == kind && plugin.name == name) {
+      return shown + "plugin '" + plugin.name + "' (" + plugin.file.string() + ")";
+    }
+  }
+  if (provided_.count(std::pair(kind, std::string(name))) == 0) return "";
+  return shown + "'" + std::string(name) + "' of this program";
+}
+
+std::vector<std::string> Registry::provided(ComponentKind kind) const {
+  std::vector<std::string> names;
+  for (const auto& [of, name] : provided_) {
+    if (of == kind) names.push_back(name);
+  }
+  return names;
 }
 
 const AnyComponent& Registry::component(ComponentKind kind, std::string_view name) {
   std::pair key(kind, std::string(name));
   if (const auto found = components_.find(key); found != components_.end()) return found->second;
-  const std::vector<std::string> more =
-      kind == ComponentKind::obstacle ? builtin_obstacles() : std::vector<std::string>{};
-  const PluginFile& file = catalog_.find(kind, name, more);
+  const std::vector<std::string> known = names(kind);
+  const PluginFile& file = catalog_.find(kind, name, known);
   const auto added = components_.emplace(std::move(key), open_plugin(file)).first;
   opened_.push_back({kind, file.name, file.path});
   return added->second;
@@ -63,11 +103,12 @@ std::vector<std::string> Registry::builtin_obstacles() const {
 
 std::vector<std::string> Registry::names(ComponentKind kind) const {
   std::vector<std::string> names = catalog_.names(kind);
+  for (std::string& name : provided(kind)) names.push_back(std::move(name));
   if (kind == ComponentKind::obstacle) {
     for (std::string& name : builtin_obstacles()) names.push_back(std::move(name));
-    std::sort(names.begin(), names.end());
-    names.erase(std::unique(names.begin(), names.end()), names.end());
   }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
   return names;
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "components.hpp"
 #include "interrupt.hpp"
 #include "problem.hpp"
 #include "source.hpp"
@@ -83,11 +84,15 @@ PYBIND11_MODULE(_native, module) {
              [](const std::string& file, const std::string& text, const std::vector<SettingTuple>& settings) {
                return files::scene_text(source_of(file, text, settings, {}));
              });
-  module.def("drawing", [](const std::string& result) { return files::drawing_json({result}); });
+  add_components(module);
+  module.def("drawing", [](const std::string& result, const std::vector<PythonComponent>& components) {
+    return files::drawing_json({result}, {}, together(components));
+  });
   py::class_<SceneFile>(module, "SceneFile")
       .def(py::init([](const std::string& file, const std::string& text, const std::vector<SettingTuple>& settings,
-                       const std::vector<std::string>& plugin_directories) {
-        return SceneFile(source_of(file, text, settings, plugin_directories));
+                       const std::vector<std::string>& plugin_directories,
+                       const std::vector<PythonComponent>& components) {
+        return SceneFile(source_of(file, text, settings, plugin_directories, components));
       }))
       .def_property_readonly("problem",
                              [](const SceneFile& scene) { return std::string(to_string(scene.scene().problem)); })

@@ -154,8 +154,9 @@ auto property(Read&& read) {
 void add_problem(py::module_& module) {
   py::class_<FollowedProblem>(module, "Problem")
       .def(py::init([](const std::string& file, const std::string& text, const std::vector<SettingTuple>& settings,
-                       const std::vector<std::string>& plugin_directories) {
-        return std::make_unique<FollowedProblem>(source_of(file, text, settings, plugin_directories));
+                       const std::vector<std::string>& plugin_directories,
+                       const std::vector<PythonComponent>& components) {
+        return std::make_unique<FollowedProblem>(source_of(file, text, settings, plugin_directories, components));
       }))
       .def("plan", &FollowedProblem::plan)
       .def("set_target",

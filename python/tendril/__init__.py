@@ -14,12 +14,14 @@ from __future__ import annotations
 
 from ._batch import Failure, plan_many
 from ._command import plugins
+from ._components import Option, Quantities, check, coordinates, objective, obstacle, unregister
 from ._errors import Error
 from ._native import version as __version__
 from ._results import Contact, Description, Estimate, Execution, Plan, Result, Study, Tip, Trajectory
 from ._scene import Problem, Scene, load
 
 __all__ = [
-    "Contact", "Description", "Error", "Estimate", "Execution", "Failure", "Plan", "Problem", "Result", "Scene", "Study", "Tip",
-    "Trajectory", "__version__", "load", "plan_many", "plugins",
+    "Contact", "Description", "Error", "Estimate", "Execution", "Failure", "Option", "Plan", "Problem", "Quantities", "Result",
+    "Scene", "Study", "Tip", "Trajectory", "__version__", "check", "coordinates", "load", "objective", "obstacle", "plan_many",
+    "plugins", "unregister",
 ]

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from . import _native
+from ._components import used_in
 from ._errors import Error
 from ._results import Study
 from ._values import inline
@@ -45,6 +46,10 @@ def run(arguments: Sequence[str], *, text: str | None = None, directory: str | N
 def study(scene: Scene, jobs: int, output: str | os.PathLike[str] | None) -> Study:
     if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1:
         raise ValueError(f"jobs: found {jobs!r}, expected a whole number from 1 on")
+    own = used_in(scene._tables())
+    if own:
+        raise ValueError(f"study: the scene names {own[0]} of this process, which a study's processes do not know; plan_many "
+                         "plans scenes with it")
     arguments = ["--json", "--jobs", str(jobs)]
     if output is not None:
         arguments += ["--output", os.path.abspath(output)]

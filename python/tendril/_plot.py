@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ._components import components
 from ._native import drawing
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ class _Picture:
     """Axes, and a drawing in its own unit of length."""
 
     def __init__(self, result: Result, ax: Any) -> None:
-        self.drawing: dict[str, Any] = json.loads(drawing(result.to_json()))
+        self.drawing: dict[str, Any] = json.loads(drawing(result.to_json(), components()))
         if ax is None:
             import matplotlib.pyplot as plt
 

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Union
 
 from . import _native
+from ._components import components
 from ._results import Description, Estimate, Execution, Plan, Result, Study, Trajectory
 from ._values import inline, is_list, key_text, plain
 
@@ -156,7 +157,7 @@ class Scene:
     # What the command does
 
     def _open(self, native: Any = _native.SceneFile) -> Any:
-        opened = native(self._file, self._text, self._settings, self._plugin_directories)
+        opened = native(self._file, self._text, self._settings, self._plugin_directories, components())
         for warning in opened.warnings if native is _native.SceneFile else ():
             _warnings.warn(warning, stacklevel=3)
         return opened

@@ -48,6 +48,42 @@ TEST(OpenPlugin, CoresShapesNeedNoPlugin) {
   EXPECT_TRUE(registry.opened().empty());
 }
 
+ComponentSource provides(const std::string& name) {
+  return [name](Registrar& registrar) {
+    registrar.add(ObjectiveComponent{name, "of a test", {}, [](const Options&) -> std::unique_ptr<ObjectiveTerm> {
+                                       throw Error("it cannot be made");
+                                     }});
+  };
+}
+
+template <class Step>
+std::string refusal_of(Step step) {
+  try {
+    step();
+  } catch (const PluginError& error) {
+    return error.what();
+  }
+  return "nothing was refused";
+}
+
+TEST(ProvidedComponent, NeedsNoPlugin) {
+  Registry registry(catalog_of({fixture_directory("fine")}), provides("own"));
+  EXPECT_EQ(registry.objective("own").description, "of a test");
+  EXPECT_TRUE(registry.opened().empty());
+  EXPECT_EQ(registry.names(ComponentKind::objective), (std::vector<std::string>{"fine", "own"}));
+  EXPECT_EQ(registry.origin(ComponentKind::objective, "own"), "objective 'own' of this program");
+  EXPECT_EQ(registry.origin(ComponentKind::obstacle, "circle"), "");
+  EXPECT_TRUE(contains_text(refusal_of([&] { registry.objective("owm"); }), "did you mean 'own'"));
+}
+
+TEST(ProvidedComponent, TakesNoNameThatIsThere) {
+  const auto refusal = [](const std::string& name) {
+    return refusal_of([&] { Registry(catalog_of({fixture_directory("fine")}), provides(name)); });
+  };
+  EXPECT_TRUE(contains_text(refusal("fine"), "objective 'fine' is there already"));
+  EXPECT_TRUE(contains_text(refusal("Own Term"), "is no name of a component"));
+}
+
 TEST(OpenPlugin, PathsMayHaveSpacesAndLettersOfAllLanguages) {
   const TemporaryDirectory temporary;
   const fs::path directory = temporary.directory("Größe & 触手 (1)");

@@ -15,7 +15,7 @@ namespace tendril::files {
 namespace {
 
 app::SceneArguments arguments_of(const SceneSource& source) {
-  app::SceneArguments arguments{source.file, {}, source.plugin_directories, source.text};
+  app::SceneArguments arguments{source.file, {}, source.plugin_directories, source.text, source.components};
   arguments.overrides.reserve(source.settings.size());
   for (const Setting& setting : source.settings) {
     const std::string& shown = setting.shown.empty() ? setting.key : setting.shown;
@@ -33,8 +33,9 @@ std::string scene_text(const SceneSource& source) {
   return app::text_of(document);
 }
 
-std::string drawing_json(const ResultText& result, const std::vector<std::filesystem::path>& plugin_directories) {
-  plugins::Registry registry(plugins::Catalog(plugins::search_places(plugin_directories)));
+std::string drawing_json(const ResultText& result, const std::vector<std::filesystem::path>& plugin_directories,
+                         const std::function<void(Registrar&)>& components) {
+  plugins::Registry registry(plugins::Catalog(plugins::search_places(plugin_directories)), components);
   return app::drawing_of(app::parse_result(result.text, result.name, "result"), result.name, registry).dump();
 }
 

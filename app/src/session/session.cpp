@@ -90,8 +90,8 @@ Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Unit
     located("", [&] { validate(scene_); });
     {
       const Stopwatch open(seconds_open_);
-      registry_ =
-          std::make_unique<plugins::Registry>(plugins::Catalog(plugins::search_places(arguments.plugin_directories)));
+      registry_ = std::make_unique<plugins::Registry>(
+          plugins::Catalog(plugins::search_places(arguments.plugin_directories)), arguments.components);
       // An estimate opens no plugin, so nobody knows which options are foreign.
       if (scene_.problem != ProblemKind::estimate) drop_foreign_options(other_coordinates, other_solver);
     }

@@ -27,7 +27,8 @@ struct SceneArguments {
   std::filesystem::path scene;
   std::vector<Override> overrides;
   std::vector<std::filesystem::path> plugin_directories;
-  std::optional<std::string> text{};  ///< of the scene, which `scene` then only names
+  std::optional<std::string> text{};      ///< of the scene, which `scene` then only names
+  plugins::ComponentSource components{};  ///< that the program brings along
 };
 
 /// The scene file, or the text that stands for it; what the command line says is not put in yet.

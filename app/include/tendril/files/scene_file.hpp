@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -36,6 +37,8 @@ struct SceneSource {
   std::vector<Setting> settings{};    ///< put in one after the other
   /// Searched for plugins first; then come TENDRIL_PLUGIN_PATH and the library's own.
   std::vector<std::filesystem::path> plugin_directories{};
+  /// Hands over components of the program itself, which the scene names as it names plugins. Their names must be new.
+  std::function<void(Registrar&)> components{};
 };
 
 /// The scene as one TOML document with its settings put in. Its values are not looked at. Throws Error.
@@ -48,9 +51,10 @@ struct ResultText {
 };
 
 /// What there is to see of a result, as the JSON document of docs/drawing.md: outlines, rods, contacts, for each step,
-/// state or case. Obstacles are made anew, by components that are searched for as a scene's. Throws Error.
+/// state or case. Obstacles are made anew, by components that are found as a scene's. Throws Error.
 TENDRIL_API std::string drawing_json(const ResultText& result,
-                                     const std::vector<std::filesystem::path>& plugin_directories = {});
+                                     const std::vector<std::filesystem::path>& plugin_directories = {},
+                                     const std::function<void(Registrar&)>& components = {});
 
 /// The kind of `Inputs::text`.
 enum class InputKind {

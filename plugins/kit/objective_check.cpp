@@ -1,10 +1,12 @@
 #include <cmath>
 #include <random>
 
-#include "allocation/counting_malloc.hpp"
 #include "checks.hpp"
 #include "difference.hpp"
 #include "quantities.hpp"
+#ifdef TENDRIL_COUNTS_ALLOCATIONS
+#include "allocation/counting_malloc.hpp"
+#endif
 
 namespace tendril::kit {
 
