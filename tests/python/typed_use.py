@@ -1,5 +1,7 @@
 """Never run: what a user writes has the types that a checker is told of."""
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -21,3 +23,12 @@ try:
     scene.estimate()
 except tendril.Error as refused:
     line: int | None = refused.line
+
+
+@tendril.objective("level_tip", reads=["tip_angle"], options={"angle": tendril.Option(0.0, unit="rad"), "strict": False})
+def level_tip(x: tendril.Quantities, angle: float, strict: bool) -> Any:
+    return [x.tip.angle - angle]
+
+
+def findings() -> list[str]:
+    return tendril.check("level_tip", angle=0.1)
