@@ -280,8 +280,8 @@ std::vector<Case> cases() {
       all.push_back({name, legendre(6), split, true, 2, "hulls", true, rod, true, true});
       const char* sines = split ? "sines_split_stretch" : "sines_stretch";
       all.push_back({sines, std::make_shared<Sines>(), split, true, 1, "circles", false, rod, true, true});
-      const char* many = split ? "legendre14x2_split_stretch" : "legendre14x2_stretch";
-      all.push_back({many, legendre(14, 2), split, false, 2, "walls", false, rod, false, true});
+      const char* large = split ? "legendre14_split_stretch" : "legendre14_stretch";
+      all.push_back({large, legendre(14), split, false, 1, "walls", false, rod, false, true});
     }
   }
   return all;

@@ -23,6 +23,7 @@ ForwardScene stretching(double axial_stiffness) {
 void make_tendon(ActuatorSpec& actuator, double offset) {
   actuator.kind = ActuatorKind::tendon;
   actuator.offset = {{0.0, offset}};
+  (offset > 0.0 ? actuator.minimum : actuator.maximum) = 0.0;
 }
 
 TEST(ExecuteStretch, Table) {
@@ -117,7 +118,8 @@ TEST(ExecuteStretch, AContactOfAnEvenlyCompressedRodIsThatOfAShorterOne) {
   shorter.scene.rod.segments[0].length = 1.0 + eps;
   shorter.scene.rod.segments[0].bending_stiffness = 1.0 + eps;
   shorter.scene.rod.actuators[0].to = 1.0 + eps;
-  shorter.circle(0.5, 0.12, 0.1);
+  // Obstacles are made in units of the length.
+  shorter.circle(0.5 / (1.0 + eps), 0.12 / (1.0 + eps), 0.1 / (1.0 + eps));
   const Execution expected = shorter.run({1.0});
   ASSERT_EQ(expected.result.status, PlanStatus::solved) << expected.result.message;
   ASSERT_EQ(e.result.contacts.size(), 1U);
