@@ -1,6 +1,6 @@
 // What one evaluation of a pose program costs, beside what the sines and cosines in it cost anyway: order 6, split, one
-// contact, 20 check points; the last number of a name: whether the rod is tapered (1), or stretches (2). Reports heap allocations per
-// iteration too. The ratio of the rows is the result; times depend on the machine.
+// contact, 20 check points; the last number of a name: whether the rod is tapered (1), or stretches (2). Reports heap
+// allocations per iteration too. The ratio of the rows is the result; times depend on the machine.
 
 #include <benchmark/benchmark.h>
 

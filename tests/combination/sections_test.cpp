@@ -14,10 +14,8 @@ namespace {
 std::string arm(const std::string& rod, const std::string& loads, const std::string& peg,
                 const std::string& coordinates = "") {
   return "problem = \"pose\"\ngravity = [0, \"-9.81 m/s^2\"]\n[rod]\n" + rod +
-         "[[rod.actuator]]\nlimit = \"2.5 N mm\"\n" + loads +
-         "[coordinates]\nplugin = \"legendre\"\norder = 12\n" + coordinates +
-         "[start]\ntip_angle = \"0.5 rad\"\n[[obstacle]]\nshape = \"circle\"\n" +
-         peg +
+         "[[rod.actuator]]\nlimit = \"2.5 N mm\"\n" + loads + "[coordinates]\nplugin = \"legendre\"\norder = 12\n" +
+         coordinates + "[start]\ntip_angle = \"0.5 rad\"\n[[obstacle]]\nshape = \"circle\"\n" + peg +
          "[contact]\nmax_force = \"1 N\"\n[target]\nposition = [\"97 mm\", \"20 mm\"]\n[[objective]]\n"
          "plugin = \"tip_pose\"\nweight = 100\n[[objective]]\nplugin = \"actuation_effort\"\nweight = 1e-4\n";
 }
@@ -36,11 +34,12 @@ const std::string loads =
     "[[rod.load]]\nat = \"70 mm\"\nmass = \"0.5 g\"\nforce = [\"2 mN\", \"-3 mN\"]\n[[rod.load]]\nfrom = \"20 mm\"\n"
     "to = \"90 mm\"\nforce_per_length = [0, \"-0.1 N/m\"]\n";
 
-const Case cases[] = {{"tapered, with a body", arm(round_taper, "", low_peg)},
-                      {"with loads", arm(even, loads, peg)},
-                      {"with a tapered body", arm(even + "thickness = [\"10 mm\", \"6 mm\"]\n", "", low_peg)},
-                      {"all of it", arm(round_taper, loads, low_peg)},
-                      {"that stretches", arm(even + "axial_stiffness = \"10 N\"\n", loads, peg, "stretch_order = 12\n")}};
+const Case cases[] = {
+    {"tapered, with a body", arm(round_taper, "", low_peg)},
+    {"with loads", arm(even, loads, peg)},
+    {"with a tapered body", arm(even + "thickness = [\"10 mm\", \"6 mm\"]\n", "", low_peg)},
+    {"all of it", arm(round_taper, loads, low_peg)},
+    {"that stretches", arm(even + "axial_stiffness = \"10 N\"\n", loads, peg, "stretch_order = 12\n")}};
 
 TEST(Sections, EverySolverPlansWhatExecutionReaches) {
   for (const Case& c : cases) {
@@ -78,9 +77,9 @@ TEST(Sections, TendonsShortenARodThatStretches) {
     for (const char* split : {"true", "false"}) {
       if (solver != "ipopt" && std::string(split) == "false") continue;
       SCOPED_TRACE(solver + ", split " + split);
-      const Scene arm = scene("extensible_arm", {"solver.plugin=" + solver, "coordinates.order=14",
-                                                 "coordinates.stretch_order=14",
-                                                 std::string("coordinates.split_at_contact=") + split});
+      const Scene arm =
+          scene("extensible_arm", {"solver.plugin=" + solver, "coordinates.order=14", "coordinates.stretch_order=14",
+                                   std::string("coordinates.split_at_contact=") + split});
       Plan found = plan(arm);
       ASSERT_TRUE(certified(found));
       EXPECT_LT(found.certificate.least_stretch, 0.98);

@@ -196,7 +196,8 @@ TEST(Validation, OfRodsThatStretch) {
                     s.contact.friction = 0.3;
                     s.contact.friction_state = FrictionState::none;
                   })),
-         refused(pose_with_obstacle, with(tapers), order, "a body whose diameter changes"), accepted(pose, with(tapers))});
+         refused(pose_with_obstacle, with(tapers), order, "a body whose diameter changes"),
+         accepted(pose, with(tapers))});
 }
 
 TEST(Validation, OfActuators) {

@@ -62,8 +62,7 @@ Places::Side convex_side(const PoseState& state, int contact) {
 double convexity(const PoseState& state, int contact, const Places::Side& side) {
   const PoseProgram::ContactState& c = state.contacts[static_cast<std::size_t>(contact)];
   const double along = dot(turned(c.surface.normal), c.tangent);
-  return side.bend() * dot(turned(c.tangent), c.surface.normal) + c.surface.curvature * along * along -
-         c.radius.bend;
+  return side.bend() * dot(turned(c.tangent), c.surface.normal) + c.surface.curvature * along * along - c.radius.bend;
 }
 
 void convexity_gradient(const PoseState& state, int contact, const Places::Side& side, VectorRef gradient) {

@@ -15,8 +15,8 @@ namespace tendril {
 struct PieceSums {
   Eigen::MatrixXd vector;  ///< functions x pieces: sum_g z_g beta(sigma_g)
   Eigen::VectorXd scalar;  ///< pieces: sum_g z_g
-  /// By pieces: sum_g W_g beta_i beta_k, packed i <= k, and behind them the products of beta_i with the functions of the
-  /// stretch, i by i. These have no products with each other.
+  /// By pieces: sum_g W_g beta_i beta_k, packed i <= k, and behind them the products of beta_i with the functions of
+  /// the stretch, i by i. These have no products with each other.
   Eigen::MatrixXd gram;
   int bends;  ///< functions of the angle
 
@@ -37,8 +37,8 @@ struct PieceSums {
 struct Integrals {
   Eigen::Matrix2Xd knot;   ///< pieces + 1: up to the start of every piece, and to the tip
   Eigen::Matrix2Xd chord;  ///< pieces: over a piece, by dsigma
-  /// 2 functions x pieces: h int (derivative of the field by the coordinates) dsigma, first all x. By those of the angle
-  /// it is turned(field) beta.
+  /// 2 functions x pieces: h int (derivative of the field by the coordinates) dsigma, first all x. By those of the
+  /// angle it is turned(field) beta.
   Eigen::MatrixXd sum;
 
   explicit Integrals(const Chain& chain);  ///< All zero.
@@ -114,8 +114,8 @@ class TENDRIL_API Backbone {
   void row_before(int j, Vec2 point, Vec2 n, double* row) const {
     tangent_.row_before(j, point, n, chain_->table().end, row);
   }
-  /// out[0..2n) += sum_g z[g * stride] (derivatives of P' by the coordinates)_g over the nodes of piece j, N beta by those
-  /// of the angle; needs sum_normals().
+  /// out[0..2n) += sum_g z[g * stride] (derivatives of P' by the coordinates)_g over the nodes of piece j, N beta by
+  /// those of the angle; needs sum_normals().
   void add_turned(int j, const double* z, int stride, double* out) const;
   /// x and y [0..rows) += sum_g columns(:, g) t_g over the nodes of piece j.
   void add_tangents(int j, int rows, const double* columns, double* x, double* y) const;
@@ -153,10 +153,10 @@ class TENDRIL_API Backbone {
   Eigen::VectorXd length_, start_;
   Eigen::VectorXd knot_angle_;
   Integrals tangent_;
-  Eigen::MatrixXd angle_, cosine_, sine_;  // nodes x pieces; the latter times 1 + eps
+  Eigen::MatrixXd angle_, cosine_, sine_;              // nodes x pieces; the latter times 1 + eps
   Eigen::MatrixXd stretch_, unit_cosine_, unit_sine_;  // nodes x pieces, of a rod that stretches
   Eigen::MatrixXd turned_;  // (2 functions x nodes) x pieces: derivatives of P' by the coordinates at every node
-  mutable Eigen::VectorXd node_buffer_;    // nodes
+  mutable Eigen::VectorXd node_buffer_;  // nodes
 };
 
 }  // namespace tendril

@@ -276,8 +276,7 @@ Eigen::VectorXd Chain::project(std::span<const double> scaled_curvature) const {
   return table().stiffness.topLeftCorner(n, n).ldlt().solve(rhs);
 }
 
-Eigen::VectorXd Chain::coordinates_of(const std::function<double(double)>& curvature,
-                                      std::span<const double> knots,
+Eigen::VectorXd Chain::coordinates_of(const std::function<double(double)>& curvature, std::span<const double> knots,
                                       const std::function<double(double)>& stretch) const {
   Eigen::VectorXd q = Eigen::VectorXd::Zero(coordinate_count());
   std::vector<double> scaled(static_cast<std::size_t>(nodes()));

@@ -184,7 +184,7 @@ class TENDRIL_API Chain {
   Eigen::VectorXd start0_, length0_;
   Eigen::MatrixXd start_rate_, length_rate_;
   Eigen::MatrixXd levels_, thrusts_;  // actuators x pieces
-  Eigen::MatrixXi varying_;  // actuators x pieces: index into parts_, or -1
+  Eigen::MatrixXi varying_;           // actuators x pieces: index into parts_, or -1
   std::vector<ProfilePart> parts_{};
 };
 

@@ -31,8 +31,8 @@ class MovingPoint {
   const double* stretch_functions() const { return by_stretch_.col(node_count_).data(); }
   const double* stretch_function_slopes() const { return stretch_slopes_.data(); }
   Vec2 normal() const { return turned(velocity()); }  ///< P' turned
-  double slope() const { return slope_; }  ///< dphi/dsigma
-  double bend() const { return bend_; }    ///< d^2 phi/dsigma^2
+  double slope() const { return slope_; }             ///< dphi/dsigma
+  double bend() const { return bend_; }               ///< d^2 phi/dsigma^2
   const double* beta() const { return beta_.data(); }
   const double* beta1() const { return beta1_.data(); }
   const double* beta2() const { return beta2_.data(); }
@@ -45,8 +45,8 @@ class MovingPoint {
   int node_count() const { return node_count_; }
   double weight(int g) const { return weight_[g]; }  ///< of dsigma
   double node_sigma(int g) const { return sigma_nodes_[g]; }
-  Vec2 node_tangent(int g) const { return {cosine_[g], sine_[g]}; }                 ///< P'
-  Vec2 node_unit(int g) const { return {unit_cosine_[g], unit_sine_[g]}; }          ///< of a rod that stretches
+  Vec2 node_tangent(int g) const { return {cosine_[g], sine_[g]}; }         ///< P'
+  Vec2 node_unit(int g) const { return {unit_cosine_[g], unit_sine_[g]}; }  ///< of a rod that stretches
   const double* node_stretch(int g) const { return by_stretch_.col(g).data(); }
   const double* node_beta(int g) const { return by_node_.col(g).data(); }
 

@@ -181,6 +181,7 @@ class TENDRIL_API Places {
   void find_rates(const Integrals& field, Eigen::MatrixXd& rates) const;
   void weigh(int j, const Ramp& along, const Ramp* turning, double* z) const;
   void add_unit_weight(int j, const Ramp& along, const double* factors, double* z) const;
+  void weigh_units(int j, const Ramp& along, const Ramp* turning, double push, const Eigen::VectorXd* pushed);
   /// How fast sigma of piece j runs along the rod with arc length l.
   double run(int j, double sigma, int l) const { return start_rate_(j, l) + sigma * length_rate_(j, l); }
   Vec2 line_rate(int j, int l) const { return {line_rate_(2 * j, l), line_rate_(2 * j + 1, l)}; }
@@ -238,7 +239,7 @@ class TENDRIL_API Places {
   std::vector<PieceSums> rate_sums_;  ///< one per arc length
   Eigen::VectorXd node_buffer_, push_along_, push_across_, third_;
   Eigen::VectorXd unit_buffer_, unit_push_along_, unit_push_across_;  ///< of a rod that stretches, with unit tangents
-  mutable Eigen::VectorXd heavy_;  ///< at nodes
+  mutable Eigen::VectorXd heavy_;                                     ///< at nodes
 };
 
 }  // namespace tendril

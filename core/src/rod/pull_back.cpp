@@ -36,7 +36,8 @@ void Places::weigh(int j, const Ramp& along, const Ramp* turning, double* z) con
   }
 }
 
-/// z += weight factor (along . t) at the nodes of a rod that stretches, t the unit tangent; without factors these are 1.
+/// z += weight factor (along . t) at the nodes of a rod that stretches, t the unit tangent; without factors these
+/// are 1.
 void Places::add_unit_weight(int j, const Ramp& along, const double* factors, double* z) const {
   const double* weight = chain_->table().weight.data();
   for (int i = 0; i < chain_->nodes(); ++i) {
@@ -44,6 +45,15 @@ void Places::add_unit_weight(int j, const Ramp& along, const double* factors, do
     if (along.share != nullptr) force += along.share[i] * along.heavy;
     z[i] += weight[i] * (factors != nullptr ? factors[i] : 1.0) * dot(force, backbone_.unit_tangent(j, i));
   }
+}
+
+/// unit_buffer_ = weight (along + psi turning) . t + push pushed  at the nodes of a rod that stretches, t the unit
+/// tangent; `turning` and `pushed` may be null.
+void Places::weigh_units(int j, const Ramp& along, const Ramp* turning, double push, const Eigen::VectorXd* pushed) {
+  unit_buffer_.setZero();
+  add_unit_weight(j, along, nullptr, unit_buffer_.data());
+  if (turning != nullptr) add_unit_weight(j, *turning, psi_.col(j).data(), unit_buffer_.data());
+  if (pushed != nullptr) unit_buffer_ += push * *pushed;
 }
 
 /// Sums forces on the stations of a piece at its nodes, along the tangent and across it. False: there are none.
@@ -109,9 +119,7 @@ void Places::pull_back(const Forces& forces, double* out) {
       for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] += h * push_across_[i];
       backbone_.add_nodes(sums_, j, z);
       if (chain_->stretches() > 0) {
-        unit_buffer_.setZero();
-        add_unit_weight(j, load, nullptr, unit_buffer_.data());
-        if (pushed) unit_buffer_ += h * unit_push_along_;
+        weigh_units(j, load, nullptr, h, pushed ? &unit_push_along_ : nullptr);
         backbone_.add_stretch_nodes(sums_, j, unit_buffer_.data());
       }
     }
@@ -157,15 +165,13 @@ void Places::second_pull_back(const Forces& forces, const Forces* virtual_forces
     weights(-1.0 * sweep.load(j), -1.0 * turning.load(j).across());
     for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] -= h * push_along_[i];
     const bool stretches = chain_->stretches() > 0;
-    const double* psi = virtual_forces != nullptr ? psi_.col(j).data() : nullptr;
     const double* eta = stretches && virtual_forces != nullptr ? eta_.col(j).data() : nullptr;
     if (eta != nullptr) add_unit_weight(j, -1.0 * turning.load(j), eta, z);
     backbone_.add_gram_nodes(gram_sums_, j, z);
     if (stretches) {
-      unit_buffer_.setZero();
-      add_unit_weight(j, sweep.load(j).across(), nullptr, unit_buffer_.data());
-      if (psi != nullptr) add_unit_weight(j, -1.0 * turning.load(j), psi, unit_buffer_.data());
-      if (pushed) unit_buffer_ += h * unit_push_across_;
+      const Ramp by_psi = -1.0 * turning.load(j);
+      weigh_units(j, sweep.load(j).across(), eta != nullptr ? &by_psi : nullptr, h,
+                  pushed ? &unit_push_across_ : nullptr);
       backbone_.add_mixed_nodes(gram_sums_, j, unit_buffer_.data());
     }
     for (int l = 0; l < arc_lengths_; ++l) {
@@ -177,10 +183,9 @@ void Places::second_pull_back(const Forces& forces, const Forces* virtual_forces
       if (eta != nullptr) add_unit_weight(j, turning.load_rate(j, l).across(), eta, z);
       backbone_.add_nodes(sums, j, z);
       if (!stretches) continue;
-      unit_buffer_.setZero();
-      add_unit_weight(j, sweep.load_rate(j, l), nullptr, unit_buffer_.data());
-      if (psi != nullptr) add_unit_weight(j, turning.load_rate(j, l).across(), psi, unit_buffer_.data());
-      if (pushed) unit_buffer_ += rate * unit_push_along_;
+      const Ramp by_psi = turning.load_rate(j, l).across();
+      weigh_units(j, sweep.load_rate(j, l), eta != nullptr ? &by_psi : nullptr, rate,
+                  pushed ? &unit_push_along_ : nullptr);
       backbone_.add_stretch_nodes(sums, j, unit_buffer_.data());
     }
     add_inside(forces, virtual_forces, j, out);

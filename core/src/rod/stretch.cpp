@@ -61,8 +61,7 @@ void Places::add_stretch_energy_second(double factor, const double* lambda, Seco
         along_nodes_[g] = table.weight[g] * (h_l * a.value[g] + h * a.slope[g] * s_l) * (factor * e - virtual_bent_[g]);
         for (int k = 0; l < out.ss.rows() && k < out.ss.cols(); ++k) {
           const double s_k = run(j, table.sigma[g], k);
-          const double stiffer =
-              (h_l * s_k + length_rate_(j, k) * s_l) * a.slope[g] + h * a.bend[g] * s_l * s_k;
+          const double stiffer = (h_l * s_k + length_rate_(j, k) * s_l) * a.slope[g] + h * a.bend[g] * s_l * s_k;
           out.ss(l, k) += table.weight[g] * stiffer * e * (0.5 * factor * e - virtual_bent_[g]);
         }
       }
@@ -134,7 +133,8 @@ double Places::stretch_defect(const Forces& forces, std::span<const double> mome
     sweep.enter(j);
     const Ramp load = sweep.load(j);
     double pulled = 0.0;
-    for (int a = 0; a < chain_->actuator_count(); ++a) pulled += chain_->thrust(a, j) * moments[static_cast<std::size_t>(a)];
+    for (int a = 0; a < chain_->actuator_count(); ++a)
+      pulled += chain_->thrust(a, j) * moments[static_cast<std::size_t>(a)];
     for (int g = 0; g < chain_->nodes(); ++g) {
       Vec2 force = load.end + left_[g] * load.slope;
       if (load.share != nullptr) force += load.share[g] * load.heavy;

@@ -209,8 +209,7 @@ void validate_stretch(const Scene& scene) {
         (segments.size() == 1 ? "rod" : "rod.segment[" + std::to_string(i) + "]") + ".axial_stiffness";
     const SegmentSpec& s = segments[i];
     if (!(s.axial_stiffness > 0.0) || !std::isfinite(s.axial_stiffness)) {
-      throw SceneError(key, "a rod that stretches needs an axial stiffness above 0, found " +
-                                shown(s.axial_stiffness) +
+      throw SceneError(key, "a rod that stretches needs an axial stiffness above 0, found " + shown(s.axial_stiffness) +
                                 " N, expected 'axial_stiffness', or 'youngs_modulus' and 'diameter'");
     }
     require_along(s.axial_stiffness, s.more_axial_stiffness, true, key, "the axial stiffness", "N");
