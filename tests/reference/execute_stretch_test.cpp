@@ -131,6 +131,9 @@ TEST(ExecuteStretch, AContactOfAnEvenlyCompressedRodIsThatOfAShorterOne) {
   EXPECT_NEAR(e.result.contacts[0].arc_length * (1.0 + eps), expected.result.contacts[0].arc_length, 2.0 * share);
   EXPECT_NEAR(e.result.contacts[0].force, expected.result.contacts[0].force, 10.0 * share);
   EXPECT_NEAR(e.result.certificate.stability, expected.result.certificate.stability, 20.0 * share);
+  // A curvature, in units of the length.
+  EXPECT_NEAR(e.result.certificate.contact_convexity * (1.0 + eps), expected.result.certificate.contact_convexity,
+              100.0 * share);
 }
 
 TEST(ExecuteStretch, ARodThatIsCompressedToNothingIsRefused) {
