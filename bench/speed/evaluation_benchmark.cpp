@@ -1,10 +1,11 @@
 // What one evaluation of a pose program costs, beside what the sines and cosines in it cost anyway: order 6, split, one
-// contact, 20 check points; the last number of a name: whether the rod is tapered. Reports heap allocations per
-// iteration too. The ratio of the rows is the result; times depend on the machine.
+// contact, 20 check points; the last number of a name: whether the rod is tapered (1), or stretches (2). Reports heap
+// allocations per iteration too. The ratio of the rows is the result; times depend on the machine.
 
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <cstdint>
 #include <memory>
 
 #include "certificate/certifier.hpp"
@@ -35,9 +36,13 @@ class Pose : public ObjectiveBase<Pose> {
 };
 
 struct Fixture {
-  explicit Fixture(int order = 6, int check_points = 20, bool tapered = false) : basis(order) {
+  explicit Fixture(int order = 6, int check_points = 20, std::int64_t kind = 0) : basis(order) {
     rod.segments[0].weight = 1.68;
-    if (tapered) {
+    if (kind == 2) {
+      rod.stretch_order = order / 2;
+      rod.segments[0].axial = 1600.0;
+    }
+    if (kind == 1) {
       // A round section whose diameter falls by a fifth.
       rod.segments[0].more_stiffness = {-0.8, 0.24, -0.032, 0.0016};
       rod.segments[0].more_weight = {-0.4 * 1.68, 0.04 * 1.68};
@@ -94,7 +99,7 @@ void sixty_sine_cosine_pairs(benchmark::State& state) {
 BENCHMARK(sixty_sine_cosine_pairs);
 
 void values(benchmark::State& state) {
-  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), state.range(2) != 0);
+  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), state.range(2));
   const long before = allocations();
   for (auto _ : state) {
     f.nudge();
@@ -102,10 +107,10 @@ void values(benchmark::State& state) {
   }
   count_allocations(state, before);
 }
-BENCHMARK(values)->Args({6, 20, 0})->Args({6, 20, 1});
+BENCHMARK(values)->Args({6, 20, 0})->Args({6, 20, 1})->Args({6, 20, 2});
 
 void first_derivatives(benchmark::State& state) {
-  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), state.range(2) != 0);
+  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), state.range(2));
   const long before = allocations();
   for (auto _ : state) {
     f.nudge();
@@ -121,10 +126,12 @@ BENCHMARK(first_derivatives)
     ->Args({24, 20, 0})
     ->Args({48, 20, 0})
     ->Args({6, 20, 1})
-    ->Args({12, 20, 1});
+    ->Args({12, 20, 1})
+    ->Args({6, 20, 2})
+    ->Args({12, 20, 2});
 
 void with_hessian(benchmark::State& state) {
-  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), state.range(2) != 0);
+  Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), state.range(2));
   const long before = allocations();
   for (auto _ : state) {
     f.nudge();
@@ -140,7 +147,9 @@ BENCHMARK(with_hessian)
     ->Args({24, 20, 0})
     ->Args({48, 20, 0})
     ->Args({6, 20, 1})
-    ->Args({12, 20, 1});
+    ->Args({12, 20, 1})
+    ->Args({6, 20, 2})
+    ->Args({12, 20, 2});
 
 /// One mode's program with its tables, and the doubled one that judges it.
 void assembly(benchmark::State& state) {

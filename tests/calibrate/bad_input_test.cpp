@@ -57,6 +57,13 @@ TEST(Refused, IsAStiffnessThatNothingBends) {
   expect_refused(spec, "nothing bends the rod in any recording", weightless);
 }
 
+TEST(Refused, AreRodsThatStretch) {
+  Scene stretches = MeasuredArm{}.scene();
+  stretches.rod.segments[0].axial_stiffness = 50.0;
+  stretches.coordinates.stretch_order = 1;
+  expect_refused(good(), "rods are calibrated at fixed length, expected a rod that does not stretch", stretches);
+}
+
 TEST(Refused, AreMoreUnknownsThanMeasurements) {
   CalibrationSpec spec = good();
   spec.recordings.resize(1);

@@ -11,12 +11,11 @@ namespace tendril::combination {
 namespace {
 
 /// The braced arm of a rod that is stated by `rod`, over a peg whose top is where the arm's lower side passes.
-std::string arm(const std::string& rod, const std::string& loads, const std::string& peg) {
+std::string arm(const std::string& rod, const std::string& loads, const std::string& peg,
+                const std::string& coordinates = "") {
   return "problem = \"pose\"\ngravity = [0, \"-9.81 m/s^2\"]\n[rod]\n" + rod +
-         "[[rod.actuator]]\nlimit = \"2.5 N mm\"\n" + loads +
-         "[coordinates]\nplugin = \"legendre\"\norder = 12\n[start]\ntip_angle = \"0.5 rad\"\n[[obstacle]]\n"
-         "shape = \"circle\"\n" +
-         peg +
+         "[[rod.actuator]]\nlimit = \"2.5 N mm\"\n" + loads + "[coordinates]\nplugin = \"legendre\"\norder = 12\n" +
+         coordinates + "[start]\ntip_angle = \"0.5 rad\"\n[[obstacle]]\nshape = \"circle\"\n" + peg +
          "[contact]\nmax_force = \"1 N\"\n[target]\nposition = [\"97 mm\", \"20 mm\"]\n[[objective]]\n"
          "plugin = \"tip_pose\"\nweight = 100\n[[objective]]\nplugin = \"actuation_effort\"\nweight = 1e-4\n";
 }
@@ -35,10 +34,12 @@ const std::string loads =
     "[[rod.load]]\nat = \"70 mm\"\nmass = \"0.5 g\"\nforce = [\"2 mN\", \"-3 mN\"]\n[[rod.load]]\nfrom = \"20 mm\"\n"
     "to = \"90 mm\"\nforce_per_length = [0, \"-0.1 N/m\"]\n";
 
-const Case cases[] = {{"tapered, with a body", arm(round_taper, "", low_peg)},
-                      {"with loads", arm(even, loads, peg)},
-                      {"with a tapered body", arm(even + "thickness = [\"10 mm\", \"6 mm\"]\n", "", low_peg)},
-                      {"all of it", arm(round_taper, loads, low_peg)}};
+const Case cases[] = {
+    {"tapered, with a body", arm(round_taper, "", low_peg)},
+    {"with loads", arm(even, loads, peg)},
+    {"with a tapered body", arm(even + "thickness = [\"10 mm\", \"6 mm\"]\n", "", low_peg)},
+    {"all of it", arm(round_taper, loads, low_peg)},
+    {"that stretches", arm(even + "axial_stiffness = \"10 N\"\n", loads, peg, "stretch_order = 12\n")}};
 
 TEST(Sections, EverySolverPlansWhatExecutionReaches) {
   for (const Case& c : cases) {
@@ -68,6 +69,39 @@ TEST(Sections, DescriptionsOfOtherRodsAreAsBefore) {
   for (const LeftOut& left : plain.left_out) EXPECT_EQ(left.what.find("along"), std::string::npos) << left.what;
   const Description loaded = problem(scene_from_text(arm(even, loads, peg))).describe();
   EXPECT_NE(std::find(loaded.energies.begin(), loaded.energies.end(), "loads along the rod"), loaded.energies.end());
+}
+
+// One tendon alone bends the arm and shortens it: the plan takes both, in every basis of contacts.
+TEST(Sections, TendonsShortenARodThatStretches) {
+  for (const std::string& solver : solvers_to_combine()) {
+    for (const char* split : {"true", "false"}) {
+      if (solver != "ipopt" && std::string(split) == "false") continue;
+      SCOPED_TRACE(solver + ", split " + split);
+      const Scene arm =
+          scene("extensible_arm", {"solver.plugin=" + solver, "coordinates.order=14", "coordinates.stretch_order=14",
+                                   std::string("coordinates.split_at_contact=") + split});
+      Plan found = plan(arm);
+      ASSERT_TRUE(certified(found));
+      EXPECT_LT(found.certificate.least_stretch, 0.98);
+      if (std::string(split) == "false") continue;
+      const Components parts = plugins::make_components(registry(), arm);
+      ExecuteControl control;
+      control.start = &found;
+      const Execution reached = verify(arm, parts.obstacles, found, control);
+      EXPECT_EQ(reached.result.status, PlanStatus::solved) << reached.result.message;
+      EXPECT_LT(found.model_error.value_or(infinity), 1e-8 * arm.rod.length());
+    }
+  }
+}
+
+TEST(Sections, WhatIsKnownOfTheStretchAndNotAskedForIsTold) {
+  const Description fixed = problem(scene_from_text(arm(even + "axial_stiffness = \"10 N\"\n", "", peg))).describe();
+  EXPECT_EQ(std::find(fixed.energies.begin(), fixed.energies.end(), "stretch"), fixed.energies.end());
+  const Scene read = scene_from_text(arm(even + "axial_stiffness = \"10 N\"\n", "", peg));
+  ASSERT_EQ(read.left_out.size(), 1u);
+  EXPECT_EQ(read.left_out[0].what, "axial_stiffness");
+  const Description stretches = problem(scene("extensible_arm")).describe();
+  EXPECT_NE(std::find(stretches.energies.begin(), stretches.energies.end(), "stretch"), stretches.energies.end());
 }
 
 }  // namespace

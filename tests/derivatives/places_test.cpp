@@ -18,7 +18,11 @@ namespace {
 /// Two segments and a load of every kind, with places of every kind. Split: arc lengths are knots; else one place
 /// slides.
 struct Posed {
-  explicit Posed(bool is_split, bool varies = false) : split(is_split) {
+  struct Kind {
+    bool split, varies = false, stretches = false;
+  };
+  explicit Posed(Kind kind) : split(kind.split) {
+    const bool varies = kind.varies;
     rod.segments = {{0.0, 0.4, 1.0, 1.7, 0.3}, {0.4, 1.0, 0.6, 0.9, -0.2}};
     if (varies) {
       rod.segments[0].more_stiffness = {-0.3};
@@ -27,6 +31,15 @@ struct Posed {
       rod.segments[1].more_weight = {-0.7, 0.3};
       rod.segments[1].more_rest_curvature = {0.5, -0.2};
       rod.loads = {{0.4, 0.4, {0.2, -0.3}, 0.25}, {0.4, 1.0, {-0.4, 0.3}, 0.0}, {0.0, 1.0, {0.1, 0.2}, 0.0}};
+    }
+    if (kind.stretches) {
+      rod.stretch_order = 4;
+      rod.segments[0].axial = 0.6;
+      rod.segments[1].axial = 0.9;
+      if (varies) {
+        rod.segments[0].more_axial = {0.2, -0.3};
+        rod.segments[1].more_axial = {-0.3, 0.1, 0.2};
+      }
     }
     rod.base = {0.1, -0.2};
     rod.base_angle = 0.3;
@@ -64,8 +77,8 @@ struct Posed {
     at.resize(chain->coordinate_count() + places->arc_lengths());
     lambda.resize(chain->coordinate_count());
     for (Eigen::Index i = 0; i < lambda.size(); ++i) {
-      at[i] = 0.5 * d(random) / (1.0 + static_cast<double>(i % model.function_count()));
-      lambda[i] = d(random) / (1.0 + static_cast<double>(i % model.function_count()));
+      at[i] = 0.5 * d(random) / (1.0 + static_cast<double>(i % chain->functions()));
+      lambda[i] = d(random) / (1.0 + static_cast<double>(i % chain->functions()));
     }
     at[lambda.size()] = split ? 0.23 : 0.71;
     if (split) at[lambda.size() + 1] = 0.77;
@@ -140,9 +153,9 @@ struct Posed {
   Eigen::VectorXd at, lambda;
 };
 
-class PlacesOn : public testing::TestWithParam<std::pair<bool, bool>> {
+class PlacesOn : public testing::TestWithParam<Posed::Kind> {
  protected:
-  Posed p{GetParam().first, GetParam().second};
+  Posed p{GetParam()};
   const std::function<std::string(int)> number = [](int i) { return std::to_string(i); };
 };
 
@@ -262,11 +275,13 @@ TEST_P(PlacesOn, EnergyHasItsDerivatives) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Rods, PlacesOn,
-                         testing::Values(std::pair(false, false), std::pair(true, false), std::pair(false, true),
-                                         std::pair(true, true)),
+                         testing::Values(Posed::Kind{false}, Posed::Kind{true}, Posed::Kind{false, true},
+                                         Posed::Kind{true, true}, Posed::Kind{false, false, true},
+                                         Posed::Kind{true, false, true}, Posed::Kind{false, true, true},
+                                         Posed::Kind{true, true, true}),
                          [](const auto& kind) {
-                           return std::string(kind.param.first ? "split" : "unsplit") +
-                                  (kind.param.second ? "_varied" : "");
+                           return std::string(kind.param.split ? "split" : "unsplit") +
+                                  (kind.param.varies ? "_varied" : "") + (kind.param.stretches ? "_stretched" : "");
                          });
 
 }  // namespace

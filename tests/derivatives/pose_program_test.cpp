@@ -72,6 +72,7 @@ struct Case {
   bool palm = false;
   const char* rod = "uniform";
   bool profiles = false;
+  bool stretches = false;
 };
 
 std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name; }
@@ -84,7 +85,7 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
   }
 
   static support::SamplePose::Setup setup_of(const Case& c) {
-    return {c.model, c.split, c.tip_contact, c.interior_contacts, c.shapes, c.palm, c.rod, c.profiles};
+    return {c.model, c.split, c.tip_contact, c.interior_contacts, c.shapes, c.palm, c.rod, c.profiles, c.stretches};
   }
 
   Eigen::VectorXd random_point(std::mt19937& random) {
@@ -270,6 +271,17 @@ std::vector<Case> cases() {
       all.push_back({name, legendre(6), split, false, 1, "hulls", true, rod});
       all.push_back({split ? "sines_split" : "sines", std::make_shared<Sines>(), split, true, 2, "walls", false, rod});
       all.push_back({split ? "legendre14_split" : "legendre14", legendre(14), split, false, 1, "circles", false, rod});
+    }
+  }
+  for (const bool split : {false, true}) {
+    for (const char* rod : {"uniform", "varied"}) {
+      const char* name = split ? "legendre6_split_stretch" : "legendre6_stretch";
+      all.push_back({name, legendre(6), split, false, 0, "circles", false, rod, false, true});
+      all.push_back({name, legendre(6), split, true, 2, "hulls", true, rod, true, true});
+      const char* sines = split ? "sines_split_stretch" : "sines_stretch";
+      all.push_back({sines, std::make_shared<Sines>(), split, true, 1, "circles", false, rod, true, true});
+      const char* large = split ? "legendre14_split_stretch" : "legendre14_stretch";
+      all.push_back({large, legendre(14), split, false, 1, "walls", false, rod, false, true});
     }
   }
   return all;

@@ -56,6 +56,17 @@ SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
     rod.actuators[0].profile = {{0.0, 0.45, {1.0, -0.7, 0.4}}, {0.45, 1.0, {0.8, 0.9, -1.7, 1.1}}};
     rod.actuators[1].profile = {{0.45, 1.0, {0.6, 0.5}}};
   }
+  if (setup.stretches) {
+    rod.stretch_order = 3;
+    rod.segments[0].axial = 0.7;
+    rod.segments[1].axial = 1.2;
+    if (setup.rod == "varied") {
+      rod.segments[0].more_axial = {-0.2, 0.1};
+      rod.segments[1].more_axial = {-0.4, 0.3, -0.2};
+    }
+    rod.actuators[0].thrust = -0.6;
+    rod.actuators[1].thrust = 0.8;
+  }
   rod.gravity = {0.28, -0.96};
   rod.payload = 0.4;
   rod.tip_force = {0.3, -0.2};

@@ -61,6 +61,7 @@ struct SamplePose {
     bool palm = false;               ///< the base moves against one more obstacle
     std::string rod = "uniform";     ///< "uniform" by segments, "tapered", "loaded", "thick", or "varied": all of these
     bool profiles = false;           ///< moments of actuators vary along the rod
+    bool stretches = false;          ///< the rod stretches, and actuators pull along it
   };
   explicit SamplePose(const Setup& setup);
   SamplePose(const SamplePose&) = delete;

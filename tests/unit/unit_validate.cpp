@@ -166,6 +166,40 @@ std::vector<Rule> number_rules() {
 
 TEST(Validation, OfNumbers) { check(number_rules()); }
 
+TEST(Validation, OfRodsThatStretch) {
+  const auto stretch = [](Scene& s) {
+    s.coordinates.stretch_order = 2;
+    for (SegmentSpec& segment : s.rod.segments) segment.axial_stiffness = 30.0;
+  };
+  const auto with = [&](auto change) {
+    return [=](Scene& s) {
+      stretch(s);
+      change(s);
+    };
+  };
+  const auto nothing = [](Scene&) {};
+  const char* order = "coordinates.stretch_order";
+  const auto of = [](int n) { return [n](Scene& s) { s.coordinates.stretch_order = n; }; };
+  const auto tapers = [](Scene& s) { s.rod.segments[0].more_thickness = {0.001}; };
+  check({accepted(two_segments, stretch), accepted(trajectory, stretch), accepted(pose_with_obstacle, stretch),
+         accepted(pose, with(of(32))), refused(pose, with(of(33)), order, "found 33"),
+         refused(pose, with(of(-1)), order, "expected 0"),
+         refused(pose, of(1), "rod.axial_stiffness", "needs an axial stiffness above 0, found 0 N"),
+         refused(two_segments, with([](Scene& s) { s.rod.segments[1].axial_stiffness = 0.0; }),
+                 "rod.segment[1].axial_stiffness", "found 0 N"),
+         refused(pose, with([](Scene& s) { s.rod.segments[0].more_axial_stiffness = {-40.0}; }), "rod.axial_stiffness",
+                 "must be positive all along"),
+         refused(grasp, with(nothing), order, "grasps are planned with fingers of fixed length"),
+         refused(pose, with([](Scene& s) { s.problem = ProblemKind::estimate; }), order, "forces are estimated"),
+         refused(pose_with_obstacle, with([](Scene& s) { s.contact.friction = 0.3; }), order, "contacts rub"),
+         accepted(pose_with_obstacle, with([](Scene& s) {
+                    s.contact.friction = 0.3;
+                    s.contact.friction_state = FrictionState::none;
+                  })),
+         refused(pose_with_obstacle, with(tapers), order, "a body whose diameter changes"),
+         accepted(pose, with(tapers))});
+}
+
 TEST(Validation, OfActuators) {
   check({refused(
              pose, [](Scene& s) { s.rod.segments.clear(); }, "rod", "the rod has no length"),

@@ -201,6 +201,9 @@ std::string certificate_text(const Certificate& certificate) {
   };
   information("convexity", certificate.contact_convexity,
               fmt::format("> {:g} at contacts", tolerance::convexity).c_str());
+  if (certificate.least_stretch < 1.0) {
+    entry("least stretch", certificate.least_stretch, "> 0", certificate.least_stretch > 0.0);
+  }
   information("moment balance", certificate.moment_balance, "(model error)");
   information("quadrature", certificate.quadrature, "(change if doubled)");
   std::string text = '\n' + grid.text("");

@@ -33,6 +33,7 @@ Json certificate_json(const Certificate& certificate) {
             {"contact_convexity", number(certificate.contact_convexity)},
             {"quadrature", number(certificate.quadrature)},
             {"failures", certificate.failures}};
+  if (certificate.least_stretch < 1.0) json["least_stretch"] = number(certificate.least_stretch);
   if (certificate.out_of_plane) json["out_of_plane"] = number(*certificate.out_of_plane);
   return json;
 }

@@ -45,6 +45,7 @@ RodDraft with_inherited(const RodDraft& rod, const RodDraft& finger) {
       inherit(whole.bending_stiffness, rod.bending_stiffness);
       inherit(whole.linear_density, rod.linear_density);
       inherit(whole.thickness, rod.thickness);
+      inherit(whole.axial_stiffness, rod.axial_stiffness);
     }
     if (!numbers && !finger.file) {
       inherit(whole.youngs_modulus, rod.youngs_modulus);
@@ -150,6 +151,7 @@ RodSpec finish_rod(const Context& context, const std::string& table, const RodDr
     refuse("poisson_ratio", draft.poisson_ratio.has_value());
     refuse("torsional_stiffness", draft.torsional_stiffness.has_value());
     refuse("out_of_plane_stiffness", draft.out_of_plane_stiffness.has_value());
+    refuse("axial_stiffness", draft.axial_stiffness.has_value());
     for (std::size_t i = 0; i < draft.segments.size(); ++i) {
       const std::vector<SegmentSpec> made =
           finish_section(context, fmt::format("{}.segment[{}]", table, i), '[' + kind + ".segment]", draft.segments[i]);

@@ -130,6 +130,11 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
   read_table(context, document.root(), "", scene_table(), draft);
   Scene scene = std::move(draft.scene);
   scene.rod = finish_rod(context, "rod", draft.rod);
+  const auto states_axial = [](const SectionDraft& section) { return section.axial_stiffness.has_value(); };
+  if (scene.coordinates.stretch_order == 0 &&
+      (states_axial(draft.rod) || std::any_of(draft.rod.segments.begin(), draft.rod.segments.end(), states_axial))) {
+    scene.left_out.push_back({"axial_stiffness", "[coordinates] has no stretch_order: the rod does not stretch"});
+  }
   scene.fingers = finish_fingers(context, draft.rod, draft.fingers, scene);
   if (scene.gripper && scene.gripper->palm_distance_range && std::isnan(scene.gripper->palm_distance_range->second)) {
     document.fail(document.find("gripper.palm_distance_range"), "expected two lengths: the smallest and the largest");

@@ -21,7 +21,12 @@ Table<CoordinatesSpec> coordinates_table() {
   return {
       {text<T>("plugin", default_coordinates, "Coordinate plugin.", [](T& t, const std::string& v) { t.plugin = v; }),
        boolean<T>("split_at_contact", "true", "Puts a knot at each contact point: exact there, at little cost.",
-                  [](T& t, bool v) { t.split_at_contact = v; })},
+                  [](T& t, bool v) { t.split_at_contact = v; }),
+       integer<T>(
+           "stretch_order", 0, "0",
+           "Legendre coefficients per piece with which the rod stretches: 1 is a uniform stretch of each piece, 0 "
+           "none.",
+           [](T& t, int v) { t.stretch_order = v; })},
       [](T& t, const std::string& name, RawValue value) { t.options[name] = std::move(value); }};
 }
 

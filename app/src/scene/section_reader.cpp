@@ -55,6 +55,7 @@ struct Round {
     constexpr double pi = std::numbers::pi;
     if (youngs_modulus) {
       set_round(outer, inner, 4, *youngs_modulus * pi / 64.0, s.bending_stiffness, s.more_bending_stiffness);
+      set_round(outer, inner, 2, *youngs_modulus * pi / 4.0, s.axial_stiffness, s.more_axial_stiffness);
     }
     if (density) set_round(outer, inner, 2, *density * pi / 4.0, s.linear_density, s.more_linear_density);
     set_line(outer, s.thickness, s.more_thickness);
@@ -106,6 +107,7 @@ SegmentSpec plain_section(const Reading& r) {
     if (d.youngs_modulus) {
       r.compare("bending_stiffness", d.bending_stiffness, s.bending_stiffness, s.more_bending_stiffness.empty(),
                 "N m^2");
+      r.compare("axial_stiffness", d.axial_stiffness, s.axial_stiffness, s.more_axial_stiffness.empty(), "N");
     }
     if (d.density) {
       r.compare("linear_density", d.linear_density, s.linear_density, s.more_linear_density.empty(), "kg/m");
@@ -126,6 +128,7 @@ SegmentSpec plain_section(const Reading& r) {
     s.bending_stiffness = *d.bending_stiffness;
   }
   if (!d.density) s.linear_density = d.linear_density.value_or(0.0);
+  if (d.axial_stiffness && !d.youngs_modulus) s.axial_stiffness = *d.axial_stiffness;
   return s;
 }
 
@@ -213,6 +216,7 @@ std::vector<SegmentSpec> table_section(const Reading& r) {
   r.refuse_beside("linear_density", has[mass] && d.linear_density.has_value(), "file");
   r.refuse_beside("rest_curvature", has[rest] && d.rest_curvature.has_value(), "file");
   r.refuse_beside("thickness", has[width] && d.thickness.has_value(), "file");
+  r.refuse_beside("axial_stiffness", d.axial_stiffness && d.youngs_modulus, "youngs_modulus");
   r.refuse_beside("youngs_modulus", has[stiffness] && d.youngs_modulus.has_value(), "file");
   r.refuse_beside("density", has[mass] && d.density.has_value(), "file");
   if (!has[width]) r.need_diameter("density", d.density.has_value());
@@ -231,6 +235,7 @@ std::vector<SegmentSpec> table_section(const Reading& r) {
     s.length = rows[i + 1][0] - rows[i][0];
     s.linear_density = d.linear_density.value_or(0.0);
     s.rest_curvature = d.rest_curvature.value_or(0.0);
+    s.axial_stiffness = d.axial_stiffness.value_or(0.0);
     if (d.thickness) {
       const auto at = [&](double place) {
         return (*d.thickness)[0] + place / length * ((*d.thickness)[1] - (*d.thickness)[0]);

@@ -15,7 +15,7 @@ struct SectionDraft {
   /// A value where the stretch begins and where it ends.
   using Ends = std::array<double, 2>;
   std::optional<double> length, bending_stiffness, linear_density, rest_curvature, youngs_modulus, density;
-  std::optional<double> poisson_ratio, torsional_stiffness, out_of_plane_stiffness;
+  std::optional<double> poisson_ratio, torsional_stiffness, out_of_plane_stiffness, axial_stiffness;
   std::optional<Ends> diameter, inner_diameter, thickness;
   std::optional<std::string> file;
   SourcePosition position{};
@@ -80,6 +80,9 @@ std::vector<Key<T>> section_keys(const std::string& unstated) {
       quantity<T>("out_of_plane_stiffness", dimension::stiffness, positive, unstated.empty() ? "EI" : unstated,
                   "Stiffness against bending out of the plane, at the base; likewise.",
                   [](T& t, double v) { t.out_of_plane_stiffness = v; }),
+      quantity<T>("axial_stiffness", dimension::force, positive, unstated.empty() ? "not known" : unstated,
+                  "Axial stiffness EA; or 'youngs_modulus' and 'diameter'. Read where 'stretch_order' is given.",
+                  [](T& t, double v) { t.axial_stiffness = v; }),
       text<T>("file", "",
               "CSV file beside the scene with s and bending_stiffness or diameter, and perhaps linear_density and "
               "rest_curvature; linear between its rows.",

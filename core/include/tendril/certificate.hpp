@@ -25,6 +25,7 @@ struct Certificate {
   std::optional<double> out_of_plane{};
   bool guided_in_plane = false;         ///< it may not leave it, whatever that margin
   double contact_convexity = infinity;  ///< smallest d_ss of interior contacts with force; infinity: none
+  double least_stretch = 1.0;           ///< 1 + eps where a rod that stretches is shortest; 1 where it is nowhere
   double quadrature = infinity;         ///< largest change of any row when the rule is doubled
   /// One line for each requirement that is not met; empty: certified.
   std::vector<std::string> failures{"no point was judged"};

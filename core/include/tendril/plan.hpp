@@ -122,7 +122,8 @@ struct Plan {
   bool split_at_contact = false;           ///< interior contacts have knots of their own
   std::vector<double> coordinates;         ///< dimensionless
   std::vector<double> moments;             ///< N m, one per actuator of the scene
-  /// int p kappa ds along each actuator (rad): a tendon is shorter by this times its largest offset.
+  /// int p kappa ds along each actuator (rad), of a tendon less int eps ds over its largest offset: a tendon is shorter
+  /// by this times that offset.
   std::vector<double> turns;
   double tip_x = 0.0;                  ///< m
   double tip_y = 0.0;                  ///< m

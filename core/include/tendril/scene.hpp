@@ -47,6 +47,8 @@ struct SegmentSpec {
   /// N m^2, > 0, where the segment begins; along it it goes with the bending stiffness. 0: not known.
   double torsional_stiffness = 0.0;
   double out_of_plane_stiffness = 0.0;  ///< N m^2, likewise, for bending out of the plane; 0: as in the plane
+  double axial_stiffness = 0.0;         ///< N, where the segment begins; only CoordinatesSpec::stretch_order reads it
+  std::vector<double> more_axial_stiffness{};  ///< N
 };
 
 /// A dead load between two arc lengths of the rod, or at one of them where these are equal.
@@ -174,6 +176,7 @@ struct ObjectiveSpec {
 struct CoordinatesSpec {
   std::string plugin;            ///< whoever makes the scene names one; core knows none
   bool split_at_contact = true;  ///< each interior contact gets a knot of its own
+  int stretch_order = 0;         ///< Legendre coefficients of the rod's stretch per piece; 0: it does not stretch
   RawOptions options{};          ///< of the component, not checked yet
   SourcePosition position{};     ///< for messages
 };

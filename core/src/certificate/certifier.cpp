@@ -33,7 +33,7 @@ struct Certifier::Data {
     for (const Obstacle* o : spec.obstacles) shrunk.emplace_back(*o);
     tables = program->chain().curve_tables();
     curve = std::make_unique<Curve>(tables);
-    if (spec.rod->has_torsion()) out_of_plane = std::make_unique<OutOfPlane>();
+    if (spec.rod->has_torsion() && !spec.rod->stretches()) out_of_plane = std::make_unique<OutOfPlane>();
   }
 
   static PoseProgramSpec doubled(PoseProgramSpec s) {
@@ -223,6 +223,12 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
   c.stability = spreads(c) ? -infinity : d.margin_to_both_sides(x);
   if (d.out_of_plane) c.out_of_plane = d.out_of_plane->margin(*d.program, *d.curve);
   c.guided_in_plane = d.spec.rod->guided;
+  c.least_stretch = 1.0;
+  for (int j = 0; j < d.program->chain().piece_count() && d.spec.rod->stretches(); ++j) {
+    for (int g = 0; g < d.program->chain().nodes(); ++g) {
+      c.least_stretch = std::min(c.least_stretch, d.program->backbone().stretch(j, g));
+    }
+  }
 }
 
 Certificate worse_of(const Certificate& a, const Certificate& b) {
@@ -245,6 +251,7 @@ Certificate worse_of(const Certificate& a, const Certificate& b) {
   larger(c.quadrature, b.quadrature);
   smaller(c.stability, b.stability);
   smaller(c.contact_convexity, b.contact_convexity);
+  smaller(c.least_stretch, b.least_stretch);
   if (b.out_of_plane) {
     c.out_of_plane = c.out_of_plane.value_or(infinity);
     smaller(*c.out_of_plane, *b.out_of_plane);
@@ -275,6 +282,10 @@ void list_failures(Certificate& c) {
     c.failures.push_back("the point is " +
                          (c.stationarity_kind == "none" ? std::string("not even C") : c.stationarity_kind) +
                          "-stationary, not S-stationary");
+  }
+  if (!(c.least_stretch > 0.0)) {
+    c.failures.push_back("the rod is compressed to nothing: 1 + its stretch falls to " +
+                         shown_with_exponent(c.least_stretch, 4));
   }
   if (spreads(c)) {
     c.failures.emplace_back("contact spreads: the rod lies along the obstacle, a point contact does not hold it");

@@ -32,7 +32,7 @@ double depth_bound(const Curve& curve, const Obstacle& obstacle, const Interval&
   const Vec2 middle = curve.position(at.piece, 0.5 * (at.from + at.to));
   const SurfacePoint s = obstacle.at(middle);
   lowest_seen = std::min(lowest_seen, s.distance - curve.radius(at.piece, 0.5 * (at.from + at.to)));
-  const double h = (at.to - at.from) * curve.length(at.piece);
+  const double h = (at.to - at.from) * curve.arc_bound(at.piece);
   const double bend = curve.radius_bounds(at.piece).bend;
   if (!obstacle.convex()) return s.distance - 0.5 * h - std::max(at.radius_from, at.radius_to) - h * h / 8.0 * bend;
   const double from = dot(s.normal, curve.position(at.piece, at.from) - middle) - at.radius_from;
@@ -73,7 +73,7 @@ double certified_depth(const Curve& curve, const Obstacle& obstacle) {
       open[count++] = {j, 0.0, 1.0, core(j, 0.0), core(j, 1.0), 0, curve.radius(j, 0.0), curve.radius(j, 1.0)};
     }
     const Interval at = open[--count];
-    const double h = (at.to - at.from) * curve.length(at.piece);
+    const double h = (at.to - at.from) * curve.arc_bound(at.piece);
     const double kappa = curve.curvature_bound(at.piece);
     const double low = std::min(at.core_from, at.core_to);
     const double farthest = std::max(at.core_from, at.core_to) + 0.5 * h;
@@ -132,7 +132,7 @@ class Valleys {
     const double high = after != nullptr ? after->arc_length : here.arc_length;
     // A sample may stand above the level although the minimum beside it does not: neighbours bound the slope by 1, and
     // by that of the body.
-    const double slope = 1.0 + curve_.radius_bounds(here.piece).slope;
+    const double slope = curve_.stretch_bound(here.piece) + curve_.radius_bounds(here.piece).slope;
     if (here.distance - slope * std::max(here.arc_length - low, high - here.arc_length) > level_) return;
     const ClosestApproach best = lowest(here, low, high);
     if (best.distance <= level_) found_.push_back(best);
@@ -182,13 +182,13 @@ void closest_approaches(const Curve& curve, const Obstacle& obstacle, double lev
   int seen = 0;
   for (int j = 0; j < curve.piece_count(); ++j) {
     // A piece is no nearer than its middle less half its length.
-    const double reach = 0.5 * curve.length(j) * (1.0 + curve.radius_bounds(j).slope);
+    const double reach = 0.5 * curve.length(j) * (curve.stretch_bound(j) + curve.radius_bounds(j).slope);
     if (valleys.sample(j, 0.5).distance - reach > level) {
       if (seen > 0) valleys.consider(seen > 1 ? &before : nullptr, here, nullptr);
       seen = 0;
       continue;
     }
-    const double wanted = curve.length(j) / std::clamp(0.5 * obstacle.smallest_radius(), 1e-3, 0.02);
+    const double wanted = curve.arc_bound(j) / std::clamp(0.5 * obstacle.smallest_radius(), 1e-3, 0.02);
     const int steps = std::clamp(static_cast<int>(std::ceil(wanted)), 8, 1000);
     for (int i = seen == 0 ? 0 : 1; i <= steps; ++i, ++seen) {
       const ClosestApproach next = valleys.sample(j, static_cast<double>(i) / steps);

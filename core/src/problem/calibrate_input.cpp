@@ -66,6 +66,10 @@ std::string moment_unit(ActuatorKind kind, int power) {
 
 CalibrationInput::CalibrationInput(const Scene& scene, const CalibrationSpec& spec) {
   validate(scene);
+  if (scene.coordinates.stretch_order > 0) {
+    throw SceneError("coordinates.stretch_order",
+                     "rods are calibrated at fixed length, expected a rod that does not stretch");
+  }
   if (spec.recordings.empty()) throw SceneError("calibrate", "there are no recordings, expected files with some");
   if (spec.unknowns.empty()) throw SceneError("calibrate", "nothing is looked for, expected [[calibrate.unknown]]");
   scale = scale_of(scene);

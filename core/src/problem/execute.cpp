@@ -28,6 +28,7 @@ class Executor {
     scale_ = scale_of(scene);
     names_ = obstacle_names(scene);
     rod_ = make_rod(scene, scale_);
+    if (rod_.stretches()) rod_.stretch_order = Rod::stretch_as_fine;
     start_ = start_curvature(scene, scale_, rod_);
     if (moments.size() != scene.rod.actuators.size()) {
       throw Error("expected " + std::to_string(scene.rod.actuators.size()) + " moments, one per actuator, found " +
@@ -185,7 +186,7 @@ std::string Executor::overlaps(const Loading& loading) const {
 
 void Executor::report_shape(const PoseProgram& program, const Eigen::VectorXd& coordinates, Execution& out) {
   Plan& plan = out.result;
-  plan.order = program.chain().functions();
+  plan.order = program.chain().bends();
   out.pieces = program.chain().piece_count();
   plan.coordinates.assign(coordinates.data(), coordinates.data() + program.layout().coordinates);
   const Vec2 tip = program.backbone().tip();

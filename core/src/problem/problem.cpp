@@ -96,6 +96,9 @@ void tell_left_out(Task& d, const Scene& scene) {
   for (std::size_t a = 0; a < d.rod.actuators.size(); ++a) {
     if (d.rod.actuators[a].fixed_at_zero()) leave("moment of actuator " + std::to_string(a + 1), "its limit is 0");
   }
+  if (d.rod.stretches() && d.rod.has_torsion()) {
+    leave("margin out of the plane", "it is known of rods that do not stretch");
+  }
   if (d.rod.actuators.empty()) leave("moments", "the rod has no actuator");
   const bool ignored = scene.contact.mode == ContactModeName::ignore;
   if (d.scene.obstacles.empty() || ignored) {
@@ -205,6 +208,7 @@ Description Problem::describe() const {
   Description out;
   out.left_out = d.left_out;
   out.energies.push_back("bending");
+  if (d.rod.stretches()) out.energies.push_back("stretch");
   if (d.rod.has_gravity()) out.energies.push_back("gravity");
   if (d.rod.has_tip_force()) out.energies.push_back("tip force");
   if (d.rod.has_dead_loads()) out.energies.push_back("loads along the rod");

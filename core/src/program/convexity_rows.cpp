@@ -56,14 +56,13 @@ Places::Side convex_side(const PoseState& state, int contact) {
   const double turn = dot(turned(state.contacts[k].tangent), state.contacts[k].surface.normal);
   const Places::Side before = state.places.side(state.contact_places[k], 0);
   const Places::Side behind = state.places.side(state.contact_places[k], 1);
-  return behind.curvature * turn > before.curvature * turn ? behind : before;
+  return behind.bend() * turn > before.bend() * turn ? behind : before;
 }
 
 double convexity(const PoseState& state, int contact, const Places::Side& side) {
   const PoseProgram::ContactState& c = state.contacts[static_cast<std::size_t>(contact)];
   const double along = dot(turned(c.surface.normal), c.tangent);
-  return side.curvature * dot(turned(c.tangent), c.surface.normal) + c.surface.curvature * along * along -
-         c.radius.bend;
+  return side.bend() * dot(turned(c.tangent), c.surface.normal) + c.surface.curvature * along * along - c.radius.bend;
 }
 
 void convexity_gradient(const PoseState& state, int contact, const Places::Side& side, VectorRef gradient) {
@@ -80,13 +79,13 @@ void convexity_gradient(const PoseState& state, int contact, const Places::Side&
   // By the point's motion across and along the obstacle, and by its angle: dn = k tau (tau . dP), dk = -k^2 (n . dP) +
   // k_tau (tau . dP).
   const double by_across = -curvature * curvature * along * along;
-  const double by_along = side.curvature * curvature * dot(normal, tau) + c.surface.curvature_rate * along * along -
+  const double by_along = side.bend() * curvature * dot(normal, tau) + c.surface.curvature_rate * along * along -
                           2.0 * curvature * curvature * along * slope;
-  const double by_angle = -side.curvature * slope + 2.0 * curvature * along * dot(tau, normal);
+  const double by_angle = -side.bend() * slope + 2.0 * curvature * along * dot(tau, normal);
   gradient = state.contact_row(contact, by_across * normal_out + by_along * tau).transpose();
   gradient += by_angle * state.base.row(state.base.index.contacts[k].point.angle).transpose();
-  state.places.add_curvature_row(state.contact_places[k], side, turn,
-                                 {gradient.data(), gradient.data() + state.layout.first_arc_length});
+  state.places.add_bend_row(state.contact_places[k], side, turn,
+                            {gradient.data(), gradient.data() + state.layout.first_arc_length});
   state.add_slope_along(contact, -c.radius.jerk, gradient);
 }
 

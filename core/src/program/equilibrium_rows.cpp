@@ -126,8 +126,8 @@ class EquilibriumRows : public RowBlock {
   }
 
   PoseState& d_;
-  /// Knots that move carry pieces along profiles that vary.
-  const bool profiles_move_ = d_.chain.has_varying_profiles() && d_.chain.knot_count() > 0;
+  /// Knots that move carry pieces along profiles that vary, and change what pulls along them.
+  const bool profiles_move_ = d_.chain.has_moving_work() && d_.chain.knot_count() > 0;
   std::vector<double> moments_ = std::vector<double>(d_.moment_variable.size(), 0.0);
   Eigen::VectorXd mixed_ = Eigen::VectorXd::Zero(d_.layout.arc_lengths);
   Eigen::VectorXd along_ = Eigen::VectorXd::Zero(d_.variables), turning_ = along_;

@@ -195,7 +195,7 @@ double PoseProgram::moment_defect(ConstVectorRef x, const Curve& curve) {
   for (std::size_t a = 0; a < d.moments.size(); ++a) {
     d.moments[a] = d.moment_variable[a] < 0 ? 0.0 : x[d.moment_variable[a]];
   }
-  return d.places.moment_defect(d.forces, d.moments, curve);
+  return std::max(d.places.moment_defect(d.forces, d.moments, curve), d.places.stretch_defect(d.forces, d.moments));
 }
 
 void PoseProgram::sliding_force(int contact, VectorRef out) const {

@@ -121,6 +121,7 @@ struct StartShape {
   std::vector<double> moments{};            ///< one per actuator; empty: those that hold the shape without other loads
   std::vector<double> arc_lengths{};        ///< one per contact; empty or NaN: the nearest point
   std::vector<double> forces{};             ///< one per contact; empty: 0
+  std::function<double(double)> stretch{};  ///< of a rod that stretches, likewise; empty: none
   double palm_distance = std::numeric_limits<double>::quiet_NaN();  ///< NaN: where the shape nearly touches
 };
 

@@ -163,7 +163,7 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
 
   const std::span<const double> knots(x.data() + at.first_arc_length,
                                       d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
-  x.head(at.coordinates) = d.chain.coordinates_of(shape.curvature, knots);
+  x.head(at.coordinates) = d.chain.coordinates_of(shape.curvature, knots, shape.stretch);
   return x;
 }
 
@@ -174,10 +174,14 @@ StartShape PoseProgram::shape_of(ConstVectorRef x) const {
                                       d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
   static constexpr int samples = 500;
   std::vector<double> curvature(samples + 1);
+  std::vector<double> stretch(d.chain.stretches() > 0 ? curvature.size() : 0);
   std::vector<double> sigma;
-  Eigen::MatrixXd value(samples + 1, d.chain.functions());
-  Eigen::MatrixXd first(samples + 1, d.chain.functions());
-  Eigen::MatrixXd second(samples + 1, d.chain.functions());
+  const int bends = d.chain.bends();
+  Eigen::MatrixXd value(samples + 1, bends);
+  Eigen::MatrixXd first(samples + 1, bends);
+  Eigen::MatrixXd second(samples + 1, bends);
+  Eigen::VectorXd grown(d.chain.stretches());
+  Eigen::VectorXd grown_slope(d.chain.stretches());
   std::size_t done = 0;
   for (int j = 0; j < d.chain.piece_count(); ++j) {
     const double from = d.chain.start(j, knots);
@@ -192,13 +196,21 @@ StartShape PoseProgram::shape_of(ConstVectorRef x) const {
     if (count == 0) continue;
     d.chain.model().evaluate(sigma, value.topRows(count), first.topRows(count), second.topRows(count));
     Eigen::Map<Eigen::VectorXd>(curvature.data() + done, count) =
-        first.topRows(count) * x.segment(j * d.chain.functions(), d.chain.functions()) / length;
+        first.topRows(count) * x.segment(j * d.chain.functions(), bends) / length;
+    for (std::size_t i = 0; i < sigma.size() && !stretch.empty(); ++i) {
+      d.chain.table().stretch.evaluate(sigma[i], grown.data(), grown_slope.data());
+      stretch[done + i] = grown.dot(x.segment(j * d.chain.functions() + bends, d.chain.stretches()));
+    }
     done += sigma.size();
   }
   StartShape shape;
-  shape.curvature = [curvature](double s) {
-    return curvature[static_cast<std::size_t>(std::clamp(static_cast<int>(s * (samples + 1)), 0, samples))];
+  const auto sampled = [](std::vector<double> along) {
+    return [along = std::move(along)](double s) {
+      return along[static_cast<std::size_t>(std::clamp(static_cast<int>(s * (samples + 1)), 0, samples))];
+    };
   };
+  if (!stretch.empty()) shape.stretch = sampled(std::move(stretch));
+  shape.curvature = sampled(std::move(curvature));
   for (const int variable : d.moment_variable) shape.moments.push_back(variable < 0 ? 0.0 : x[variable]);
   for (int k = 0; k < at.forces; ++k) {
     const int variable = arc_length_variable(k);

@@ -1,5 +1,6 @@
 // Work of actuators, u int p kappa ds, and its derivatives. Where the profile p is the same all over a piece only the
-// angles at its ends count; where it varies, knots that move carry the piece along p.
+// angles at its ends count; where it varies, knots that move carry the piece along p. A thrust works along the stretch,
+// u thrust int eps ds: of a piece that is its length times the mean, the first coordinate of its stretch.
 
 #include "rod/places.hpp"
 
@@ -9,6 +10,9 @@ void Places::pull_back_moment(int actuator, double moment, double* out) const {
   const int n = chain_->functions();
   const BasisTable& table = chain_->table();
   for (int j = 0; j < chain_->piece_count(); ++j) {
+    if (const double thrust = chain_->thrust(actuator, j); thrust != 0.0) {
+      out[j * n + table.bends] += moment * thrust * table.stretch.factor * backbone_.length(j);
+    }
     if (const double level = chain_->level(actuator, j); level != 0.0) {
       for (int i = 0; i < n; ++i) out[j * n + i] += moment * level * table.end[i];
       continue;
@@ -28,6 +32,9 @@ double Places::turn_along(int actuator) const {
   double turn = 0.0;
   for (int j = 0; j < chain_->piece_count(); ++j) {
     const Eigen::Map<const Eigen::VectorXd> q(backbone_.coordinates(j), table.functions);
+    if (const double thrust = chain_->thrust(actuator, j); thrust != 0.0) {
+      turn += thrust * table.stretch.factor * backbone_.length(j) * q[table.bends];
+    }
     const ProfilePart* part = chain_->varying(actuator, j);
     if (part == nullptr) {
       turn += chain_->level(actuator, j) * table.end.dot(q);
@@ -45,6 +52,9 @@ void Places::add_moment_rates(int actuator, double moment, MatrixRef by_q_and_s)
   const int n = chain_->functions();
   const BasisTable& table = chain_->table();
   for (int j = 0; j < chain_->piece_count(); ++j) {
+    if (const double thrust = chain_->thrust(actuator, j); thrust != 0.0) {
+      by_q_and_s.row(j * n + table.bends) += moment * thrust * table.stretch.factor * length_rate_.row(j);
+    }
     const ProfilePart* part = chain_->varying(actuator, j);
     if (part == nullptr) continue;
     for (int g = 0; g < table.nodes; ++g) {
@@ -62,6 +72,9 @@ void Places::add_moment_second(int actuator, double moment, const double* lambda
   const int n = chain_->functions();
   const BasisTable& table = chain_->table();
   for (int j = 0; j < chain_->piece_count(); ++j) {
+    if (const double thrust = chain_->thrust(actuator, j); thrust != 0.0) {
+      by_moment_and_s += thrust * table.stretch.factor * lambda[j * n + table.bends] * length_rate_.row(j).transpose();
+    }
     const ProfilePart* part = chain_->varying(actuator, j);
     if (part == nullptr) continue;
     const Eigen::Map<const Eigen::VectorXd> along(lambda + j * n, n);

@@ -8,11 +8,10 @@
 
 namespace tendril {
 
-PieceSums::PieceSums(const Chain& chain, bool with_gram) {
-  const int n = chain.functions();
-  vector.setZero(n, chain.piece_count());
+PieceSums::PieceSums(const Chain& chain, bool with_gram) : bends(chain.bends()) {
+  vector.setZero(chain.functions(), chain.piece_count());
   scalar.setZero(chain.piece_count());
-  gram.setZero(with_gram ? n * (n + 1) / 2 : 0, chain.piece_count());
+  gram.setZero(with_gram ? bends * (bends + 1) / 2 + bends * chain.stretches() : 0, chain.piece_count());
 }
 
 void PieceSums::set_zero() {
@@ -23,17 +22,29 @@ void PieceSums::set_zero() {
 
 void PieceSums::add_point(int j, double weight, const double* beta) {
   double* v = vector.col(j).data();
-  for (Eigen::Index i = 0; i < vector.rows(); ++i) v[i] += weight * beta[i];
+  for (int i = 0; i < bends; ++i) v[i] += weight * beta[i];
   scalar[j] += weight;
 }
 
 void PieceSums::add_gram_point(int j, double weight, const double* beta) {
   add_point(j, weight, beta);
   double* g = gram.col(j).data();
-  const auto n = static_cast<int>(vector.rows());
-  for (int i = 0; i < n; ++i) {
+  for (int i = 0; i < bends; ++i) {
     const double wi = weight * beta[i];
-    for (int k = i; k < n; ++k) *g++ += wi * beta[k];
+    for (int k = i; k < bends; ++k) *g++ += wi * beta[k];
+  }
+}
+
+void PieceSums::add_stretch_point(int j, double weight, const double* stretch) {
+  double* v = vector.col(j).data() + bends;
+  for (Eigen::Index k = 0; k < vector.rows() - bends; ++k) v[k] += weight * stretch[k];
+}
+
+void PieceSums::add_mixed_point(int j, double weight, const double* beta, const double* stretch) {
+  add_stretch_point(j, weight, stretch);
+  double* g = gram.col(j).data() + bends * (bends + 1) / 2;
+  for (int i = 0; i < bends; ++i) {
+    for (Eigen::Index k = 0; k < vector.rows() - bends; ++k) *g++ += weight * beta[i] * stretch[k];
   }
 }
 
@@ -66,6 +77,8 @@ Backbone::Backbone(const Chain& chain, Vec2 base, double base_angle)
   sine_.setZero(nodes, pieces);
   node_buffer_.setZero(nodes);
   turned_.setZero(2 * chain.functions() * nodes, pieces);
+  if (chain.stretches() == 0) return;
+  for (Eigen::MatrixXd* m : {&stretch_, &unit_cosine_, &unit_sine_}) m->setZero(nodes, pieces);
 }
 
 void Backbone::move(ConstVectorRef q, std::span<const double> knots) {
@@ -93,9 +106,38 @@ void Backbone::move(ConstVectorRef q, std::span<const double> knots) {
       sum_c += weight[g] * cosine;
       sum_s += weight[g] * sine;
     }
+    if (chain_->stretches() > 0) {
+      stretch_tangents(j);
+      sum_c = chain_->table().weight.dot(cosine_.col(j));
+      sum_s = chain_->table().weight.dot(sine_.col(j));
+    }
     tangent_.chord.col(j) << sum_c, sum_s;
     tangent_.knot.col(j + 1) = tangent_.knot.col(j) + length_[j] * tangent_.chord.col(j);
   }
+}
+
+/// P' = (1 + eps) t.
+void Backbone::stretch_tangents(int j) {
+  const BasisTable& table = chain_->table();
+  const int m = table.stretch.order;
+  stretch_.col(j).setOnes();
+  kernels::add_weighted_columns(table.nodes, table.nodes, m, table.stretch_by_function.data(),
+                                coordinates(j) + table.bends, 1, stretch_.col(j).data());
+  unit_cosine_.col(j) = cosine_.col(j);
+  unit_sine_.col(j) = sine_.col(j);
+  cosine_.col(j).array() *= stretch_.col(j).array();
+  sine_.col(j).array() *= stretch_.col(j).array();
+}
+
+std::pair<double, double> Backbone::stretch_bounds(int j) const {
+  const BasisTable& table = chain_->table();
+  if (table.stretch.order == 0) return {1.0, 1.0};
+  // No Legendre polynomial is larger than at the ends.
+  const double* e = coordinates(j) + table.bends;
+  double varies = 0.0;
+  for (int k = 1; k < table.stretch.order; ++k) varies += std::abs(table.stretch.factor * e[k]);
+  const double mean = 1.0 + table.stretch.factor * e[0];
+  return {mean - varies, mean + varies};
 }
 
 Vec2 Backbone::knot_tangent(int j) const { return {std::cos(knot_angle_[j]), std::sin(knot_angle_[j])}; }
@@ -103,7 +145,7 @@ Vec2 Backbone::knot_tangent(int j) const { return {std::cos(knot_angle_[j]), std
 Backbone::Point Backbone::at(int j, double sigma) const {
   MovingPoint point(*chain_);
   point.move_to(*this, j, sigma);
-  return {point.position(), point.angle(), point.curvature()};
+  return {point.position(), point.angle(), point.curvature(), point.stretch()};
 }
 
 Backbone::Point Backbone::at(double s) const {
@@ -124,9 +166,13 @@ void Backbone::sum_normals() {
     for (int g = 0; g < nodes; ++g, beta += n, turned_beta += 2 * n) {
       const double x = -s[g];
       const double y = c[g];
-      for (int i = 0; i < n; ++i) {
+      for (int i = 0; i < table.bends; ++i) {
         turned_beta[i] = x * beta[i];
         turned_beta[n + i] = y * beta[i];
+      }
+      for (int k = 0; k < table.stretch.order; ++k) {
+        turned_beta[table.bends + k] = unit_cosine_(g, j) * table.stretch_by_node(k, g);
+        turned_beta[n + table.bends + k] = unit_sine_(g, j) * table.stretch_by_node(k, g);
       }
     }
     double* sum = tangent_.sum.col(j).data();
@@ -146,7 +192,7 @@ void Backbone::add_tangents(int j, int rows, const double* columns, double* x, d
   kernels::add_weighted_columns(rows, rows, chain_->nodes(), columns, sine_.col(j).data(), 1, y);
 }
 
-void Backbone::turn(const Eigen::MatrixXd& psi, Integrals& out) const {
+void Backbone::turn(const Eigen::MatrixXd& psi, const Eigen::MatrixXd& eta, Integrals& out) const {
   const BasisTable& table = chain_->table();
   const int n = table.functions;
   out.knot.col(0).setZero();
@@ -162,6 +208,10 @@ void Backbone::turn(const Eigen::MatrixXd& psi, Integrals& out) const {
       y += w * c[g];
       z[g] = length_[j] * w;
     }
+    if (table.stretch.order > 0) {
+      x += (table.weight.array() * eta.col(j).array() * unit_cosine_.col(j).array()).sum();
+      y += (table.weight.array() * eta.col(j).array() * unit_sine_.col(j).array()).sum();
+    }
     out.chord.col(j) << x, y;
     out.knot.col(j + 1) = out.knot.col(j) + length_[j] * out.chord.col(j);
     double* sum = out.sum.col(j).data();
@@ -173,12 +223,25 @@ void Backbone::turn(const Eigen::MatrixXd& psi, Integrals& out) const {
       sum[i] = -sum[n + i];
       sum[n + i] = across;
     }
+    if (table.stretch.order > 0) turn_growth(j, eta, sum);
   }
+}
+
+/// sum += h int turned(eta t) beta dsigma.
+void Backbone::turn_growth(int j, const Eigen::MatrixXd& eta, double* sum) const {
+  const BasisTable& table = chain_->table();
+  const auto add = [&](double factor, const Eigen::MatrixXd& unit, double* out) {
+    node_buffer_ = factor * length_[j] * table.weight.cwiseProduct(eta.col(j)).cwiseProduct(unit.col(j));
+    kernels::add_weighted_columns(table.bends, table.functions, table.nodes, table.by_node.data(), node_buffer_.data(),
+                                  1, out);
+  };
+  add(-1.0, unit_sine_, sum);
+  add(1.0, unit_cosine_, sum + table.functions);
 }
 
 void Backbone::add_nodes(PieceSums& sums, int j, const double* z) const {
   const BasisTable& table = chain_->table();
-  kernels::add_weighted_columns(table.functions, table.functions, table.nodes, table.by_node.data(), z, 1,
+  kernels::add_weighted_columns(table.bends, table.functions, table.nodes, table.by_node.data(), z, 1,
                                 sums.vector.col(j).data());
   double total = 0.0;
   for (int g = 0; g < table.nodes; ++g) total += z[g];
@@ -196,14 +259,29 @@ void Backbone::add_gram_nodes(PieceSums& sums, int j, const double* weights) con
     return;
   }
   // Larger bases: row i of the packed triangle is a sum of columns weighted by W beta_i.
-  const int n = table.functions;
+  const int n = table.bends;
   double* weighted = node_buffer_.data();
   for (int i = 0; i < n; ++i) {
     const double* beta = table.by_function.col(i).data();
     for (int g = 0; g < table.nodes; ++g) weighted[g] = weights[g] * beta[g];
-    kernels::add_weighted_columns(n - i, n, table.nodes, table.by_node.data() + i, weighted, 1, out);
+    kernels::add_weighted_columns(n - i, table.functions, table.nodes, table.by_node.data() + i, weighted, 1, out);
     out += n - i;
   }
+}
+
+void Backbone::add_stretch_nodes(PieceSums& sums, int j, const double* z) const {
+  const BasisTable& table = chain_->table();
+  const int m = table.stretch.order;
+  kernels::add_weighted_columns(m, m, table.nodes, table.stretch_by_node.data(), z, 1,
+                                sums.vector.col(j).data() + table.bends);
+}
+
+void Backbone::add_mixed_nodes(PieceSums& sums, int j, const double* weights) const {
+  const BasisTable& table = chain_->table();
+  const auto size = static_cast<int>(table.mixed.rows());
+  add_stretch_nodes(sums, j, weights);
+  kernels::add_weighted_columns(size, size, table.nodes, table.mixed.data(), weights, 1,
+                                sums.gram.col(j).data() + table.bends * (table.bends + 1) / 2);
 }
 
 void Backbone::spread(const PieceSums& sums, double* out) const {
@@ -219,23 +297,31 @@ void Backbone::spread(const PieceSums& sums, double* out) const {
 
 void Backbone::spread_gram(const PieceSums& sums, MatrixRef out) const {
   const int n = chain_->functions();
+  const int bends = chain_->bends();
   const double* end = chain_->table().end.data();
   double beyond = 0.0;
   for (int j = chain_->piece_count() - 1; j >= 0; --j) {
     const double* g = sums.gram.col(j).data();
     const double* v = sums.vector.col(j).data();
-    for (int i = 0; i < n; ++i) {
-      for (int k = i; k < n; ++k) {
+    for (int i = 0; i < bends; ++i) {
+      for (int k = i; k < bends; ++k) {
         const double value = *g++ + end[i] * end[k] * beyond;
         out(j * n + i, j * n + k) += value;
         if (k != i) out(j * n + k, j * n + i) += value;
+      }
+    }
+    for (int i = 0; i < bends; ++i) {
+      for (int k = bends; k < n; ++k) {
+        const double value = *g++;
+        out(j * n + i, j * n + k) += value;
+        out(j * n + k, j * n + i) += value;
       }
     }
     // Nodes of piece j see the end values of every earlier piece.
     for (int e = 0; e < j; ++e) {
       for (int k = 0; k < n; ++k) {
         const double value = v[k] + end[k] * beyond;
-        for (int i = 0; i < n; ++i) {
+        for (int i = 0; i < bends; ++i) {
           if (end[i] == 0.0) continue;
           out(e * n + i, j * n + k) += end[i] * value;
           out(j * n + k, e * n + i) += end[i] * value;
@@ -253,8 +339,9 @@ void Backbone::along(const double* direction, MatrixRef node_values, VectorRef k
     double end = knot_values[j];
     double* out = node_values.col(j).data();
     std::fill_n(out, table.nodes, end);
-    kernels::add_weighted_columns(table.nodes, table.nodes, n, table.by_function.data(), direction + j * n, 1, out);
-    for (int i = 0; i < n; ++i) end += direction[j * n + i] * table.end[i];
+    kernels::add_weighted_columns(table.nodes, table.nodes, table.bends, table.by_function.data(), direction + j * n, 1,
+                                  out);
+    for (int i = 0; i < table.bends; ++i) end += direction[j * n + i] * table.end[i];
     knot_values[j + 1] = end;
   }
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <span>
+#include <utility>
 
 #include "rod/chain.hpp"
 #include "tendril/geometry.hpp"
@@ -14,7 +15,10 @@ namespace tendril {
 struct PieceSums {
   Eigen::MatrixXd vector;  ///< functions x pieces: sum_g z_g beta(sigma_g)
   Eigen::VectorXd scalar;  ///< pieces: sum_g z_g
-  Eigen::MatrixXd gram;    ///< functions (functions+1)/2 x pieces, packed i <= k: sum_g W_g beta_i beta_k
+  /// By pieces: sum_g W_g beta_i beta_k, packed i <= k, and behind them the products of beta_i with the functions of
+  /// the stretch, i by i. These have no products with each other.
+  Eigen::MatrixXd gram;
+  int bends;  ///< functions of the angle
 
   /// All sums zero, sized for `chain`; `gram` stays empty unless asked for.
   PieceSums(const Chain& chain, bool with_gram);
@@ -23,13 +27,19 @@ struct PieceSums {
   void add_point(int j, double weight, const double* beta);
   /// Adds weight * beta beta^T, weight * beta and weight.
   void add_gram_point(int j, double weight, const double* beta);
+  /// Adds weight * functions of the stretch; these see no piece but their own.
+  void add_stretch_point(int j, double weight, const double* stretch);
+  /// Adds this, and weight * beta stretch^T.
+  void add_mixed_point(int j, double weight, const double* beta, const double* stretch);
 };
 
 /// A vector field along the rod, integrated from the base on: its tangent, or virtual displacements per length.
 struct Integrals {
   Eigen::Matrix2Xd knot;   ///< pieces + 1: up to the start of every piece, and to the tip
   Eigen::Matrix2Xd chord;  ///< pieces: over a piece, by dsigma
-  Eigen::MatrixXd sum;     ///< 2 functions x pieces: h int turned(field) beta dsigma, first all x
+  /// 2 functions x pieces: h int (derivative of the field by the coordinates) dsigma, first all x. By those of the
+  /// angle it is turned(field) beta.
+  Eigen::MatrixXd sum;
 
   explicit Integrals(const Chain& chain);  ///< All zero.
   Vec2 knot_of(int j) const { return {knot(0, j), knot(1, j)}; }
@@ -72,10 +82,16 @@ class TENDRIL_API Backbone {
   Vec2 tip() const { return knot_point(chain_->piece_count()); }
   /// Angle of the tip, rad.
   double tip_angle() const { return knot_angle_[chain_->piece_count()]; }
-  /// int_0^1 t dsigma over piece j.
+  /// int_0^1 P' dsigma over piece j, P' = (1 + eps) t by the arc length.
   Vec2 chord(int j) const { return tangent_.chord_of(j); }
-  /// Unit tangent at node g of piece j.
+  /// P' at node g of piece j: the unit tangent, where the rod does not stretch.
   Vec2 tangent(int j, int g) const { return {cosine_(g, j), sine_(g, j)}; }
+  /// The unit tangent there, of a rod that stretches.
+  Vec2 unit_tangent(int j, int g) const { return {unit_cosine_(g, j), unit_sine_(g, j)}; }
+  /// 1 + eps there.
+  double stretch(int j, int g) const { return stretch_(g, j); }
+  /// Bounds of 1 + eps over piece j.
+  std::pair<double, double> stretch_bounds(int j) const;
   /// Coordinates of piece j: chain().functions() entries.
   const double* coordinates(int j) const { return q_.data() + j * chain_->functions(); }
 
@@ -83,7 +99,8 @@ class TENDRIL_API Backbone {
   struct Point {
     Vec2 position{};         ///< units of L
     double angle = 0.0;      ///< rad
-    double curvature = 0.0;  ///< times L
+    double curvature = 0.0;  ///< times L, by the arc length of the rod that is not stretched
+    double stretch = 1.0;    ///< 1 + eps
   };
   Point at(double s) const;  ///< The point at arc length s in [0,1].
   /// The same at sigma of piece j.
@@ -97,17 +114,22 @@ class TENDRIL_API Backbone {
   void row_before(int j, Vec2 point, Vec2 n, double* row) const {
     tangent_.row_before(j, point, n, chain_->table().end, row);
   }
-  /// out[0..2n) += sum_g z[g * stride] (N_x beta, N_y beta)_g over the nodes of piece j; needs sum_normals().
+  /// out[0..2n) += sum_g z[g * stride] (derivatives of P' by the coordinates)_g over the nodes of piece j, N beta by
+  /// those of the angle; needs sum_normals().
   void add_turned(int j, const double* z, int stride, double* out) const;
   /// x and y [0..rows) += sum_g columns(:, g) t_g over the nodes of piece j.
   void add_tangents(int j, int rows, const double* columns, double* x, double* y) const;
-  /// The integrals of N psi, psi at the nodes (nodes x pieces); needs sum_normals().
-  void turn(const Eigen::MatrixXd& psi, Integrals& out) const;
+  /// The integrals of what a rotation psi makes of P', and, of a rod that stretches, a growth eta along t: at the nodes
+  /// (nodes x pieces); needs sum_normals().
+  void turn(const Eigen::MatrixXd& psi, const Eigen::MatrixXd& eta, Integrals& out) const;
 
   /// sums.vector.col(j) += sum_g z_g beta_g and sums.scalar[j] += sum_g z_g over the nodes of piece j.
   void add_nodes(PieceSums& sums, int j, const double* z) const;
   /// The same with the Gram product of z as weights.
   void add_gram_nodes(PieceSums& sums, int j, const double* weights) const;
+  /// Likewise of the functions of the stretch, and of their products with those of the angle.
+  void add_stretch_nodes(PieceSums& sums, int j, const double* z) const;
+  void add_mixed_nodes(PieceSums& sums, int j, const double* weights) const;
 
   /// out += B^T z from the sums: out_j += vector_j + beta(1) sum_{i > j} scalar_i.
   void spread(const PieceSums& sums, double* out) const;
@@ -119,6 +141,9 @@ class TENDRIL_API Backbone {
   void along(const double* direction, MatrixRef node_values, VectorRef knot_values) const;
 
  private:
+  void stretch_tangents(int j);
+  void turn_growth(int j, const Eigen::MatrixXd& eta, double* sum) const;
+
   friend class Curve;
   friend class Places;
   const Chain* chain_;
@@ -128,9 +153,10 @@ class TENDRIL_API Backbone {
   Eigen::VectorXd length_, start_;
   Eigen::VectorXd knot_angle_;
   Integrals tangent_;
-  Eigen::MatrixXd angle_, cosine_, sine_;  // nodes x pieces
-  Eigen::MatrixXd turned_;                 // (2 functions x nodes) x pieces: N beta at every node
-  mutable Eigen::VectorXd node_buffer_;    // nodes
+  Eigen::MatrixXd angle_, cosine_, sine_;              // nodes x pieces; the latter times 1 + eps
+  Eigen::MatrixXd stretch_, unit_cosine_, unit_sine_;  // nodes x pieces, of a rod that stretches
+  Eigen::MatrixXd turned_;  // (2 functions x nodes) x pieces: derivatives of P' by the coordinates at every node
+  mutable Eigen::VectorXd node_buffer_;  // nodes
 };
 
 }  // namespace tendril

@@ -16,17 +16,36 @@ constexpr int largest_tabulated_basis = 12;
 
 std::span<const double> span_of(const Eigen::VectorXd& v) { return {v.data(), static_cast<std::size_t>(v.size())}; }
 
-BasisTable make_table(const CoordinateModel& model, const Quadrature& rule, const Eigen::MatrixXd& transform) {
+/// The functions of the stretch, once those of the angle are there.
+void add_stretch(BasisTable& t, const StretchBasis& stretch) {
+  t.stretch = stretch;
+  const int m = stretch.order;
+  t.stretch_by_node.resize(m, t.nodes);
+  t.mixed.resize(t.bends * m, t.nodes);
+  t.stretch_start.resize(m);
+  Eigen::VectorXd slope(m);
+  stretch.evaluate(0.0, t.stretch_start.data(), slope.data());
+  for (int g = 0; g < t.nodes; ++g) {
+    stretch.evaluate(t.sigma[g], t.stretch_by_node.col(g).data(), slope.data());
+    for (int i = 0; i < t.bends; ++i) t.mixed.col(g).segment(i * m, m) = t.by_node(i, g) * t.stretch_by_node.col(g);
+  }
+  t.stretch_by_function = t.stretch_by_node.transpose();
+}
+
+BasisTable make_table(const CoordinateModel& model, const Quadrature& rule, const Eigen::MatrixXd& transform,
+                      const StretchBasis& stretch) {
   BasisTable t;
-  t.functions = model.function_count();
-  if (t.functions < 1) throw Error("a coordinate model needs at least one function");
+  t.bends = model.function_count();
+  t.functions = t.bends + stretch.order;
+  if (t.bends < 1) throw Error("a coordinate model needs at least one function");
   t.nodes = rule.size();
   t.sigma = rule.nodes();
   t.weight = rule.weights();
-  t.slope.resize(t.nodes, t.functions);
-  Eigen::MatrixXd second(t.nodes, t.functions);
-  t.by_function.resize(t.nodes, t.functions);
-  model.evaluate(span_of(t.sigma), t.by_function, t.slope, second);
+  t.slope.setZero(t.nodes, t.functions);
+  Eigen::MatrixXd second = t.slope;
+  t.by_function = t.slope;
+  model.evaluate(span_of(t.sigma), t.by_function.leftCols(t.bends), t.slope.leftCols(t.bends),
+                 second.leftCols(t.bends));
   t.by_node = t.by_function.transpose();
   t.stiffness = t.slope.transpose() * t.weight.asDiagonal() * t.slope;
   for (int from = 0; from < t.nodes; from += rule.nodes_per_interval()) {
@@ -34,10 +53,10 @@ BasisTable make_table(const CoordinateModel& model, const Quadrature& rule, cons
   }
 
   const double ends[2] = {0.0, 1.0};
-  Eigen::MatrixXd value(2, t.functions);
-  Eigen::MatrixXd slope(2, t.functions);
-  Eigen::MatrixXd bend(2, t.functions);
-  model.evaluate(ends, value, slope, bend);
+  Eigen::MatrixXd value = Eigen::MatrixXd::Zero(2, t.functions);
+  Eigen::MatrixXd slope = value;
+  Eigen::MatrixXd bend = value;
+  model.evaluate(ends, value.leftCols(t.bends), slope.leftCols(t.bends), bend.leftCols(t.bends));
   if (!value.allFinite() || !slope.allFinite() || !t.by_function.allFinite() || !t.slope.allFinite()) {
     throw Error("the coordinate model returns values that are not finite");
   }
@@ -48,27 +67,37 @@ BasisTable make_table(const CoordinateModel& model, const Quadrature& rule, cons
   t.slope_start = slope.row(0);
   t.slope_end = slope.row(1);
 
-  if (t.functions <= largest_tabulated_basis) {
-    t.products.resize(t.functions * (t.functions + 1) / 2, t.nodes);
+  if (t.bends <= largest_tabulated_basis) {
+    t.products.resize(t.bends * (t.bends + 1) / 2, t.nodes);
     for (int g = 0; g < t.nodes; ++g) {
       int row = 0;
-      for (int i = 0; i < t.functions; ++i) {
-        for (int k = i; k < t.functions; ++k) t.products(row++, g) = t.by_node(i, g) * t.by_node(k, g);
+      for (int i = 0; i < t.bends; ++i) {
+        for (int k = i; k < t.bends; ++k) t.products(row++, g) = t.by_node(i, g) * t.by_node(k, g);
       }
     }
   }
 
   // The clearance bound needs max |beta_i'|. Between samples a function of this order moves by less than the inflation.
-  const int samples = 64 * (t.functions + 1) + 1;
+  const int samples = 64 * (t.bends + 1) + 1;
   const Eigen::VectorXd at = Eigen::VectorXd::LinSpaced(samples, 0.0, 1.0);
-  Eigen::MatrixXd v(samples, t.functions);
-  Eigen::MatrixXd d(samples, t.functions);
-  Eigen::MatrixXd dd(samples, t.functions);
+  Eigen::MatrixXd v(samples, t.bends);
+  Eigen::MatrixXd d(samples, t.bends);
+  Eigen::MatrixXd dd(samples, t.bends);
   model.evaluate(span_of(at), v, d, dd);
   const double half_step = 0.5 / (samples - 1);
   t.slope_bound =
       d.cwiseAbs().colwise().maxCoeff().transpose() + 2.0 * half_step * dd.cwiseAbs().colwise().maxCoeff().transpose();
+  if (stretch.order > 0) add_stretch(t, stretch);
   return t;
+}
+
+/// Of a rod and the model of its angle.
+StretchBasis stretch_of(const Rod& rod, const CoordinateModel& model) {
+  StretchBasis stretch;
+  if (!rod.stretches()) return stretch;
+  stretch.order = rod.stretch_order == Rod::stretch_as_fine ? model.function_count() : rod.stretch_order;
+  stretch.factor = 1.0 / std::sqrt(rod.segments.front().axial);
+  return stretch;
 }
 
 }  // namespace
@@ -77,23 +106,41 @@ int suggested_nodes(int functions, double angle) {
   return static_cast<int>(std::ceil(1.5 * functions + 1.2 * std::abs(angle) + 8.0));
 }
 
-ChainTables::ChainTables(const CoordinateModel& model, int nodes)
+void StretchBasis::evaluate(double sigma, double* value, double* slope) const {
+  const double x = 2.0 * sigma - 1.0;
+  double before = 0.0, here = factor;
+  double before_slope = 0.0, here_slope = 0.0;
+  for (int k = 0; k < order; ++k) {
+    value[k] = here;
+    slope[k] = here_slope;
+    const double after = ((2 * k + 1) * x * here - k * before) / (k + 1);
+    const double after_slope = before_slope + (2 * k + 1) * 2.0 * here;
+    before = here;
+    here = after;
+    before_slope = here_slope;
+    here_slope = after_slope;
+  }
+}
+
+ChainTables::ChainTables(const CoordinateModel& model, int nodes, const StretchBasis& stretch)
     : rule(nodes, model.breaks()),
       curve(std::make_shared<CurveTables>(rule)),
-      basis(make_table(model, rule, curve->transform())) {}
+      basis(make_table(model, rule, curve->transform(), stretch)) {}
 
-std::shared_ptr<const ChainTables> TableStore::of(const CoordinateModel& model, int nodes) {
+std::shared_ptr<const ChainTables> TableStore::of(const CoordinateModel& model, int nodes,
+                                                  const StretchBasis& stretch) {
   for (const Entry& entry : entries_) {
-    if (entry.model == &model && entry.nodes == nodes) return entry.tables;
+    if (entry.model == &model && entry.nodes == nodes && entry.stretch == stretch) return entry.tables;
   }
-  entries_.push_back({&model, nodes, std::make_shared<ChainTables>(model, nodes)});
+  entries_.push_back({&model, nodes, stretch, std::make_shared<ChainTables>(model, nodes, stretch)});
   return entries_.back().tables;
 }
 
 Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> knot_stretches, int nodes,
              TableStore* store)
     : model_(&model),
-      tables_(store != nullptr ? store->of(model, nodes) : std::make_shared<ChainTables>(model, nodes)),
+      tables_(store != nullptr ? store->of(model, nodes, stretch_of(rod, model))
+                               : std::make_shared<ChainTables>(model, nodes, stretch_of(rod, model))),
       fixed_knots_(rod.fixed_knots()),
       segments_(rod.segments),
       thick_(rod.is_thick()) {
@@ -186,16 +233,19 @@ void Chain::find_loads(const Rod& rod) {
 void Chain::find_profiles(const Rod& rod) {
   const auto actuators = static_cast<Eigen::Index>(rod.actuators.size());
   levels_.setZero(actuators, piece_count());
+  thrusts_.setZero(actuators, piece_count());
   varying_.setConstant(actuators, piece_count(), -1);
   for (Eigen::Index a = 0; a < actuators; ++a) {
     const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
     for (int j = 0; j < piece_count(); ++j) {
       const auto r = static_cast<std::size_t>(pieces_[static_cast<std::size_t>(j)].stretch);
       const double middle = 0.5 * (fixed_knots_[r] + fixed_knots_[r + 1]);
+      const bool acts = middle > actuator.from && middle < actuator.to;
+      if (acts && rod.stretches()) thrusts_(a, j) = actuator.thrust;
       const ProfilePart* part = actuator.part_at(middle);
       if (part == nullptr || part->constant()) {
         levels_(a, j) = actuator.at(middle);
-      } else if (middle > actuator.from && middle < actuator.to) {
+      } else if (acts) {
         varying_(a, j) = static_cast<int>(parts_.size());
         parts_.push_back(*part);
       }
@@ -216,19 +266,19 @@ double Chain::length(int j, std::span<const double> knots) const {
 }
 
 Eigen::VectorXd Chain::project(std::span<const double> scaled_curvature) const {
-  const int n = functions();
+  const int n = bends();
   Eigen::MatrixXd value(nodes(), n);
   Eigen::MatrixXd first(nodes(), n);
   Eigen::MatrixXd second(nodes(), n);
   model_->evaluate(span_of(table().sigma), value, first, second);
   const Eigen::Map<const Eigen::VectorXd> target(scaled_curvature.data(), nodes());
   const Eigen::VectorXd rhs = first.transpose() * table().weight.cwiseProduct(target);
-  return table().stiffness.ldlt().solve(rhs);
+  return table().stiffness.topLeftCorner(n, n).ldlt().solve(rhs);
 }
 
-Eigen::VectorXd Chain::coordinates_of(const std::function<double(double)>& curvature,
-                                      std::span<const double> knots) const {
-  Eigen::VectorXd q(coordinate_count());
+Eigen::VectorXd Chain::coordinates_of(const std::function<double(double)>& curvature, std::span<const double> knots,
+                                      const std::function<double(double)>& stretch) const {
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(coordinate_count());
   std::vector<double> scaled(static_cast<std::size_t>(nodes()));
   for (int j = 0; j < piece_count(); ++j) {
     const double from = start(j, knots);
@@ -236,7 +286,17 @@ Eigen::VectorXd Chain::coordinates_of(const std::function<double(double)>& curva
     for (int g = 0; g < nodes(); ++g) {
       scaled[static_cast<std::size_t>(g)] = h * curvature(from + h * table().sigma[g]);
     }
-    q.segment(static_cast<Eigen::Index>(j) * functions(), functions()) = project(scaled);
+    auto own = q.segment(static_cast<Eigen::Index>(j) * functions(), functions());
+    own.head(bends()) = project(scaled);
+    if (!stretch) continue;
+    const StretchBasis& basis = table().stretch;
+    for (int k = 0; k < basis.order; ++k) {
+      double part = 0.0;
+      for (int g = 0; g < nodes(); ++g) {
+        part += table().weight[g] * table().stretch_by_node(k, g) * stretch(from + h * table().sigma[g]);
+      }
+      own[bends() + k] = (2 * k + 1) * part / (basis.factor * basis.factor);
+    }
   }
   return q;
 }

@@ -12,15 +12,26 @@
 
 namespace tendril {
 
-/// Values of a local basis at the nodes of a rule on [0,1], in the two layouts that the evaluation needs.
+/// How a rod stretches along a piece: eps = factor sum_k e_k P_k(2 sigma - 1), k below `order`.
+struct StretchBasis {
+  int order = 0;        ///< 0: not at all
+  double factor = 1.0;  ///< such that the energy of a coordinate is of the size that it has in bending
+  /// The functions at sigma, and their derivatives.
+  void evaluate(double sigma, double* value, double* slope) const;
+  bool operator==(const StretchBasis&) const = default;
+};
+
+/// Values of a local basis at the nodes of a rule on [0,1], in the two layouts that the evaluation needs. Behind the
+/// functions of the angle stand those of the stretch, which turn nothing: what belongs to the angle is 0 there.
 struct BasisTable {
-  int functions = 0;            ///< columns of the basis
+  int functions = 0;            ///< of the angle and of the stretch
+  int bends = 0;                ///< of the angle: the first ones
   int nodes = 0;                ///< points of the rule
   Eigen::VectorXd sigma;        ///< nodes: the points of the rule
   Eigen::VectorXd weight;       ///< nodes: its weights
   Eigen::MatrixXd by_function;  ///< nodes x functions, a column per function
   Eigen::MatrixXd by_node;      ///< functions x nodes, a column per node
-  Eigen::MatrixXd products;     ///< functions (functions + 1) / 2 x nodes: beta_i beta_k, i <= k; empty for large bases
+  Eigen::MatrixXd products;     ///< bends (bends + 1) / 2 x nodes: beta_i beta_k, i <= k; empty for large bases
   Eigen::VectorXd end;          ///< beta(1)
   Eigen::MatrixXd slope;        ///< nodes x functions: beta'
   Eigen::VectorXd slope_start;  ///< beta'(0)
@@ -29,6 +40,11 @@ struct BasisTable {
   Eigen::VectorXd slope_bound;  ///< max over [0,1] of |beta_i'|, sampled densely and inflated
   /// Per smooth interval: functions x Legendre coefficients of beta''.
   std::vector<Eigen::MatrixXd> bend_series;
+  StretchBasis stretch;
+  Eigen::MatrixXd stretch_by_function;  ///< nodes x stretch.order
+  Eigen::MatrixXd stretch_by_node;      ///< stretch.order x nodes
+  Eigen::MatrixXd mixed;                ///< bends stretch.order x nodes: beta_i times each of them, i by i
+  Eigen::VectorXd stretch_start;        ///< at sigma = 0; at 1 all are stretch.factor
 };
 
 class CurveTables;
@@ -36,7 +52,7 @@ class CurveTables;
 /// A rule on [0,1] and a basis at its nodes: what a chain needs beside the rod.
 struct ChainTables {
   /// The rule has `nodes` points on each smooth interval of `model`.
-  ChainTables(const CoordinateModel& model, int nodes);
+  ChainTables(const CoordinateModel& model, int nodes, const StretchBasis& stretch = {});
   Quadrature rule;                           ///< cut at the model's breaks
   std::shared_ptr<const CurveTables> curve;  ///< for the same rule
   BasisTable basis;                          ///< at the nodes of `rule`, made with the former
@@ -47,12 +63,13 @@ struct ChainTables {
 class TENDRIL_API TableStore {
  public:
   /// The tables for `nodes` points per smooth interval of `model`, made if they are asked for the first time.
-  std::shared_ptr<const ChainTables> of(const CoordinateModel& model, int nodes);
+  std::shared_ptr<const ChainTables> of(const CoordinateModel& model, int nodes, const StretchBasis& stretch = {});
 
  private:
   struct Entry {
     const CoordinateModel* model;
     int nodes;
+    StretchBasis stretch;
     std::shared_ptr<const ChainTables> tables;
   };
   std::vector<Entry> entries_;
@@ -61,7 +78,7 @@ class TENDRIL_API TableStore {
 /// The rod cut into pieces (model.md section 2): which pieces there are, how long they are as affine functions of the
 /// moving knots, and the tables that never change. Knots are fixed (Rod::fixed_knots()) or move with a contact.
 ///
-/// Coordinates: q = (q_1, ..., q_J), `functions()` numbers per piece.
+/// Coordinates: q = (q_1, ..., q_J), `functions()` numbers per piece: those of its angle, then those of its stretch.
 class TENDRIL_API Chain {
  public:
   /// A piece and its properties where they are constant, dimensionless.
@@ -87,6 +104,9 @@ class TENDRIL_API Chain {
   int piece_count() const { return static_cast<int>(pieces_.size()); }
   /// Coordinates per piece.
   int functions() const { return table().functions; }
+  /// Of these, how many are of the angle, and of the stretch.
+  int bends() const { return table().bends; }
+  int stretches() const { return table().stretch.order; }
   int nodes() const { return table().nodes; }  ///< per piece
   /// Length of q.
   int coordinate_count() const { return piece_count() * functions(); }
@@ -123,10 +143,12 @@ class TENDRIL_API Chain {
     const int part = varying_(a, j);
     return part < 0 ? nullptr : &parts_[static_cast<std::size_t>(part)];
   }
+  /// Axial force by a unit of actuator a on piece j.
+  double thrust(int a, int j) const { return thrusts_(a, j); }
   /// Number of actuators of the rod.
   int actuator_count() const { return static_cast<int>(levels_.rows()); }
-  /// Whether the profile of any actuator varies over a piece.
-  bool has_varying_profiles() const { return !parts_.empty(); }
+  /// Whether the work of any actuator changes as pieces move along it.
+  bool has_moving_work() const { return !parts_.empty() || !thrusts_.isZero(0.0); }
 
   /// The basis at the nodes of the rule.
   const BasisTable& table() const { return tables_->basis; }
@@ -140,8 +162,10 @@ class TENDRIL_API Chain {
   /// Coordinates of a piece that come nearest (in curvature, L2) to curvature(sigma) * length given at the nodes.
   Eigen::VectorXd project(std::span<const double> scaled_curvature) const;
 
-  /// The same for all pieces, from a curvature along the rod (times L, of s/L) and moving knots at `knots`.
-  Eigen::VectorXd coordinates_of(const std::function<double(double)>& curvature, std::span<const double> knots) const;
+  /// The same for all pieces, from a curvature along the rod (times L, of s/L) and moving knots at `knots`. `stretch`:
+  /// likewise; empty: none.
+  Eigen::VectorXd coordinates_of(const std::function<double(double)>& curvature, std::span<const double> knots,
+                                 const std::function<double(double)>& stretch = {}) const;
 
   /// The piece that holds arc length s (the earlier one at a knot).
   int piece_at(double s, std::span<const double> knots) const;
@@ -159,8 +183,8 @@ class TENDRIL_API Chain {
   std::vector<int> knot_piece_;
   Eigen::VectorXd start0_, length0_;
   Eigen::MatrixXd start_rate_, length_rate_;
-  Eigen::MatrixXd levels_;   // actuators x pieces
-  Eigen::MatrixXi varying_;  // actuators x pieces: index into parts_, or -1
+  Eigen::MatrixXd levels_, thrusts_;  // actuators x pieces
+  Eigen::MatrixXi varying_;           // actuators x pieces: index into parts_, or -1
   std::vector<ProfilePart> parts_{};
 };
 

@@ -36,6 +36,7 @@ void Curve::follow(const Backbone& backbone) {
   lengths_.resize(static_cast<std::size_t>(pieces_));
   starts_.resize(lengths_.size());
   curvature_bounds_.resize(lengths_.size());
+  stretch_bounds_.resize(lengths_.size());
   bodies_.clear();
   for (int j = 0; j < pieces_ && chain.is_thick(); ++j) bodies_.push_back(&chain.segment(j));
   interval_start_.resize(lengths_.size() * static_cast<std::size_t>(intervals));
@@ -46,9 +47,12 @@ void Curve::follow(const Backbone& backbone) {
     lengths_[piece] = backbone.length(j);
     starts_[piece] = backbone.start(j);
     double bound = 0.0;
-    for (int i = 0; i < chain.functions(); ++i)
+    for (int i = 0; i < chain.bends(); ++i)
       bound += std::abs(backbone.coordinates(j)[i]) * chain.table().slope_bound[i];
+    const auto [least, most] = backbone.stretch_bounds(j);
+    stretch_bounds_[piece] = most;
     curvature_bounds_[piece] = bound / lengths_[piece];
+    if (chain.stretches() > 0) curvature_bounds_[piece] = least > 0.0 ? curvature_bounds_[piece] / least : infinity;
     Vec2 at = backbone.knot_point(j);
     for (int i = 0; i < intervals; ++i) {
       const int column = j * intervals + i;

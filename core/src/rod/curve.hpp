@@ -44,7 +44,7 @@ class TENDRIL_API Curve {
   /// A point of the curve and the unit tangent there.
   struct Point {
     Vec2 position{};  ///< units of L
-    Vec2 tangent{};   ///< unit vector
+    Vec2 tangent{};   ///< P' by the arc length: a unit vector, where the rod does not stretch
   };
   Point at(int piece, double sigma) const;       ///< Point at sigma in [0,1] of a piece.
   Vec2 position(int piece, double sigma) const;  ///< Its position alone.
@@ -66,13 +66,17 @@ class TENDRIL_API Curve {
   }
   /// Becomes the backbone alone.
   void strip() { bodies_.clear(); }
-  /// max |kappa| over a piece, from the sizes of its coordinates.
+  /// No part of a piece is longer than that for each unit of its arc length.
+  double stretch_bound(int piece) const { return stretch_bounds_[static_cast<std::size_t>(piece)]; }
+  /// No piece is longer than that, units of L.
+  double arc_bound(int piece) const { return length(piece) * stretch_bound(piece); }
+  /// max of the curve's |curvature| over a piece, from the sizes of its coordinates.
   double curvature_bound(int piece) const { return curvature_bounds_[static_cast<std::size_t>(piece)]; }
 
  private:
   std::shared_ptr<const CurveTables> tables_;
   int pieces_ = 0;
-  std::vector<double> lengths_, starts_, curvature_bounds_;
+  std::vector<double> lengths_, starts_, curvature_bounds_, stretch_bounds_;
   std::vector<const Rod::Segment*> bodies_;  // of the pieces' chain, borrowed; empty: there is none
   std::vector<Vec2> interval_start_;         // pieces x intervals
   Eigen::MatrixXd series_x_, series_y_;      // coefficients, a column per piece and interval

@@ -19,11 +19,13 @@ double Places::energy() const {
     energy += p.stiffness * (0.5 * bend / backbone_.length(j) - p.rest_curvature * q.dot(chain_->table().end) +
                              0.5 * p.rest_curvature * p.rest_curvature * backbone_.length(j));
   }
+  if (chain_->stretches() > 0) energy += stretch_energy();
   return energy;
 }
 
 void Places::add_energy_row(double factor, RowPart out) const {
   const int n = chain_->functions();
+  if (chain_->stretches() > 0) add_stretch_energy_row(factor, out);
   for (int j = 0; j < chain_->piece_count(); ++j) {
     const Chain::Piece& p = chain_->piece(j);
     if (!p.bends_evenly) {
@@ -47,6 +49,7 @@ void Places::add_energy_row(double factor, RowPart out) const {
 
 void Places::add_energy_second(double factor, const double* lambda, SecondPart out) const {
   const int n = chain_->functions();
+  if (chain_->stretches() > 0) add_stretch_energy_second(factor, lambda, out);
   for (int j = 0; j < chain_->piece_count(); ++j) {
     if (!chain_->piece(j).bends_evenly) {
       add_varying_second(j, factor, lambda, out);

@@ -15,6 +15,10 @@ MovingPoint::MovingPoint(const Chain& chain) : chain_(&chain), breaks_(chain.mod
   for (Eigen::VectorXd* v : {&beta_, &beta1_, &beta2_}) v->setZero(n);
   for (Eigen::MatrixXd* m : {&value_, &first_, &second_}) m->setZero(most, n);
   by_node_.setZero(n, most);
+  if (chain.stretches() == 0) return;
+  for (Eigen::VectorXd* v : {&unit_cosine_, &unit_sine_, &eta_}) v->setZero(most);
+  stretch_slopes_.setZero(chain.stretches());
+  by_stretch_.setZero(chain.stretches(), most);
 }
 
 void MovingPoint::move(const Backbone& backbone, int j, double s) {
@@ -25,7 +29,7 @@ void MovingPoint::move_to(const Backbone& backbone, int j, double sigma) {
   piece_ = j;
   length_ = backbone.length(j);
   sigma_ = sigma;
-  const int n = chain_->functions();
+  const int n = chain_->bends();
   const auto local = static_cast<int>(local_nodes_.size());
   node_count_ = 0;
   double from = 0.0;
@@ -40,8 +44,8 @@ void MovingPoint::move_to(const Backbone& backbone, int j, double sigma) {
   // The point itself is evaluated in the same call as its nodes.
   sigma_nodes_[node_count_] = sigma_;
   const Eigen::Index rows = node_count_ + 1;
-  chain_->model().evaluate({sigma_nodes_.data(), static_cast<std::size_t>(rows)}, value_.topRows(rows),
-                           first_.topRows(rows), second_.topRows(rows));
+  chain_->model().evaluate({sigma_nodes_.data(), static_cast<std::size_t>(rows)}, value_.topLeftCorner(rows, n),
+                           first_.topLeftCorner(rows, n), second_.topLeftCorner(rows, n));
   const double* q = backbone.coordinates(j);
   chord_ = {};
   for (int g = 0; g < node_count_; ++g) {
@@ -52,6 +56,13 @@ void MovingPoint::move_to(const Backbone& backbone, int j, double sigma) {
     }
     cosine_[g] = std::cos(angle);
     sine_[g] = std::sin(angle);
+    if (chain_->stretches() > 0) {
+      unit_cosine_[g] = cosine_[g];
+      unit_sine_[g] = sine_[g];
+      const double stretched = find_stretch(g, q + n);
+      cosine_[g] *= stretched;
+      sine_[g] *= stretched;
+    }
     chord_ += weight_[g] * Vec2{cosine_[g], sine_[g]};
   }
   angle_ = backbone.knot_angle(j);
@@ -64,8 +75,21 @@ void MovingPoint::move_to(const Backbone& backbone, int j, double sigma) {
     slope_ += q[i] * beta1_[i];
     bend_ += q[i] * beta2_[i];
   }
+  if (chain_->stretches() > 0) {
+    stretch_ = find_stretch(node_count_, q + n);
+    stretch_slope_ = 0.0;
+    for (int k = 0; k < chain_->stretches(); ++k) stretch_slope_ += q[n + k] * stretch_slopes_[k];
+  }
   tangent_ = {std::cos(angle_), std::sin(angle_)};
   position_ = backbone.knot_point(j) + length_ * chord_;
+}
+
+/// 1 + eps at a node, from the coordinates of the stretch.
+double MovingPoint::find_stretch(int g, const double* e) {
+  chain_->table().stretch.evaluate(sigma_nodes_[g], by_stretch_.col(g).data(), stretch_slopes_.data());
+  double sum = 1.0;
+  for (int k = 0; k < chain_->stretches(); ++k) sum += e[k] * by_stretch_(k, g);
+  return sum;
 }
 
 void MovingPoint::third_derivative(double* third) const {
@@ -94,17 +118,24 @@ void MovingPoint::third_derivative(double* third) const {
 }
 
 void MovingPoint::own_row(Vec2 n, bool displaced, double* row) const {
-  const auto functions = static_cast<int>(beta_.size());
-  std::fill_n(row, functions, 0.0);
+  const int bends = chain_->bends();
+  std::fill_n(row, chain_->functions(), 0.0);
   for (int g = 0; g < node_count_; ++g) {
     const Vec2 t = node_tangent(g);
-    const double w = length_ * weight_[g] * (displaced ? -psi_[g] * dot(n, t) : dot(n, turned(t)));
-    for (int i = 0; i < functions; ++i) row[i] += w * node_beta(g)[i];
+    double w = length_ * weight_[g] * (displaced ? -psi_[g] * dot(n, t) : dot(n, turned(t)));
+    if (chain_->stretches() > 0) {
+      const Vec2 unit = node_unit(g);
+      const Vec2 grown = displaced ? psi_[g] * turned(unit) : unit;
+      const double along = length_ * weight_[g] * dot(n, grown);
+      for (int k = 0; k < chain_->stretches(); ++k) row[bends + k] += along * node_stretch(g)[k];
+      if (displaced) w += length_ * weight_[g] * eta_[g] * dot(n, turned(unit));
+    }
+    for (int i = 0; i < bends; ++i) row[i] += w * node_beta(g)[i];
   }
 }
 
 void MovingPoint::displace(const double* lambda, double psi) {
-  const auto functions = static_cast<int>(beta_.size());
+  const int functions = chain_->bends();
   virtual_chord_ = {};
   psi_slope_ = 0.0;
   for (int g = 0; g <= node_count_; ++g) {
@@ -114,6 +145,17 @@ void MovingPoint::displace(const double* lambda, double psi) {
     if (g < node_count_) virtual_chord_ += weight_[g] * psi_[g] * turned(node_tangent(g));
   }
   for (int i = 0; i < functions; ++i) psi_slope_ += lambda[i] * beta1_[i];
+  if (chain_->stretches() > 0) grow(lambda + functions);
+}
+
+void MovingPoint::grow(const double* lambda) {
+  eta_slope_ = 0.0;
+  for (int g = 0; g <= node_count_; ++g) {
+    eta_[g] = 0.0;
+    for (int k = 0; k < chain_->stretches(); ++k) eta_[g] += lambda[k] * by_stretch_(k, g);
+    if (g < node_count_) virtual_chord_ += weight_[g] * eta_[g] * node_unit(g);
+  }
+  for (int k = 0; k < chain_->stretches(); ++k) eta_slope_ += lambda[k] * stretch_slopes_[k];
 }
 
 }  // namespace tendril

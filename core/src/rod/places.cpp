@@ -49,6 +49,10 @@ Places::Places(const Rod& rod, const Chain& chain, int arc_lengths)
     v->setZero(chain.nodes());
   }
   third_.setZero(chain.functions());
+  if (chain.stretches() == 0) return;
+  eta_.setZero(chain.nodes(), pieces);
+  strain_.setZero(chain.nodes(), pieces);
+  for (Eigen::VectorXd* v : {&unit_buffer_, &unit_push_along_, &unit_push_across_}) v->setZero(chain.nodes());
 }
 
 int Places::add_knot(int piece) {
@@ -127,6 +131,9 @@ void Places::move(ConstVectorRef q, std::span<const double> arc_lengths) {
                                     stiff_.data() + j * n);
     } else {
       bent_.col(j).noalias() = chain_->table().slope * q.segment(j * n, n);
+    }
+    if (const int m = chain_->stretches(); m > 0) {
+      strain_.col(j).noalias() = chain_->table().stretch_by_function * q.segment(j * n + chain_->bends(), m);
     }
     Stations& s = stations_[static_cast<std::size_t>(j)];
     const auto count = static_cast<int>(s.sigma.size());
@@ -218,7 +225,7 @@ void Places::row(int place, Vec2 n, RowPart out) const {
   const MovingPoint& m = moving_[static_cast<std::size_t>(p.own)];
   m.own_row(n, false, own);
   for (int l = 0; l < arc_lengths_; ++l) {
-    out.s[l] += length_rate_(j, l) * dot(n, m.chord()) + own_rate(p, l) * dot(n, m.tangent());
+    out.s[l] += length_rate_(j, l) * dot(n, m.chord()) + own_rate(p, l) * dot(n, m.velocity());
   }
 }
 
@@ -239,8 +246,13 @@ Places::Side Places::side(int place, int which) const {
   const int n = chain_->functions();
   const int pieces = chain_->piece_count();
   const auto beside = [&](int j, const Eigen::VectorXd& slope, auto where) {
-    return Side{j, where,
-                slope.dot(Eigen::Map<const Eigen::VectorXd>(backbone_.coordinates(j), n)) / backbone_.length(j)};
+    const Eigen::Map<const Eigen::VectorXd> q(backbone_.coordinates(j), n);
+    Side at{j, where, slope.dot(q) / backbone_.length(j)};
+    const BasisTable& table = chain_->table();
+    for (int k = 0; k < table.stretch.order; ++k) {
+      at.stretch += q[table.bends + k] * (where == Side::end ? table.stretch.factor : table.stretch_start[k]);
+    }
+    return at;
   };
   const auto at_end = [&](int j) { return beside(j, chain_->table().slope_end, Side::end); };
   const auto at_start = [&](int j) { return beside(j, chain_->table().slope_start, Side::start); };
@@ -249,7 +261,12 @@ Places::Side Places::side(int place, int which) const {
   const MovingPoint& m = moving_[static_cast<std::size_t>(p.own)];
   if (which == 0 && m.sigma() <= 0.0 && j > 0) return at_end(j - 1);
   if (which == 1 && m.sigma() >= 1.0 && j + 1 < pieces) return at_start(j + 1);
-  return {j, Side::inside, m.curvature()};
+  return {j, Side::inside, m.curvature(), m.stretch()};
+}
+
+void Places::add_bend_row(int place, const Side& side, double factor, RowPart out) const {
+  add_curvature_row(place, side, factor / side.stretch, out);
+  if (chain_->stretches() > 0) add_stretch_row(at(place), side, -factor * side.bend() / side.stretch, out);
 }
 
 void Places::add_curvature_row(int place, const Side& side, double factor, RowPart out) const {
@@ -272,7 +289,11 @@ void Places::displace(const double* lambda) {
   psi_knot_[0] = 0.0;
   backbone_.along(lambda, psi_, psi_knot_);
   const int n = chain_->functions();
-  backbone_.turn(psi_, virtual_);
+  for (int j = 0; j < chain_->piece_count() && chain_->stretches() > 0; ++j) {
+    const Eigen::Map<const Eigen::VectorXd> along(lambda + j * n + chain_->bends(), chain_->stretches());
+    eta_.col(j).noalias() = chain_->table().stretch_by_function * along;
+  }
+  backbone_.turn(psi_, eta_, virtual_);
   find_rates(virtual_, virtual_rates_);
   for (Place& p : places_) {
     if (p.kind == Kind::station) continue;
@@ -292,6 +313,10 @@ void Places::displacement_row(int place, Vec2 n, RowPart out) const {
   m.own_row(n, true, out.q + p.piece * chain_->functions());
   for (int l = 0; l < arc_lengths_; ++l) {
     out.s[l] += length_rate_(p.piece, l) * dot(n, m.virtual_chord()) + own_rate(p, l) * m.psi() * dot(n, m.normal());
+  }
+  for (int l = 0; l < arc_lengths_ && chain_->stretches() > 0; ++l) {
+    // `normal` above is that of P'.
+    out.s[l] += own_rate(p, l) * m.eta() * dot(n, m.tangent());
   }
 }
 

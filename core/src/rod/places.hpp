@@ -88,6 +88,9 @@ class TENDRIL_API Places {
     int piece = 0;
     enum { start, inside, end } where = end;
     double curvature = 0.0;
+    double stretch = 1.0;  ///< 1 + eps there
+    /// Of the line that the rod is.
+    double bend() const { return curvature / stretch; }
   };
   Side side(int place, int which) const;
 
@@ -98,6 +101,7 @@ class TENDRIL_API Places {
   void angle_row(int place, RowPart out) const;  ///< Likewise, of its angle.
   /// Adds the derivatives of the curvature beside a place, times a factor.
   void add_curvature_row(int place, const Side& side, double factor, RowPart out) const;
+  void add_bend_row(int place, const Side& side, double factor, RowPart out) const;  ///< Likewise of Side::bend().
 
   /// Virtual displacements of all places along coordinates: dP/dq times `lambda`, after differentiate().
   void displace(const double* lambda);
@@ -111,12 +115,13 @@ class TENDRIL_API Places {
   /// Largest defect of the local balance of moments under forces and the moments of actuators. `curve`: of the
   /// backbone.
   double moment_defect(const Forces& forces, std::span<const double> moments, const Curve& curve);
+  /// The same of the balance of forces along a rod that stretches, as a strain.
+  double stretch_defect(const Forces& forces, std::span<const double> moments);
   /// out += derivative by the coordinates of the forces' work at fixed forces.
   void pull_back(const Forces& forces, double* out);
-  /// int p kappa ds along an actuator, p its profile.
+  /// The work of an actuator by a unit of its moment: int p kappa ds, p its profile, and thrust times int eps ds.
   double turn_along(int actuator) const;
-  /// out += moment * derivative by the coordinates of int p kappa ds: for p = 1 the angle
-  /// over its span.
+  /// out += moment * derivative of that by the coordinates: for p = 1 of the angle over its span.
   void pull_back_moment(int actuator, double moment, double* out) const;
   /// Derivatives of the former by the arc lengths, which move the pieces along the profile: adds to `by_q_and_s`.
   void add_moment_rates(int actuator, double moment, MatrixRef by_q_and_s);
@@ -128,11 +133,11 @@ class TENDRIL_API Places {
   /// work on the virtual displacements.
   void second_pull_back(const Forces& forces, const Forces* virtual_forces, SecondPart out);
 
-  /// The bending energy V_c (model.md section 3).
+  /// The elastic energy: of bending, V_c (model.md section 3), and of the stretch, V_e (section 12).
   double energy() const;
-  /// out += factor * dV_c; without a place for it not by the arc lengths.
+  /// out += factor * dV; without a place for it not by the arc lengths.
   void add_energy_row(double factor, RowPart out) const;
-  /// Adds second derivatives of  factor V_c - lambda . dV_c/dq;  without lambda of the first part.
+  /// Adds second derivatives of  factor V - lambda . dV/dq;  without lambda of the first part.
   void add_energy_second(double factor, const double* lambda, SecondPart out) const;
 
  private:
@@ -149,8 +154,8 @@ class TENDRIL_API Places {
     std::vector<int> place;
     std::vector<double> sigma;
     Eigen::MatrixXd by_node;           ///< stations x nodes: int_0^sigma as weights on the nodes
-    Eigen::MatrixXd sum;               ///< 2 functions x stations: int_0^sigma N beta dsigma
-    Eigen::VectorXd chord_x, chord_y;  ///< int_0^sigma t dsigma
+    Eigen::MatrixXd sum;               ///< 2 functions x stations: int_0^sigma (dP' by the coordinates) dsigma
+    Eigen::VectorXd chord_x, chord_y;  ///< int_0^sigma P' dsigma
     Eigen::VectorXd push_x, push_y;    ///< buffers
   };
   /// A force on the nodes of a piece: end + (1 - sigma) slope, and where its weight varies heavy times share, a number
@@ -175,6 +180,8 @@ class TENDRIL_API Places {
   /// Derivatives of a field's knots by the arc lengths: x and y, one after the other, by knots.
   void find_rates(const Integrals& field, Eigen::MatrixXd& rates) const;
   void weigh(int j, const Ramp& along, const Ramp* turning, double* z) const;
+  void add_unit_weight(int j, const Ramp& along, const double* factors, double* z) const;
+  void weigh_units(int j, const Ramp& along, const Ramp* turning, double push, const Eigen::VectorXd* pushed);
   /// How fast sigma of piece j runs along the rod with arc length l.
   double run(int j, double sigma, int l) const { return start_rate_(j, l) + sigma * length_rate_(j, l); }
   Vec2 line_rate(int j, int l) const { return {line_rate_(2 * j, l), line_rate_(2 * j + 1, l)}; }
@@ -197,6 +204,11 @@ class TENDRIL_API Places {
   double moment_defect(int j, const Ramp& load, const Forces& forces, std::span<const double> moments,
                        const Curve& curve, double& beyond);
   void add_inside(const Forces& forces, const Forces* virtual_forces, int j, SecondPart& out);
+  void add_inside_stretch(const Place& p, const Push& push, Vec2 v, bool turns, SecondPart& out);
+  void add_stretch_row(const Place& p, const Side& side, double factor, RowPart out) const;
+  double stretch_energy() const;
+  void add_stretch_energy_row(double factor, RowPart out) const;
+  void add_stretch_energy_second(double factor, const double* lambda, SecondPart out) const;
   double varying_energy(int j) const;
   void add_varying_row(int j, double factor, RowPart out) const;
   void add_varying_second(int j, double factor, const double* lambda, SecondPart out) const;
@@ -215,17 +227,19 @@ class TENDRIL_API Places {
   Eigen::MatrixXd length_rate_, start_rate_, mass_rate_;
   Eigen::MatrixXd line_rate_;  ///< likewise of the dead force on what is beyond j, x and y one after the other
   bool dead_ = false;          ///< the rod has dead loads
-  Eigen::MatrixXd psi_;        ///< nodes x pieces: virtual rotation
+  Eigen::MatrixXd psi_, eta_;  ///< nodes x pieces: virtual rotation, and growth along the tangent
   Eigen::VectorXd psi_knot_;
   Integrals virtual_;
   Eigen::MatrixXd rates_, virtual_rates_;  ///< 2 arc lengths x (pieces + 1)
   Eigen::VectorXd stiff_;                  ///< int beta' beta'^T times the coordinates, by pieces that bend evenly
   Eigen::MatrixXd bent_;                   ///< dphi/dsigma at the nodes of the others
+  Eigen::MatrixXd strain_;                 ///< eps at the nodes of a rod that stretches
   mutable Eigen::VectorXd along_nodes_, virtual_bent_;
   PieceSums sums_, gram_sums_;
   std::vector<PieceSums> rate_sums_;  ///< one per arc length
   Eigen::VectorXd node_buffer_, push_along_, push_across_, third_;
-  mutable Eigen::VectorXd heavy_;  ///< at nodes
+  Eigen::VectorXd unit_buffer_, unit_push_along_, unit_push_across_;  ///< of a rod that stretches, with unit tangents
+  mutable Eigen::VectorXd heavy_;                                     ///< at nodes
 };
 
 }  // namespace tendril

@@ -36,6 +36,26 @@ void Places::weigh(int j, const Ramp& along, const Ramp* turning, double* z) con
   }
 }
 
+/// z += weight factor (along . t) at the nodes of a rod that stretches, t the unit tangent; without factors these
+/// are 1.
+void Places::add_unit_weight(int j, const Ramp& along, const double* factors, double* z) const {
+  const double* weight = chain_->table().weight.data();
+  for (int i = 0; i < chain_->nodes(); ++i) {
+    Vec2 force = along.end + left_[i] * along.slope;
+    if (along.share != nullptr) force += along.share[i] * along.heavy;
+    z[i] += weight[i] * (factors != nullptr ? factors[i] : 1.0) * dot(force, backbone_.unit_tangent(j, i));
+  }
+}
+
+/// unit_buffer_ = weight (along + psi turning) . t + push pushed  at the nodes of a rod that stretches, t the unit
+/// tangent; `turning` and `pushed` may be null.
+void Places::weigh_units(int j, const Ramp& along, const Ramp* turning, double push, const Eigen::VectorXd* pushed) {
+  unit_buffer_.setZero();
+  add_unit_weight(j, along, nullptr, unit_buffer_.data());
+  if (turning != nullptr) add_unit_weight(j, *turning, psi_.col(j).data(), unit_buffer_.data());
+  if (pushed != nullptr) unit_buffer_ += push * *pushed;
+}
+
 /// Sums forces on the stations of a piece at its nodes, along the tangent and across it. False: there are none.
 bool Places::gather_pushes(int j, const Forces& forces) {
   Stations& at = stations_[static_cast<std::size_t>(j)];
@@ -60,6 +80,10 @@ bool Places::gather_pushes(int j, const Forces& forces) {
     const Vec2 t = backbone_.tangent(j, i);
     push_along_[i] = x * t.x + y * t.y;
     push_across_[i] = y * t.x - x * t.y;
+    if (chain_->stretches() == 0) continue;
+    const Vec2 unit = backbone_.unit_tangent(j, i);
+    unit_push_along_[i] = x * unit.x + y * unit.y;
+    unit_push_across_[i] = y * unit.x - x * unit.y;
   }
   return true;
 }
@@ -94,6 +118,10 @@ void Places::pull_back(const Forces& forces, double* out) {
       weigh(j, load.across(), nullptr, z);
       for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] += h * push_across_[i];
       backbone_.add_nodes(sums_, j, z);
+      if (chain_->stretches() > 0) {
+        weigh_units(j, load, nullptr, h, pushed ? &unit_push_along_ : nullptr);
+        backbone_.add_stretch_nodes(sums_, j, unit_buffer_.data());
+      }
     }
     for (const int k : knots_) {
       if (at(k).piece == j && sweep.on(k).moment != 0.0) {
@@ -106,9 +134,11 @@ void Places::pull_back(const Forces& forces, double* out) {
       const MovingPoint& m = moving_[own(k)];
       for (int i = 0; i < m.node_count(); ++i) {
         sums_.add_point(j, h * m.weight(i) * dot(push.force, turned(m.node_tangent(i))), m.node_beta(i));
+        if (chain_->stretches() == 0) continue;
+        sums_.add_stretch_point(j, h * m.weight(i) * dot(push.force, m.node_unit(i)), m.node_stretch(i));
       }
       if (push.moment != 0.0) sums_.add_point(j, push.moment, m.beta());
-      for (int i = 0; i < chain_->functions(); ++i) sums_.vector(i, j) += push.bending / h * m.beta1()[i];
+      for (int i = 0; i < chain_->bends(); ++i) sums_.vector(i, j) += push.bending / h * m.beta1()[i];
     }
     sweep.leave(j);
   }
@@ -134,18 +164,35 @@ void Places::second_pull_back(const Forces& forces, const Forces* virtual_forces
     const bool pushed = gather_pushes(j, forces);
     weights(-1.0 * sweep.load(j), -1.0 * turning.load(j).across());
     for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] -= h * push_along_[i];
+    const bool stretches = chain_->stretches() > 0;
+    const double* eta = stretches && virtual_forces != nullptr ? eta_.col(j).data() : nullptr;
+    if (eta != nullptr) add_unit_weight(j, -1.0 * turning.load(j), eta, z);
     backbone_.add_gram_nodes(gram_sums_, j, z);
+    if (stretches) {
+      const Ramp by_psi = -1.0 * turning.load(j);
+      weigh_units(j, sweep.load(j).across(), eta != nullptr ? &by_psi : nullptr, h,
+                  pushed ? &unit_push_across_ : nullptr);
+      backbone_.add_mixed_nodes(gram_sums_, j, unit_buffer_.data());
+    }
     for (int l = 0; l < arc_lengths_; ++l) {
       const double rate = length_rate_(j, l);
       if (still(j, l)) continue;
       weights(sweep.load_rate(j, l).across(), -1.0 * turning.load_rate(j, l));
       for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] += rate * push_across_[i];
-      backbone_.add_nodes(rate_sums_[static_cast<std::size_t>(l)], j, z);
+      PieceSums& sums = rate_sums_[static_cast<std::size_t>(l)];
+      if (eta != nullptr) add_unit_weight(j, turning.load_rate(j, l).across(), eta, z);
+      backbone_.add_nodes(sums, j, z);
+      if (!stretches) continue;
+      const Ramp by_psi = turning.load_rate(j, l).across();
+      weigh_units(j, sweep.load_rate(j, l), eta != nullptr ? &by_psi : nullptr, rate,
+                  pushed ? &unit_push_along_ : nullptr);
+      backbone_.add_stretch_nodes(sums, j, unit_buffer_.data());
     }
     add_inside(forces, virtual_forces, j, out);
     for (int l = 0; heavy && l < out.ss.rows(); ++l) {
       for (int k = 0; k < out.ss.cols(); ++k) {
         weights(sweep.load_bend(j, l, k), turning.load_bend(j, l, k).across());
+        if (eta != nullptr) add_unit_weight(j, turning.load_bend(j, l, k), eta, z);
         out.ss(l, k) += node_buffer_.sum();
       }
     }
@@ -182,7 +229,7 @@ void Places::add_inside(const Forces& forces, const Forces* virtual_forces, int 
         rate_sums_[static_cast<std::size_t>(l)].add_point(j, rate * m.weight(i) * across(t, psi), m.node_beta(i));
       }
     }
-    const double at_end = across(m.tangent(), turns ? m.psi() : 0.0);
+    const double at_end = across(m.velocity(), turns ? m.psi() : 0.0);
     for (int l = 0; l < arc_lengths_; ++l) {
       const double run = own_rate(p, l);
       const double sigma_l = run / h;
@@ -191,13 +238,16 @@ void Places::add_inside(const Forces& forces, const Forces* virtual_forces, int 
       // Angle and curvature see the own piece's coordinates only.
       const double by_slope = push.moment * sigma_l - push.bending * h_l / (h * h);
       const double by_bend = push.bending * sigma_l / h;
-      for (int i = 0; i < n; ++i) out.qs(j * n + i, l) += by_slope * m.beta1()[i] + by_bend * m.beta2()[i];
+      for (int i = 0; i < chain_->bends(); ++i) {
+        out.qs(j * n + i, l) += by_slope * m.beta1()[i] + by_bend * m.beta2()[i];
+      }
     }
+    if (chain_->stretches() > 0) add_inside_stretch(p, push, v, turns, out);
     if (out.ss.size() == 0) continue;
     double jerk = 0.0;
     if (push.bending != 0.0) {
       m.third_derivative(third_.data());
-      for (int i = 0; i < n; ++i) jerk += backbone_.coordinates(j)[i] * third_[i];
+      for (int i = 0; i < chain_->bends(); ++i) jerk += backbone_.coordinates(j)[i] * third_[i];
     }
     const double turn = at_end * m.slope() + (turns ? m.psi_slope() * dot(v, m.normal()) : 0.0);
     for (int l = 0; l < arc_lengths_; ++l) {

@@ -25,14 +25,16 @@ struct TENDRIL_API Rod {
     double radius = 0.0;          ///< of the body there, units of L
     double torsion = 0.0;         ///< GJ / EI all along it; 0: not known
     double across = 1.0;          ///< stiffness out of the plane / EI all along it
+    double axial = 0.0;           ///< EA L^2 / EI0 there; only asked for where the rod stretches
     /// How they change from there on: coefficients of x, x^2, ..., x the share of the segment's length. Empty: not.
-    std::vector<double> more_stiffness{}, more_weight{}, more_rest_curvature{}, more_radius{};
+    std::vector<double> more_stiffness{}, more_weight{}, more_rest_curvature{}, more_radius{}, more_axial{};
 
     bool bends_evenly() const { return more_stiffness.empty() && more_rest_curvature.empty(); }
     bool weighs_evenly() const { return more_weight.empty(); }
     Jet stiffness_at(double s) const { return at(s, stiffness, more_stiffness); }
     Jet weight_at(double s) const { return at(s, weight, more_weight); }
     Jet rest_curvature_at(double s) const { return at(s, rest_curvature, more_rest_curvature); }
+    Jet axial_at(double s) const { return at(s, axial, more_axial); }
     /// It is nowhere thicker than that.
     double most_radius() const;
     Jet radius_at(double s) const { return at(s, radius, more_radius); }
@@ -58,6 +60,7 @@ struct TENDRIL_API Rod {
     double to = 1.0;                     ///< arc length, units of L
     double minimum = -infinity;          ///< of u, units of EI0/L
     double maximum = infinity;           ///< of u, units of EI0/L
+    double thrust = 0.0;                 ///< axial force along its span by a unit of u, times L; positive: it stretches
     std::vector<ProfilePart> profile{};  ///< p from `from` to `to`, in order, without gaps; empty: 1
     /// The part of the profile that holds arc length s between `from` and `to`; null: there is none, p is 1.
     const ProfilePart* part_at(double s) const;
@@ -87,7 +90,11 @@ struct TENDRIL_API Rod {
   Vec2 tip_force{};                          ///< dead force, times L^2 / EI0
   std::vector<Load> loads{};                 ///< along the rod
   bool guided = false;                       ///< it cannot leave its plane
+  int stretch_order = 0;                     ///< Legendre coefficients of the stretch per piece; 0: it does not stretch
+  /// As many of them as there are functions of the angle.
+  static constexpr int stretch_as_fine = -1;
 
+  bool stretches() const { return stretch_order != 0; }
   /// Whether gravity does anything: it has a direction, and the rod or the tip has mass.
   bool has_gravity() const;
   /// Whether a dead force acts on the tip.

@@ -30,6 +30,9 @@ Sections::Sections(const Chain& chain) : chain_(&chain) {
       o.stiffness.setZero(chain.functions(), chain.functions());
       weighted_.setZero(nodes, chain.functions());
     }
+    if (chain.stretches() > 0) {
+      for (Eigen::VectorXd* v : {&o.axial.value, &o.axial.slope, &o.axial.bend}) v->setZero(nodes);
+    }
     if (chain.piece(j).weighs_evenly) continue;
     for (Eigen::VectorXd* v : {&o.weight.value, &o.weight.slope, &o.weight.beyond}) v->setZero(nodes);
   }
@@ -44,13 +47,20 @@ void Sections::move(const Backbone& backbone) {
     if (start_[j] == start && length_[j] == h) continue;
     start_[j] = start;
     length_[j] = h;
-    if (p.bends_evenly && p.weighs_evenly) continue;
+    const bool stretches = chain_->stretches() > 0;
+    if (p.bends_evenly && p.weighs_evenly && !stretches) continue;
     Own& o = own_[static_cast<std::size_t>(j)];
     o.known = o.factored = false;
     const Rod::Segment& segment = chain_->segment(j);
     if (!p.weighs_evenly) o.weight.whole = segment.weight_up_to(start + h) - segment.weight_up_to(start);
     for (Eigen::Index g = 0; g < sigma.size(); ++g) {
       const double s = start + sigma[g] * h;
+      if (stretches) {
+        const Rod::Jet axial = segment.axial_at(s);
+        o.axial.value[g] = axial.value;
+        o.axial.slope[g] = axial.slope;
+        o.axial.bend[g] = axial.bend;
+      }
       if (!p.bends_evenly) {
         const Rod::Jet stiffness = segment.stiffness_at(s);
         const Rod::Jet rest = segment.rest_curvature_at(s);
@@ -85,7 +95,41 @@ const Eigen::MatrixXd& Sections::stiffness(int j) const {
   return o.stiffness;
 }
 
+/// The energy of the angle and that of the stretch have no part in common.
+Sections::Unit Sections::unit_with_stretch(int j) const {
+  Own& o = own_[static_cast<std::size_t>(j)];
+  if (o.factored) return {o.inverse, 1.0};
+  const BasisTable& table = chain_->table();
+  const int n = table.bends;
+  const int m = table.stretch.order;
+  const Chain::Piece& p = chain_->piece(j);
+  const Eigen::MatrixXd bending = p.bends_evenly ? Eigen::MatrixXd(p.stiffness * table.stiffness) : stiffness(j);
+  o.inverse.setZero(n + m, n + m);
+  o.inverse.topLeftCorner(n, n) = std::sqrt(length_[j]) * inverse_root(bending.topLeftCorner(n, n));
+  const Eigen::VectorXd weight = length_[j] * table.weight.cwiseProduct(o.axial.value);
+  o.inverse.bottomRightCorner(m, m) =
+      inverse_root(table.stretch_by_node * weight.asDiagonal() * table.stretch_by_function);
+  o.factored = true;
+  return {o.inverse, 1.0};
+}
+
+/// d (v . K v) by arc length l, K the second derivative of the energy of the stretch.
+double Sections::by_stretch(int j, const double* v, int l) const {
+  const BasisTable& table = chain_->table();
+  const Axial& a = own(j).axial;
+  const double rate = chain_->length_rate()(j, l);
+  auto grown = turn_.head(table.nodes);
+  grown.noalias() = table.stretch_by_function * Eigen::Map<const Eigen::VectorXd>(v + table.bends, table.stretch.order);
+  double sum = 0.0;
+  for (int g = 0; g < table.nodes; ++g) {
+    const double run = chain_->start_rate()(j, l) + table.sigma[g] * rate;
+    sum += table.weight[g] * grown[g] * grown[g] * (rate * a.value[g] + length_[j] * a.slope[g] * run);
+  }
+  return sum;
+}
+
 Sections::Unit Sections::unit(int j) const {
+  if (chain_->stretches() > 0) return unit_with_stretch(j);
   const Chain::Piece& p = chain_->piece(j);
   if (p.bends_evenly) {
     if (even_inverse_.size() == 0) even_inverse_ = inverse_root(chain_->table().stiffness);
@@ -103,12 +147,13 @@ double Sections::stretching(int j, double factor, const double* v, int l) const 
   const double h = length_[j];
   const double rate = chain_->length_rate()(j, l);
   const Eigen::Map<const Eigen::VectorXd> own(v, table.functions);
+  const double along = chain_->stretches() > 0 ? factor * by_stretch(j, v, l) : 0.0;
   if (p.bends_evenly) {
     // The energy of a turn falls as the piece grows.
     auto bent = turn_.head(table.functions);
     bent.noalias() = table.stiffness * own;
     const double energy = p.stiffness / h * own.dot(bent);
-    return -(factor * energy / h * rate);
+    return along - factor * energy / h * rate;
   }
   const Bending& b = *bending(j);
   auto bent = turn_.head(table.nodes);
@@ -118,7 +163,7 @@ double Sections::stretching(int j, double factor, const double* v, int l) const 
     const double run = chain_->start_rate()(j, l) + table.sigma[g] * rate;
     sum += table.weight[g] * bent[g] * bent[g] * (b.stiffness_slope[g] * run - b.stiffness[g] * rate / h);
   }
-  return factor * sum / h;
+  return along + factor * sum / h;
 }
 
 }  // namespace tendril

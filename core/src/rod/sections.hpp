@@ -8,7 +8,7 @@
 
 namespace tendril {
 
-/// The sections of a moved rod: properties at the nodes of those pieces along which they vary, and what the bending
+/// The sections of a moved rod: properties at the nodes of those pieces along which they vary, and what the elastic
 /// energy makes of coordinates. Of other pieces nothing is evaluated. Nothing allocates after the first use.
 class TENDRIL_API Sections {
  public:
@@ -30,9 +30,15 @@ class TENDRIL_API Sections {
   };
   const Weight* weight(int j) const { return chain_->piece(j).weighs_evenly ? nullptr : &own(j).weight; }
 
+  /// Axial stiffness at the nodes of a rod that stretches.
+  struct Axial {
+    Eigen::VectorXd value, slope, bend;
+  };
+  const Axial& axial(int j) const { return own(j).axial; }
+
   /// int EI beta' beta'^T dsigma of a piece that does not bend evenly.
   const Eigen::MatrixXd& stiffness(int j) const;
-  /// Coordinates y of a piece in which its bending energy is |y|^2 / 2 but for rest curvature: q = factor inverse y.
+  /// Coordinates y of a piece in which its elastic energy is |y|^2 / 2 but for rest curvature: q = factor inverse y.
   struct Unit {
     const Eigen::MatrixXd& inverse;
     double factor;
@@ -43,9 +49,13 @@ class TENDRIL_API Sections {
   double stretching(int j, double factor, const double* v, int l) const;
 
  private:
+  Unit unit_with_stretch(int j) const;
+  double by_stretch(int j, const double* v, int l) const;
+
   struct Own {
     Bending bending;
     Weight weight;
+    Axial axial;
     bool known = false, factored = false;  ///< the matrices, where the piece is now
     Eigen::MatrixXd stiffness, inverse;
   };

@@ -50,6 +50,11 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
     const auto along = [](const std::vector<double>& more, std::vector<double>& out, auto dimensionless) {
       for (const double c : more) out.push_back(dimensionless(c));
     };
+    if (scene.coordinates.stretch_order > 0) {
+      s.axial = scale.to_dimensionless(spec.axial_stiffness, dimension::force);
+      along(spec.more_axial_stiffness, s.more_axial,
+            [&](double c) { return scale.to_dimensionless(c, dimension::force); });
+    }
     along(spec.more_bending_stiffness, s.more_stiffness,
           [&](double c) { return round_to_12_digits(c / scale.stiffness); });
     along(spec.more_linear_density, s.more_weight, [&](double c) { return scale.to_dimensionless(c * g, per_length); });
@@ -61,6 +66,7 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
     from = s.to;
   }
   rod.segments.back().to = 1.0;
+  rod.stretch_order = scene.coordinates.stretch_order;
   rod.guided = scene.guided_in_plane;
   for (const ActuatorSpec& spec : scene.rod.actuators) {
     Rod::Actuator a;
@@ -69,6 +75,8 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
     a.minimum = scale.to_dimensionless(spec.minimum, dimension::moment);
     a.maximum = scale.to_dimensionless(spec.maximum, dimension::moment);
     a.profile = profile_of(spec, a, scale);
+    // A tendon pulls along the rod what it bends over its offset.
+    if (spec.kind == ActuatorKind::tendon) a.thrust = -round_to_12_digits(length / spec.largest_offset());
     rod.actuators.push_back(std::move(a));
   }
   rod.base = {scale.to_dimensionless(scene.rod.base_position.x, dimension::length),

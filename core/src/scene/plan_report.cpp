@@ -17,7 +17,7 @@ void BackboneSampler::sample(const PoseProgram& program, double length, std::vec
   const Chain& chain = program.chain();
   const Backbone& shape = program.backbone();
   curve_.follow(shape);
-  const int n = chain.functions();
+  const int n = chain.bends();
   constexpr double total = 100.0;
   constexpr double slack = 1.25;
   out.clear();

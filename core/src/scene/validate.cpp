@@ -184,6 +184,41 @@ void validate_load(const RodLoadSpec& load, double length, const std::string& pa
   }
 }
 
+constexpr int most_stretch_order = 32;
+
+/// A rod that stretches, and what is not known of one yet.
+void validate_stretch(const Scene& scene) {
+  const int order = scene.coordinates.stretch_order;
+  const std::string path = "coordinates.stretch_order";
+  if (order < 0 || order > most_stretch_order) {
+    throw SceneError(path, "expected 0 (the rod does not stretch) to " + std::to_string(most_stretch_order) +
+                               ", found " + std::to_string(order));
+  }
+  if (order == 0) return;
+  const auto refuse = [&](const std::string& what) {
+    throw SceneError(path, what + ", expected a rod that does not stretch");
+  };
+  if (scene.problem == ProblemKind::grasp) refuse("grasps are planned with fingers of fixed length");
+  if (scene.problem == ProblemKind::estimate) refuse("forces are estimated on rods of fixed length");
+  for (std::size_t i = 0; i < scene.obstacles.size() && needs_obstacles(scene); ++i) {
+    if (friction_of(scene, i) > 0.0) refuse("contacts rub on rods of fixed length");
+  }
+  const std::vector<SegmentSpec>& segments = scene.rod.segments;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const std::string key =
+        (segments.size() == 1 ? "rod" : "rod.segment[" + std::to_string(i) + "]") + ".axial_stiffness";
+    const SegmentSpec& s = segments[i];
+    if (!(s.axial_stiffness > 0.0) || !std::isfinite(s.axial_stiffness)) {
+      throw SceneError(key, "a rod that stretches needs an axial stiffness above 0, found " + shown(s.axial_stiffness) +
+                                " N, expected 'axial_stiffness', or 'youngs_modulus' and 'diameter'");
+    }
+    require_along(s.axial_stiffness, s.more_axial_stiffness, true, key, "the axial stiffness", "N");
+    if (!s.more_thickness.empty() && needs_obstacles(scene)) {
+      refuse("a body whose diameter changes along it touches obstacles where it does not stretch");
+    }
+  }
+}
+
 /// `at`: the table of the rod.
 void validate_rod(const RodSpec& rod, const std::string& at) {
   if (rod.segments.empty()) throw SceneError(at, "the rod has no length");
@@ -332,6 +367,7 @@ void validate_gripper(const Scene& scene) {
 
 void validate(const Scene& scene) {
   validate_rod(scene.rod, "rod");
+  validate_stretch(scene);
   if (scene.gravity) {
     require_finite(scene.gravity->x, "gravity");
     require_finite(scene.gravity->y, "gravity");

@@ -80,7 +80,8 @@ void Planner::add_notes(Plan& plan) const {
   });
   if (!read) plan.notes.emplace_back("no objective reads the target and the tip");
   const double distance = norm(d_.target.position - d_.rod.base);
-  if (distance > 1.0) plan.notes.push_back("the target lies out of reach, by " + as_share(distance - 1.0));
+  if (distance > 1.0 && !d_.rod.stretches())
+    plan.notes.push_back("the target lies out of reach, by " + as_share(distance - 1.0));
   if (!plan.target_error || !read) return;
   const double miss = *plan.target_error / d_.scale.length;
   if (miss > search_parameters().missed) plan.notes.push_back("the tip misses the target by " + as_share(miss));

@@ -48,6 +48,7 @@ Rest rest_of(const Task& problem, const std::vector<double>& moments, const Stat
 StartShape shape_of(const Rest& rest, const Mode& mode) {
   StartShape shape;
   shape.curvature = rest.curvature;
+  shape.stretch = rest.curvature.stretch;
   shape.moments = rest.moments;
   std::vector<bool> used(rest.contacts.size(), false);
   for (const ContactSetup& c : mode.contacts) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "search/task.hpp"
@@ -10,7 +9,7 @@ namespace tendril {
 
 /// A shape of the rod under moments that are known, with its contacts: what searches start from.
 struct Rest {
-  std::function<double(double)> curvature;
+  Curvature curvature;
   std::vector<double> moments;  ///< EI/L, one per actuator; empty: unknown
   std::vector<PointContact> contacts;
 };

@@ -152,7 +152,8 @@ Mode Task::mode(std::vector<ContactSetup> contacts) const {
     const double reach = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
     if (palm) {
       if (mode.skip.empty()) mode.skip = grip->obstruction(*this, reach);
-    } else if (obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > reach + rod.most_radius()) {
+    } else if (!rod.stretches() &&
+               obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > reach + rod.most_radius()) {
       mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
     }
   }
@@ -200,7 +201,7 @@ int Task::coordinate_count(const Mode& mode) const {
     stretches += static_cast<int>(
         std::count_if(mode.contacts.begin(), mode.contacts.end(), [](const ContactSetup& c) { return !c.at_tip; }));
   }
-  return stretches * static_cast<int>(model->subdivision().size()) * model->function_count();
+  return stretches * static_cast<int>(model->subdivision().size()) * (model->function_count() + rod.stretch_order);
 }
 
 std::vector<int> Task::pieces_of_stretch(int stretch) const {

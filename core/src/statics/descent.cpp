@@ -44,7 +44,9 @@ class Valley {
     }
   }
 
-  void start(const Curvature& curvature) { x_.head(n_) = program_->chain().coordinates_of(curvature, {}); }
+  void start(const Curvature& curvature) {
+    x_.head(n_) = program_->chain().coordinates_of(curvature, {}, curvature.stretch);
+  }
 
   /// Energy with the penalty at the coordinates kept, moved by `step` in scaled coordinates.
   double energy(const Eigen::VectorXd* step, double stiffness) {
@@ -169,7 +171,8 @@ class Valley {
     const Chain chain(path_.rod(), *basis_, {}, 1);
     for (int o = 0; o < static_cast<int>(s.obstacles.size()); ++o) {
       const auto at = static_cast<std::size_t>(o);
-      if (s.obstacles[at]->at(path_.rod().base).distance > 1.0 + path_.rod().most_radius()) continue;
+      const bool far = s.obstacles[at]->at(path_.rod().base).distance > 1.0 + path_.rod().most_radius();
+      if (far && !path_.rod().stretches()) continue;
       for (int j = 0; j < chain.piece_count(); ++j) {
         const double wanted =
             chain.length0()[j] * std::max<double>(checks_per_rod, 2.0 / path_.smallest_radius(at, load));

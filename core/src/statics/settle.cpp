@@ -36,7 +36,7 @@ void Tracker::choose_nodes() {
   double turn = 1.0;
   for (int j = 0; j < program.chain().piece_count(); ++j) {
     double along = 0.0;
-    const int n = program.chain().functions();
+    const int n = program.chain().bends();
     for (int i = 0; i < n; ++i) along += std::abs(shape.coordinates(j)[i]) / (i == 0 ? 1.0 : 2.0 * i + 1.0);
     turn = std::max(turn, along);
   }
@@ -255,8 +255,7 @@ std::optional<Settled> Tracker::below(SnapKind kind, const Curvature& from, cons
       // A fold is left the way it was entered; elsewhere both sides are tried.
       if (kind == SnapKind::fold && sign < 0.0) continue;
       double energy = infinity;
-      const auto pushed = [&, factor = sign * push](double s) { return from(s) + factor * along(s); };
-      std::optional<Settled> found = fall(pushed, load, extra, energy);
+      std::optional<Settled> found = fall(moved(from, sign * push, along), load, extra, energy);
       if (!found) {
         reason = trouble_;
         continue;

@@ -15,16 +15,37 @@ Curvature curvature_of(std::shared_ptr<const CoordinateModel> basis, const Backb
   }
   const Eigen::MatrixXd q =
       Eigen::Map<const Eigen::MatrixXd>(coordinates.data(), chain.functions(), chain.piece_count());
-  return [basis = std::move(basis), starts = std::move(starts), lengths = std::move(lengths), q](double s) {
+  const auto place = [starts = std::move(starts), lengths](double s) {
     std::size_t j = 0;
     while (j + 1 < starts.size() && s >= starts[j + 1]) ++j;
-    const double sigma[1] = {std::clamp((s - starts[j]) / lengths[j], 0.0, 1.0)};
-    Eigen::MatrixXd value(1, q.rows());
-    Eigen::MatrixXd first(1, q.rows());
-    Eigen::MatrixXd second(1, q.rows());
-    basis->evaluate(sigma, value, first, second);
-    return first.row(0).dot(q.col(static_cast<Eigen::Index>(j))) / lengths[j];
+    return std::pair(j, std::clamp((s - starts[j]) / lengths[j], 0.0, 1.0));
   };
+  const auto bends = static_cast<Eigen::Index>(chain.bends());
+  auto curvature = [basis = std::move(basis), place, lengths = std::move(lengths), q, bends](double s) {
+    const auto [j, at] = place(s);
+    const double sigma[1] = {at};
+    Eigen::MatrixXd value(1, bends);
+    Eigen::MatrixXd first(1, bends);
+    Eigen::MatrixXd second(1, bends);
+    basis->evaluate(sigma, value, first, second);
+    return first.row(0).dot(q.col(static_cast<Eigen::Index>(j)).head(bends)) / lengths[j];
+  };
+  if (chain.stretches() == 0) return curvature;
+  return {curvature, [place, q, bends, stretch = chain.table().stretch](double s) {
+            const auto [j, at] = place(s);
+            Eigen::VectorXd value(stretch.order);
+            Eigen::VectorXd slope(stretch.order);
+            stretch.evaluate(at, value.data(), slope.data());
+            return value.dot(q.col(static_cast<Eigen::Index>(j)).tail(q.rows() - bends));
+          }};
+}
+
+Curvature moved(const Curvature& curvature, double factor, const Curvature& along) {
+  const auto sum = [factor](const Curvature::Along& a, const Curvature::Along& b) -> Curvature::Along {
+    if (!a || !b) return a;
+    return [a, b, factor](double s) { return a(s) + factor * b(s); };
+  };
+  return {sum(curvature, along), sum(curvature.stretch, along.stretch)};
 }
 
 void sort_contacts(std::vector<PointContact>& contacts) {

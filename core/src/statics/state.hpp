@@ -2,14 +2,22 @@
 
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "program/pose_program.hpp"
 
 namespace tendril {
 
-/// Curvature, times L, as a function of the arc length s/L.
-using Curvature = std::function<double(double)>;
+/// Curvature, times L, as a function of the arc length s/L, and the stretch eps of a rod that stretches.
+class Curvature : public std::function<double(double)> {
+ public:
+  using Along = std::function<double(double)>;
+  using Along::Along;
+  Curvature() = default;
+  Curvature(Along curvature, Along stretched = {}) : Along(std::move(curvature)), stretch(std::move(stretched)) {}
+  Along stretch{};  ///< empty: none
+};
 
 /// A contact and where it stands, dimensionless.
 struct PointContact {
@@ -29,6 +37,9 @@ struct State {
 /// The curvature of coordinates on the pieces of a backbone, which it outlives.
 Curvature curvature_of(std::shared_ptr<const CoordinateModel> basis, const Backbone& backbone,
                        ConstVectorRef coordinates);
+
+/// curvature + factor * along.
+Curvature moved(const Curvature& curvature, double factor, const Curvature& along);
 
 /// Sorts contacts along the rod, those at the tip last.
 void sort_contacts(std::vector<PointContact>& contacts);

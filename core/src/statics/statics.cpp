@@ -107,7 +107,7 @@ Eigen::VectorXd Statics::point(const State& state) const {
   }
   const Chain& chain = program_.chain();
   const std::span<const double> knots(z.data() + coordinates(), static_cast<std::size_t>(chain.knot_count()));
-  z.head(coordinates()) = chain.coordinates_of(state.curvature, knots);
+  z.head(coordinates()) = chain.coordinates_of(state.curvature, knots, state.curvature.stretch);
   z[size()] = state.load;
   return z;
 }
