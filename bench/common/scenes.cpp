@@ -50,7 +50,7 @@ std::string case_name(const app::StudyCase& one) {
   if (one.mode)
     add(std::string(
         app::to_string(one.mode == app::StudyMode::ignore_then_execute ? app::StudyMode::ignore : *one.mode)));
-  if (one.limit) add(shown(*one.limit) + " N m");
+  if (one.limit) add(shown(*one.limit) + ' ' + std::string(one.limited.unit));
   if (one.force_limit) add(shown(*one.force_limit) + " N");
   if (one.diameter) add(shown(*one.diameter) + " m");
   return name;

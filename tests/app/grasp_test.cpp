@@ -115,6 +115,20 @@ plugin = ")" TENDRIL_TEST_SOLVER "\"\n[study]\n";
     EXPECT_EQ(contains_text(told.out, "case " + std::to_string(i) + ": solved: actuator 2 is held at"), i >= 2);
     EXPECT_TRUE(contains_text(told.out, where[i]));
   }
+  // By a law of several coefficients equal changes of the pressure are different changes of the moment.
+  const std::string straight = "\"-4 N mm/kPa\"";
+  const std::string curved =
+      std::string(head).replace(head.rfind(straight), straight.size(), "[\"-4 N mm/kPa\", \"-0.1 N mm/kPa^2\"]");
+  const json bent =
+      json_of({"study", directory.write("curved.toml", curved + "pressures = [\"0 kPa\", \"10 kPa\", \"20 kPa\"]\n")});
+  const double planned = bent["cases"][0]["pressures"][1].get<double>();
+  const auto law = [](double pa) { return -4e-6 * pa - 0.1e-9 * pa * pa; };
+  for (const json& one : bent["cases"]) {
+    const double change = one["pressure_change"].get<double>();
+    EXPECT_NEAR(one["pressures"][1].get<double>(), planned + change, 1e-6);
+    EXPECT_NEAR(one["moments"][1].get<double>(), law(planned + change), 1e-12);
+    EXPECT_NEAR(one["moment_change"].get<double>(), law(planned + change) - law(planned), 1e-12);
+  }
   expect_refused(tendril({"study", directory.write("both.toml", head + "pressures = [0]\nmoments = [0]\n")}),
                  "found 'pressures' beside 'moments'");
 }

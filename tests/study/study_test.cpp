@@ -93,6 +93,61 @@ TEST(Study, OfTwoFingersPlannedApart) {
   EXPECT_TRUE(contains_text(swept.err, "both fingers of this scene are planned"));
 }
 
+/// An arm that a chamber bends, told pressures; `law`: its moment by the pressure.
+std::string pressed_arm(const std::string& law) {
+  return "[rod]\nlength = \"100 mm\"\nbending_stiffness = \"4.9e-4 N m^2\"\n[[rod.actuator]]\nkind = \"pressure\"\n"
+         "min = 0\nmax = \"60 kPa\"\nmoment_per_pressure = " +
+         law +
+         "\n[target]\nposition = [\"80 mm\", \"50 mm\"]\n[[objective]]\nplugin = \"tip_pose\"\nweight = 100\n"
+         "[solver]\nplugin = \"" TENDRIL_TEST_SOLVER "\"\n[study]\nlimits = ";
+}
+
+/// A sweep over the largest pressures is a sweep over `max`, whatever the law: a straight one, a curved one, one that
+/// bends to the right. The side that is 0 stays 0.
+TEST(Study, TakesLimitsInPressures) {
+  const TemporaryDirectory directory;
+  int number = 0;
+  for (const std::string law :
+       {"\"0.08 N mm/kPa\"", "\"-0.08 N mm/kPa\"", "[\"0.05 N mm/kPa\", \"6e-4 N mm/kPa^2\", \"1e-6 N mm/kPa^3\"]"}) {
+    SCOPED_TRACE(law);
+    const std::string scene = directory.write("s.toml", pressed_arm(law) + "[\"10 kPa\", \"25 kPa\"]\n");
+    const std::string out = directory / std::to_string(++number);
+    const test::CommandRun run = tendril({"study", scene, "--output", out});
+    const auto json = nlohmann::json::parse(read_file(out + "/study.json"));
+    ASSERT_EQ(json["cases"].size(), 2U) << run.err;
+    for (const auto& one : json["cases"]) {
+      EXPECT_EQ(one["limit_unit"], "Pa");
+      const auto plan = nlohmann::json::parse(
+          tendril({"plan", scene, "--json", "--set", "rod.actuator.0.max=" + one["limit"].dump()}).out);
+      EXPECT_EQ(plan["moments"], one["moments"]);
+      EXPECT_EQ(plan["inputs"], one["plan"]["inputs"]);
+      const bool to_the_right = law[1] == '-';
+      EXPECT_NEAR(one["plan"]["inputs"][0]["pressure"].get<double>(), to_the_right ? 0.0 : one["limit"].get<double>(),
+                  to_the_right ? 1e-2 : 1e-4);
+    }
+    EXPECT_TRUE(contains_text(run.out, "10 kPa"));
+    EXPECT_TRUE(contains_text(read_file(out + "/cases.csv"), "limit_Pa"));
+    EXPECT_TRUE(contains_text(read_file(out + "/groups.csv"), "limit_Pa"));
+  }
+}
+
+TEST(Study, RefusesLimitsThatItsActuatorsAreNotTold) {
+  const TemporaryDirectory directory;
+  const auto refusal = [&](const std::string& law, const std::string& limits) {
+    const test::CommandRun run = tendril({"study", directory.write("s.toml", pressed_arm(law) + limits)});
+    EXPECT_EQ(run.exit_code, 2);
+    return run.err;
+  };
+  EXPECT_TRUE(contains_text(refusal("\"0.08 N mm/kPa\"", "[\"1 N\"]\n"), "found limits in N, but actuator 1 is told"));
+  EXPECT_TRUE(contains_text(refusal("\"0.08 N mm/kPa\"", "[\"10 kPa\", \"1 N mm\"]\n"), "found \"10 kPa\""));
+  EXPECT_TRUE(contains_text(refusal("[\"0.05 N mm/kPa\", \"6e-4 N mm/kPa^2\"]", "[\"80 kPa\"]\n"),
+                            "the law of actuator 1 is known up to 60000 Pa only"));
+  // Moments limit whatever bends the rod.
+  const test::CommandRun moments =
+      tendril({"study", directory.write("m.toml", pressed_arm("\"0.08 N mm/kPa\"") + "[\"1 N mm\"]\n"), "--json"});
+  EXPECT_NEAR(nlohmann::json::parse(moments.out)["cases"][0]["moments"][0].get<double>(), 1e-3, 1e-12);
+}
+
 /// A study's case is what `plan` says about the same scene.
 TEST(Study, AgreesWithPlan) {
   const TemporaryDirectory directory;

@@ -77,10 +77,12 @@ Json snap_numbers(const Reader& snap, const Reader& state) {
 
 Json case_numbers(const Reader& one) {
   Json numbers = Json::array();
-  add_number(numbers, "limit", one.optional("limit"), "N m");
+  const auto limited = one.optional("limit_unit");
+  add_number(numbers, "limit", one.optional("limit"), limited ? limited->text() : "N m");
   add_number(numbers, "diameter", one.optional("diameter"), "m");
   add_number(numbers, "force limit", one.optional("force_limit"), "N");
   add_number(numbers, "change of the last moment", one.optional("moment_change"), "N m");
+  add_number(numbers, "change of the last pressure", one.optional("pressure_change"), "Pa");
   add_number(numbers, "distance to the target", one.optional("tip_error"), "m");
   if (const auto moments = one.optional("moments")) {
     const std::vector<Reader> list = moments->list();

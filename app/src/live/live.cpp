@@ -28,9 +28,7 @@ std::string random_token() {
   return token;
 }
 
-/// The server's library, which nothing else of the command needs.
-decltype(&http::tendril_http_serve) load_server() {
-  const std::string name = TENDRIL_HTTP_LIBRARY;
+decltype(&http::tendril_http_serve) load_server(const std::string& name) {
   if (name.empty()) {
     throw InputError(
         "live: this tendril was built without the server of the page, which needs cpp-httplib (Debian: "
@@ -77,8 +75,10 @@ class BrowserStart {
 
 }  // namespace
 
+std::string live_server() { return TENDRIL_HTTP_LIBRARY; }
+
 int run_live(const LiveArguments& arguments) {
-  const auto serve = load_server();
+  const auto serve = load_server(arguments.server);
   LiveScene scene(arguments.scene);
   const std::string token = random_token();
   Door door(scene, token);

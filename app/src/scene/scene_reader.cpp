@@ -114,6 +114,35 @@ std::vector<TargetSpec> finish_trajectory(const Context& context, const Trajecto
   return targets;
 }
 
+void finish_pressures(const Document& document, const std::vector<ActuatorSpec>& actuators, const StudySpec& study) {
+  if (study.pressures.empty()) return;
+  const auto refuse = [&](const std::string& why) { document.fail(document.find("study.pressures"), why); };
+  if (!study.moments.empty()) refuse("found 'pressures' beside 'moments', expected one of them");
+  if (actuators.empty() || !actuators.back().knows_pressure()) {
+    refuse("found 'pressures', expected 'moment_per_pressure' in the last [[rod.actuator]], or 'moments'");
+  }
+}
+
+/// Limits of what the actuators are told have to fit each of them.
+void finish_limits(const Document& document, const std::vector<ActuatorSpec>& actuators, const StudySpec& study) {
+  if (study.limits.empty() || study.limited.unit == dimension::moment.unit) return;
+  for (std::size_t a = 0; a < actuators.size(); ++a) {
+    const ActuatorSpec& actuator = actuators[a];
+    const SourcePosition at = document.find("study.limits");
+    if (actuator.input_dimension().unit != study.limited.unit) {
+      document.fail(at, fmt::format("found limits in {}, but actuator {} is told {}, expected limits of that or of "
+                                    "moments",
+                                    study.limited.unit, a + 1, expected_quantity(actuator.input_dimension())));
+    }
+    const double most = std::max(std::abs(actuator.least_pressure), std::abs(actuator.most_pressure));
+    for (const double limit : study.limits) {
+      if (actuator.more_moment_per_pressure.empty() || limit <= most) continue;
+      document.fail(at, fmt::format("found a limit of {} Pa, but the law of actuator {} is known up to {} Pa only",
+                                    limit, a + 1, most));
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<KeySpec> scene_keys() { return scene_table().specs(); }
@@ -178,17 +207,9 @@ StudySpec read_study(const Document& document, const Units& units) {
   read_table(context, document.root(), "", scene_table(), draft);
   if (!draft.study) document.fail({1, 1}, "the scene has no [study], expected one with targets, modes or limits");
   StudySpec study = std::move(*draft.study);
-  if (study.pressures.empty()) return study;
-  const auto refuse = [&](const std::string& why) { document.fail(document.find("study.pressures"), why); };
-  if (!study.moments.empty()) refuse("found 'pressures' beside 'moments', expected one of them");
   const std::vector<ActuatorSpec> actuators = finish_rod(context, "rod", draft.rod).actuators;
-  if (actuators.empty() || !actuators.back().knows_pressure()) {
-    refuse("found 'pressures', expected 'moment_per_pressure' in the last [[rod.actuator]], or 'moments'");
-  }
-  if (!actuators.back().more_moment_per_pressure.empty()) {
-    refuse("found changes of a pressure whose moment does not go with it, expected 'moments'");
-  }
-  for (const double p : study.pressures) study.moments.push_back(p * actuators.back().moment_per_pressure);
+  finish_pressures(document, actuators, study);
+  finish_limits(document, actuators, study);
   return study;
 }
 

@@ -1,5 +1,6 @@
 #include "scene/scene_tables.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace tendril::app {
@@ -133,6 +134,41 @@ Table<GripperSpec> gripper_table() {
                {"mirrored", "both"})}};
 }
 
+/// What all entries of a list measure: moments unless their units are those of something else that actuators are told.
+Dimension told_in(const Context& context, const Node::List& list) {
+  const auto measures = [&](const Node& item, const Dimension& dimension) {
+    const auto* text = std::get_if<std::string>(&item.value);
+    if (text == nullptr) return false;
+    try {
+      context.units.read(*text, dimension);
+      return true;
+    } catch (const QuantityError&) {
+      return false;
+    }
+  };
+  for (const Dimension& other : {dimension::pressure, dimension::force}) {
+    if (std::all_of(list.begin(), list.end(), [&](const Node& item) { return measures(item, other); })) return other;
+  }
+  return dimension::moment;
+}
+
+Key<StudySpec> limits_key() {
+  using T = StudySpec;
+  Key<T> key = quantities<T>("limits", dimension::moment, positive,
+                             "Largest moments in either direction, for all actuators, or pressures or tensions with "
+                             "their unit; a side that is 0 stays 0.",
+                             [](T& t, std::vector<double> v) { t.limits = std::move(v); });
+  key.read = [spec = key.spec, read = key.read](const Context& context, const Node& node, T& study) {
+    const auto* list = std::get_if<Node::List>(&node.value);
+    if (list == nullptr || list->empty()) return read(context, node, study);
+    KeySpec own = spec;
+    own.dimension = study.limited = told_in(context, *list);
+    study.limits = read_list(context, node, expected_quantity(own.dimension),
+                             [&](const Node& item) { return read_quantity(context, item, own); });
+  };
+  return key;
+}
+
 Table<StudySpec> study_table() {
   using T = StudySpec;
   const auto modes_of = [](const std::vector<std::string>& names) {
@@ -148,9 +184,7 @@ Table<StudySpec> study_table() {
                     "Paradigms: contact modes, and \"ignore_then_execute\" for plans that ignore obstacles and are "
                     "carried out among them.",
                     study_mode_names(), [modes_of](T& t, const std::vector<std::string>& v) { t.modes = modes_of(v); }),
-           quantities<T>("limits", dimension::moment, positive,
-                         "Largest moments in either direction, for all actuators; a side that is 0 stays 0.",
-                         [](T& t, std::vector<double> v) { t.limits = std::move(v); }),
+           limits_key(),
            quantities<T>("force_limits", dimension::force, positive, "Largest contact forces.",
                          [](T& t, std::vector<double> v) { t.force_limits = std::move(v); }),
            quantities<T>("diameters", dimension::length, positive, "Diameters of a grasp's object.",
@@ -160,7 +194,7 @@ Table<StudySpec> study_table() {
                          "where it was planned.",
                          [](T& t, std::vector<double> v) { t.moments = std::move(v); }),
            quantities<T>("pressures", dimension::pressure, any,
-                         "The same as changes of its pressure, instead of moments; with moment_per_pressure.",
+                         "Changes of its pressure, instead of moments; with moment_per_pressure.",
                          [](T& t, std::vector<double> v) { t.pressures = std::move(v); }),
            texts<T>("starts", "Paradigms whose results \"allow\" and \"require\" start from as well.",
                     {"ignore", "ignore_then_execute", "avoid"},

@@ -1,6 +1,8 @@
 #include "tendril/app/study.hpp"
 
 #include <algorithm>
+#include <tuple>
+#include <utility>
 
 namespace tendril::app {
 
@@ -13,7 +15,23 @@ std::vector<std::optional<T>> values_of(const std::vector<T>& sweep) {
   return {sweep.begin(), sweep.end()};
 }
 
+/// Limits what an actuator is told; a side that is 0 stays 0.
+void limit_input(ActuatorSpec& actuator, double limit) {
+  // The ends of a law of several coefficients are its limits; what comes back from moments is rounded.
+  const bool law = !actuator.more_moment_per_pressure.empty();
+  auto [low, high] = law ? std::pair(actuator.least_pressure, actuator.most_pressure)
+                         : std::minmax({actuator.input_of(actuator.minimum), actuator.input_of(actuator.maximum)});
+  if (low < 0.0) low = -limit;
+  if (high > 0.0) high = limit;
+  std::tie(actuator.minimum, actuator.maximum) = std::minmax({actuator.moment_of(low), actuator.moment_of(high)});
+}
+
 }  // namespace
+
+double StudyCase::held(const ActuatorSpec& actuator, double planned) const {
+  if (pressure) return actuator.moment_of(actuator.input_of(planned) + *pressure);
+  return planned + moment.value_or(0.0);
+}
 
 const std::vector<std::string>& study_mode_names() {
   static const std::vector<std::string> names{"ignore", "ignore_then_execute", "avoid", "allow", "require"};
@@ -35,7 +53,10 @@ std::vector<StudyCase> study_cases(const StudySpec& study) {
         for (const auto& target : values_of(study.targets)) {
           for (const auto& diameter : values_of(study.diameters)) {
             for (const auto& moment : values_of(study.moments)) {
-              cases.push_back({static_cast<int>(cases.size()), limit, mode, target, force_limit, diameter, moment});
+              for (const auto& pressure : values_of(study.pressures)) {
+                cases.push_back({static_cast<int>(cases.size()), limit, study.limited, mode, target, force_limit,
+                                 diameter, moment, pressure});
+              }
             }
           }
         }
@@ -49,6 +70,10 @@ Scene scene_of(const Scene& scene, const StudyCase& one) {
   Scene changed = scene;
   const auto limit_moments = [&](RodSpec& rod) {
     for (ActuatorSpec& actuator : rod.actuators) {
+      if (one.limited.unit != dimension::moment.unit) {
+        limit_input(actuator, *one.limit);
+        continue;
+      }
       if (actuator.minimum < 0.0) actuator.minimum = -*one.limit;
       if (actuator.maximum > 0.0) actuator.maximum = *one.limit;
     }

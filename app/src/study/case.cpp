@@ -38,6 +38,7 @@ Json head_of(const StudyCase& one) {
   Json json;
   json["index"] = one.index;
   json["limit"] = one.limit ? number(*one.limit) : Json(nullptr);
+  if (one.limit) json["limit_unit"] = one.limited.unit;
   json["mode"] = one.mode ? Json(to_string(*one.mode)) : Json(nullptr);
   json["target"] = one.target ? numbers({one.target->x, one.target->y}) : Json(nullptr);
   return json;

@@ -77,7 +77,8 @@ void check_cases(Session& session, const Scene& scene, const StudySpec& study, c
   if (scene.problem == ProblemKind::trajectory && !study.targets.empty()) {
     throw InputError(scene.file + ": [study] has targets beside a trajectory, expected modes or limits only");
   }
-  const bool of_grasps = !study.diameters.empty() || !study.moments.empty() || !study.force_limits.empty();
+  const bool changes = !study.moments.empty() || !study.pressures.empty();
+  const bool of_grasps = !study.diameters.empty() || changes || !study.force_limits.empty();
   if (of_grasps && scene.problem != ProblemKind::grasp) {
     throw InputError(scene.file +
                      ": [study] has diameters, force_limits or moments, expected a scene with problem = \"grasp\"");
@@ -87,10 +88,10 @@ void check_cases(Session& session, const Scene& scene, const StudySpec& study, c
                      ": [study] has targets or modes, expected diameters, force_limits, limits or moments "
                      "for a grasp");
   }
-  if (!study.moments.empty() && plans_both_fingers(scene)) {
+  if (changes && plans_both_fingers(scene)) {
     throw InputError(
         scene.file +
-        ": [study] has moments, which change one moment of mirrored fingers, but both fingers of this scene "
+        ": [study] has moments or pressures, which change one of mirrored fingers, but both fingers of this scene "
         "are planned; expected diameters, force_limits or limits");
   }
   std::set<std::optional<StudyMode>> seen;

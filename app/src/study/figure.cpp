@@ -66,7 +66,7 @@ std::vector<BarPanel> bars_of(const Scene& scene, const StudyResult& result, std
     panel.quantities = {{"moment", bending.name}, {"tip error", length}, {"contact force", newton.name}};
     const std::size_t row = i / columns;
     const bool touches = g.contact_force.mean >= grazing;
-    panel.series.push_back({g.limit ? "limit " + units.moment(*g.limit) : "all cases",
+    panel.series.push_back({g.limit ? "limit " + limit_text(units, *g.limit, g.limited) : "all cases",
                             series_color(row),
                             {g.moment.mean / bending.size, g.tip_error.mean / units.length.size,
                              touches ? g.contact_force.mean / newton.size : 0.0},
@@ -101,7 +101,7 @@ void draw_study(const Scene& scene, const StudyResult& result, const Json& drawi
     for (ShapePanel::Obstacle& obstacle : panel.obstacles)
       obstacle.ignored = group.mode ? *group.mode == StudyMode::ignore : obstacle.ignored;
     panel.title = title_of(group.mode);
-    if (group.limit) panel.title += (panel.title.empty() ? "" : ", ") + units.moment(*group.limit);
+    if (group.limit) panel.title += (panel.title.empty() ? "" : ", ") + limit_text(units, *group.limit, group.limited);
     panel.color = series_color(i / columns);
     panels[i / columns].push_back(std::move(panel));
   }

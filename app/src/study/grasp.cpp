@@ -20,8 +20,6 @@ std::string plain(const Json& json, const char* key) {
   return found != json.end() && found->is_number() ? fmt::format("{}", found->get<double>()) : "";
 }
 
-std::string plain(const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; }
-
 std::string entry(const Json& json, const char* key, std::size_t i) {
   const auto found = json.find(key);
   if (found == json.end() || !found->is_array() || found->size() <= i || !(*found)[i].is_number()) return "";
@@ -54,7 +52,8 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
   const Scene& scene = session.scene();
   json["diameter"] = number(scene.gripper->object_diameter);
   json["force_limit"] = number(scene.contact.max_force);
-  json["moment_change"] = one.moment ? number(*one.moment) : Json(nullptr);
+  json["moment_change"] = nullptr;
+  if (one.pressure) json["pressure_change"] = number(*one.pressure);
   Plan reached = plan;
   Plan applied = plan;  // whose moments were applied
   if (plan.status == PlanStatus::solved) {
@@ -63,15 +62,16 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
     std::vector<double> moments = plan.moments;
     const double distance = plan.grasp->palm_distance;
     json["model_error"] = plan.model_error ? number(*plan.model_error) : Json(nullptr);
-    if (one.moment && !moments.empty()) {
-      moments.back() += *one.moment;
+    if (one.changes_input() && !moments.empty()) {
+      moments.back() = one.held(scene.rod.actuators.back(), moments.back());
+      json["moment_change"] = number(one.moment.value_or(moments.back() - plan.moments.back()));
       ExecuteControl control;
       control.start = &plan;
       reached = execute(finger_in_world(scene), obstacles_of_finger(scene, distance), moments, control).result;
       applied.moments = moments;
       if (reached.status != PlanStatus::solved) {
         plan.status = reached.status;
-        plan.message = "with the moment changed: " + reached.message;
+        plan.message = fmt::format("with the {} changed: {}", one.pressure ? "pressure" : "moment", reached.message);
       }
     }
     const GraspPlan held = reached.grasp && reached.grasp->lower
@@ -142,7 +142,7 @@ std::string grasp_cells(const StudyResult& result, std::size_t index) {
   const Json& value = result.values[index];
   std::string text =
       fmt::format(",{},{},{},{},{},{},{}", plain(value, "diameter"), plain(value, "force_limit"),
-                  plain(result.cases[index].moment), plain(value, "palm_distance"), plain(value, "axial_force"),
+                  plain(value, "moment_change"), plain(value, "palm_distance"), plain(value, "axial_force"),
                   plain(value, "lateral_force"), plain(value, "axial_stiffness"));
   for (std::size_t i = 0; i < actuators(result); ++i) text += ',' + entry(value, "pressures", i);
   return text;
@@ -150,12 +150,16 @@ std::string grasp_cells(const StudyResult& result, std::size_t index) {
 
 std::string grasp_study_report(const Scene& scene, const StudyResult& result) {
   const DisplayUnits units(scene);
-  const bool sweep = std::any_of(result.cases.begin(), result.cases.end(), [](const StudyCase& c) { return c.moment; });
+  const bool sweep =
+      std::any_of(result.cases.begin(), result.cases.end(), [](const StudyCase& c) { return c.changes_input(); });
   // Changes of a moment are changes of a pressure where the two go together.
   const bool linear = !scene.rod.actuators.empty() && scene.rod.actuators.back().more_moment_per_pressure.empty();
   const double per_pressure = linear ? scene.rod.actuators.back().moment_per_pressure : 0.0;
-  const auto changed = [&](double moment) {
-    return units.moment(moment) + (per_pressure == 0.0 ? "" : " (" + units.pressure(moment / per_pressure + 0.0) + ")");
+  const auto changed = [&](const StudyCase& c, const Json& value) {
+    const double moment = number_in(value, "moment_change");
+    if (!std::isfinite(moment)) return std::string("-");
+    const double pressure = c.pressure ? *c.pressure : per_pressure == 0.0 ? std::nan("") : moment / per_pressure + 0.0;
+    return units.moment(moment) + (std::isfinite(pressure) ? " (" + units.pressure(pressure) + ")" : "");
   };
   Grid grid;
   grid.row({"diameter", "force limit", "status", sweep ? "last moment" : "contact", "palm distance", "moments",
@@ -184,8 +188,7 @@ std::string grasp_study_report(const Scene& scene, const StudyResult& result) {
         listed("pressures", [&](const Json& p) { return p.is_number() ? units.pressure(p) : std::string("-"); });
     const std::string where = listed("where", [](const Json& w) { return w.get<std::string>(); });
     const std::string status = v.value("status", "");
-    const std::string place = sweep ? (result.cases[i].moment ? changed(*result.cases[i].moment) : "-")
-                                    : (v.value("at_tip", false) ? "tip" : "inside");
+    const std::string place = sweep ? changed(result.cases[i], v) : v.value("at_tip", false) ? "tip" : "inside";
     const double error = number_in(v, "model_error");
     grid.row({length("diameter"), text("force_limit", "N"), status, place, length("palm_distance"), moments, pressures,
               where, text("lateral_force", "N"), text("axial_force", "N"), text("axial_stiffness", "N/m"),

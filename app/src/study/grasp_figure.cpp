@@ -63,7 +63,7 @@ class GraspStudyFigure {
         data_(unit_),
         file_(std::move(file)) {
     if (series_.empty()) throw InputError("no figure: no case came to a grasp");
-    if (std::any_of(result.cases.begin(), result.cases.end(), [](const StudyCase& c) { return c.moment; })) {
+    if (std::any_of(result.cases.begin(), result.cases.end(), [](const StudyCase& c) { return c.changes_input(); })) {
       add_forces("axial_force", "axial",
                  "set xlabel 'moment of the last actuator (N mm)'\nset ylabel 'axial force of both fingers (N)'\nset "
                  "xzeroaxis linewidth 1 linecolor rgb '#404040'\nset title '(a) axial force; positive: away from the "

@@ -104,6 +104,12 @@ std::string quoted(const std::string& text) {
   return out + '"';
 }
 
+std::string limit_column(const StudyResult& result) {
+  std::string unit(result.cases.empty() ? dimension::moment.unit : result.cases.front().limited.unit);
+  std::erase(unit, ' ');
+  return "limit_" + unit;
+}
+
 std::size_t moment_count(const StudyResult& result) {
   std::size_t most = 0;
   for (const Json& value : result.values) {
@@ -128,6 +134,7 @@ StudyResult study_result(const StudySpec& study, const std::map<int, StudyRecord
     if (result.groups.empty() || result.groups.back().limit != one.limit || result.groups.back().mode != one.mode) {
       StudyGroup& fresh = result.groups.emplace_back();
       fresh.limit = one.limit;
+      fresh.limited = one.limited;
       fresh.mode = one.mode;
       samples.emplace_back();
     }
@@ -160,6 +167,12 @@ StudyResult study_result(const StudySpec& study, const std::map<int, StudyRecord
   return result;
 }
 
+std::string limit_text(const DisplayUnits& units, double limit, const Dimension& limited) {
+  return limited.unit == dimension::pressure.unit ? units.pressure(limit)
+         : limited.unit == dimension::force.unit  ? force(limit)
+                                                  : units.moment(limit);
+}
+
 bool all_solved(const StudyResult& result) {
   return std::all_of(result.values.begin(), result.values.end(), is_solved);
 }
@@ -175,6 +188,7 @@ std::string study_json(const Scene& scene, const StudyResult& result) {
   for (const StudyGroup& group : result.groups) {
     groups.push_back(
         {{"limit", group.limit ? number(*group.limit) : Json(nullptr)},
+         {"limit_unit", group.limit ? Json(group.limited.unit) : Json(nullptr)},
          {"mode", group.mode ? Json(to_string(*group.mode)) : Json(nullptr)},
          {"cases", group.cases},
          {"solved", group.solved},
@@ -200,8 +214,8 @@ std::string study_json(const Scene& scene, const StudyResult& result) {
 
 std::string cases_csv(const StudyResult& result) {
   const std::size_t moments = moment_count(result);
-  std::string text =
-      "index,limit_Nm,mode,target_x_m,target_y_m,status,tip_x_m,tip_y_m,tip_error_m,contact_force_N,model_error_m";
+  std::string text = "index," + limit_column(result) +
+                     ",mode,target_x_m,target_y_m,status,tip_x_m,tip_y_m,tip_error_m,contact_force_N,model_error_m";
   for (std::size_t i = 0; i < moments; ++i) text += fmt::format(",moment_{}_Nm", i + 1);
   text += grasp_columns(result) + ",message\n";
   for (std::size_t i = 0; i < result.cases.size(); ++i) {
@@ -222,7 +236,8 @@ std::string cases_csv(const StudyResult& result) {
 
 std::string groups_csv(const StudyResult& result) {
   std::string text =
-      "limit_Nm,mode,cases,solved,moment_mean_Nm,moment_sd_Nm,contact_force_mean_N,contact_force_sd_N,tip_error_mean_m,"
+      limit_column(result) +
+      ",mode,cases,solved,moment_mean_Nm,moment_sd_Nm,contact_force_mean_N,contact_force_sd_N,tip_error_mean_m,"
       "tip_error_sd_m,model_error_mean_m,model_error_largest_m,"
       "loaded_from_start,arrived_from_start\n";
   const auto pair = [](const Statistic& s) {
@@ -267,8 +282,9 @@ std::string study_report(const Scene& scene, const StudyResult& result) {
   for (const StudyGroup& g : result.groups) {
     const bool none = g.contact_force.count > 0 && g.contact_force.mean < grazing;
     grazes = grazes || (none && g.contact_force.mean > 0.0);
-    grid.row({g.limit ? units.moment(*g.limit) : "-", mode_text(g.mode), fmt::format("{} of {}", g.solved, g.cases),
-              spread(g.moment, moment), none ? "none" : spread(g.contact_force, newton), spread(g.tip_error, length),
+    grid.row({g.limit ? limit_text(units, *g.limit, g.limited) : "-", mode_text(g.mode),
+              fmt::format("{} of {}", g.solved, g.cases), spread(g.moment, moment),
+              none ? "none" : spread(g.contact_force, newton), spread(g.tip_error, length),
               g.model_error.count > 0
                   ? fmt::format("{:.2g} {}", g.largest_model_error / units.length.size, units.length.name)
                   : "-",

@@ -6,6 +6,7 @@
 
 #include "result/result_object.hpp"
 #include "study/journal.hpp"
+#include "system/tables.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/picture.hpp"
 #include "tendril/app/session.hpp"
@@ -22,6 +23,7 @@ struct Statistic {
 /// All cases with the same limit and mode.
 struct StudyGroup {
   std::optional<double> limit;
+  Dimension limited = dimension::moment;  ///< what it limits
   std::optional<StudyMode> mode;
   int cases = 0;
   int solved = 0;
@@ -47,6 +49,8 @@ struct StudyResult {
 };
 /// `records` has those of every case. Throws InputError if one is no JSON of a case.
 StudyResult study_result(const StudySpec& study, const std::map<int, StudyRecord>& records);
+/// A limit, for people.
+std::string limit_text(const DisplayUnits& units, double limit, const Dimension& limited);
 /// Every case has a certified plan.
 bool all_solved(const StudyResult& result);
 

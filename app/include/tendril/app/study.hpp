@@ -24,26 +24,33 @@ const std::vector<std::string>& study_mode_names();
 
 /// The sweeps of a study. An empty one leaves what the scene says. Further sweeps are further members.
 struct StudySpec {
-  std::vector<double> limits;  ///< N m
+  std::vector<double> limits;             ///< SI
+  Dimension limited = dimension::moment;  ///< what they limit: moments, or what the actuators are told
   std::vector<StudyMode> modes;
   std::vector<Vec2> targets;         ///< m
   std::vector<double> force_limits;  ///< N
   std::vector<double> diameters;     ///< m, of a grasp's object
   std::vector<double> moments;       ///< N m, added to the planned moment of a grasp's last actuator, and carried out
-  std::vector<double> pressures;     ///< Pa, the same said as pressures; the moments are made of them
+  std::vector<double> pressures;     ///< Pa, instead: added to its pressure
   std::vector<StudyMode> starts;     ///< whose results `allow` and `require` start from as well
 };
 
 /// One combination of the sweeps.
 struct StudyCase {
   int index = 0;
-  std::optional<double> limit;  ///< N m
+  std::optional<double> limit;            ///< SI
+  Dimension limited = dimension::moment;  ///< what it limits
   std::optional<StudyMode> mode;
   std::optional<Vec2> target;  ///< m
-  std::optional<double> force_limit, diameter, moment;
+  std::optional<double> force_limit, diameter, moment, pressure;
+
+  /// The last actuator of a grasp holds another moment than the planned one.
+  bool changes_input() const { return moment || pressure; }
+  /// N m, that moment.
+  double held(const ActuatorSpec& actuator, double planned) const;
 };
 
-/// Every combination, in the order of limits, force limits, modes, targets, diameters, moments.
+/// Every combination, in the order of limits, force limits, modes, targets, diameters, moments, pressures.
 std::vector<StudyCase> study_cases(const StudySpec& study);
 
 /// The scene of one case.
