@@ -16,10 +16,12 @@ from ._batch import Failure, plan_many
 from ._command import plugins
 from ._errors import Error
 from ._native import version as __version__
-from ._results import Contact, Description, Estimate, Execution, Plan, Result, Study, Tip, Trajectory
+from ._results import (
+    Calibration, Contact, Description, Estimate, Execution, Plan, Result, Sensitivities, Study, Tip, Trajectory,
+)
 from ._scene import Problem, Scene, load
 
 __all__ = [
-    "Contact", "Description", "Error", "Estimate", "Execution", "Failure", "Plan", "Problem", "Result", "Scene", "Study", "Tip",
-    "Trajectory", "__version__", "load", "plan_many", "plugins",
+    "Calibration", "Contact", "Description", "Error", "Estimate", "Execution", "Failure", "Plan", "Problem", "Result", "Scene",
+    "Sensitivities", "Study", "Tip", "Trajectory", "__version__", "load", "plan_many", "plugins",
 ]

@@ -17,8 +17,8 @@ TENDRIL_API std::string_view to_string(SensitivityKind kind);  ///< The word tha
 
 /// A number of a result, SI.
 struct ResultQuantity {
-  std::string name;  ///< "tip.x", "tip.y", "tip.angle", "contacts[0].force", "contacts[0].arc_length", "moments[0]"
-  std::string unit;  ///< of the value; empty: a pure number
+  std::string name;    ///< "tip.x", "tip.y", "tip.angle", "contacts[0].force", "contacts[0].arc_length", "moments[0]"
+  std::string unit;    ///< of the value; empty: a pure number
   double value = 0.0;  ///< in it
 };
 
@@ -36,7 +36,7 @@ struct Uncertainty {
   };
   std::vector<Share> shares{};  ///< one per input, in the order given
   struct Point {
-    double arc_length = 0.0;         ///< m
+    double arc_length = 0.0;              ///< m
     double xx = 0.0, xy = 0.0, yy = 0.0;  ///< m^2, covariance of its place
   };
   std::vector<Point> shape{};  ///< along the backbone, the tip last

@@ -25,8 +25,8 @@ Moved moved_by(const Sensitivity& sensitivity, const Spread& spread) {
   for (const Spread::Part& part : spread.parts) {
     const Sensitivity::Column* column = sensitivity.find(part.key);
     if (column == nullptr || !column->trouble.empty()) {
-      out.trouble = "by '" + spread.key +
-                    "' nothing is differentiated: " + (column == nullptr ? "it moves nothing that is known" : column->trouble);
+      out.trouble = "by '" + spread.key + "' nothing is differentiated: " +
+                    (column == nullptr ? "it moves nothing that is known" : column->trouble);
       return out;
     }
     const double by = part.rate * spread.deviation;

@@ -65,12 +65,13 @@ class Collector {
   using Place = std::function<double&(Scene&)>;  ///< of a number in a scene
 
   void add(std::string key, double value, const Dimension& dimension, std::function<void(SceneChange&)> change) {
-    entries_.push_back({{std::move(key), value, std::string(dimension.unit)}, [setting = setting_, change = std::move(change)] {
-                          SceneChange c;
-                          change(c);
-                          setting.follow_units(c);
-                          return c;
-                        }});
+    entries_.push_back(
+        {{std::move(key), value, std::string(dimension.unit)}, [setting = setting_, change = std::move(change)] {
+           SceneChange c;
+           change(c);
+           setting.follow_units(c);
+           return c;
+         }});
   }
   /// `stiffness`: relative rate of EI0.
   void add_rod_number(const std::string& key, const Place& place, const Dimension& dimension, double unit,
@@ -87,9 +88,7 @@ class Collector {
   void add_obstacle(int index);
   void add_contact_and_target();
   bool only_whole_spans() const;
-  Motion shifted(int axis) const {
-    return {(1.0 / scale_.length) * (axis == 0 ? Vec2{1.0, 0.0} : Vec2{0.0, 1.0})};
-  }
+  Motion shifted(int axis) const { return {(1.0 / scale_.length) * (axis == 0 ? Vec2{1.0, 0.0} : Vec2{0.0, 1.0})}; }
   std::optional<Motion> obstacle_motion(const std::string& shape, const Options& options, const std::string& name,
                                         int column) const;
 
@@ -197,8 +196,7 @@ void Collector::add_segments() {
     const std::string key = one ? "rod." : "rod.segment[" + std::to_string(i) + "].";
     const SegmentSpec& segment = scene_.rod.segments[i];
     if (only_whole_spans()) {
-      add(key + "length", segment.length, dimension::length,
-          [length](SceneChange& c) { c.length = 1.0 / length; });
+      add(key + "length", segment.length, dimension::length, [length](SceneChange& c) { c.length = 1.0 / length; });
     } else {
       add_refused(key + "length", segment.length, dimension::length, moves_a_knot);
     }
@@ -338,12 +336,11 @@ void Collector::add_obstacle(int index) {
     if (!motion) {
       return add_refused(key, value, option.dimension, "by corners of a shape nothing is differentiated");
     }
-    add(key, value, option.dimension,
-        [index, motion = *motion, count = scene_.obstacles.size()](SceneChange& c) {
-          c.moves = true;
-          c.motion.obstacles.resize(count);
-          c.motion.obstacles[static_cast<std::size_t>(index)] = motion;
-        });
+    add(key, value, option.dimension, [index, motion = *motion, count = scene_.obstacles.size()](SceneChange& c) {
+      c.moves = true;
+      c.motion.obstacles.resize(count);
+      c.motion.obstacles[static_cast<std::size_t>(index)] = motion;
+    });
   };
   for (const OptionSpec& option : component->options) {
     if (!options.has(option.name)) continue;

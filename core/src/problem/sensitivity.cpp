@@ -131,7 +131,8 @@ std::string Differentiator::replan(const PolishReport& polished) {
   };
   for (int i = 0; i < p_.program.row_count(); ++i) {
     const bool equation = p_.program.is_equality(i);
-    const bool met = c[i] <= p_.program.row_lower()[i] + active_within || c[i] >= p_.program.row_upper()[i] - active_within;
+    const bool met =
+        c[i] <= p_.program.row_lower()[i] + active_within || c[i] >= p_.program.row_upper()[i] - active_within;
     if (!equation && !met) continue;
     if (!equation && !(std::abs(multipliers_[i]) > weak * size)) return undecided(p_.program.row_name(i));
     active_.push_back(i);
@@ -454,8 +455,8 @@ Sensitivity Problem::sensitivity(const Plan& plan, SensitivityKind kind, const s
   PoseProgram program(spec);
   for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, Branch::touching);
   const PolishReport polished = polish(program, found->x, {});
-  if (!polished.converged || !((polished.x - found->x).cwiseAbs().maxCoeff() <=
-                               same_point * (1.0 + found->x.cwiseAbs().maxCoeff()))) {
+  if (!polished.converged ||
+      !((polished.x - found->x).cwiseAbs().maxCoeff() <= same_point * (1.0 + found->x.cwiseAbs().maxCoeff()))) {
     out.trouble = "the plan is no isolated optimum of its active set, so that it has no derivative";
     return out;
   }

@@ -1,6 +1,6 @@
-// A contact knows its obstacle by where the rod is seen from it. So a motion of an obstacle is the opposite motion of the
-// places that touch it: their velocities, with the outer second derivatives that rows and terms have by base quantities,
-// give all mixed derivatives.
+// A contact knows its obstacle by where the rod is seen from it. So a motion of an obstacle is the opposite motion of
+// the places that touch it: their velocities, with the outer second derivatives that rows and terms have by base
+// quantities, give all mixed derivatives.
 
 #include "program/motion.hpp"
 
