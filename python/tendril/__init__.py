@@ -17,11 +17,13 @@ from ._command import plugins
 from ._components import Option, Quantities, check, coordinates, objective, obstacle, unregister
 from ._errors import Error
 from ._native import version as __version__
-from ._results import Contact, Description, Estimate, Execution, Plan, Result, Study, Tip, Trajectory
+from ._results import (
+    Calibration, Contact, Description, Estimate, Execution, Plan, Result, Sensitivities, Study, Tip, Trajectory,
+)
 from ._scene import Problem, Scene, load
 
 __all__ = [
-    "Contact", "Description", "Error", "Estimate", "Execution", "Failure", "Option", "Plan", "Problem", "Quantities", "Result",
-    "Scene", "Study", "Tip", "Trajectory", "__version__", "check", "coordinates", "load", "objective", "obstacle", "plan_many",
-    "plugins", "unregister",
+    "Calibration", "Contact", "Description", "Error", "Estimate", "Execution", "Failure", "Option", "Plan", "Problem", "Quantities",
+    "Result", "Scene", "Sensitivities", "Study", "Tip", "Trajectory", "__version__", "check", "coordinates", "load", "objective",
+    "obstacle", "plan_many", "plugins", "unregister",
 ]

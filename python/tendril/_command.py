@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from . import _native
 from ._components import used_in
 from ._errors import Error
-from ._results import Study
+from ._results import Calibration, Sensitivities, Study
 from ._values import inline
 
 if TYPE_CHECKING:
@@ -53,14 +53,37 @@ def study(scene: Scene, jobs: int, output: str | os.PathLike[str] | None) -> Stu
     arguments = ["--json", "--jobs", str(jobs)]
     if output is not None:
         arguments += ["--output", os.path.abspath(output)]
+    return Study.from_json(_run_on(scene, "study", arguments))
+
+
+def sensitivity(scene: Scene, keys: Sequence[str], held: bool) -> Sensitivities:
+    """`tendril sensitivity` of a scene."""
+    for key in keys:
+        if not isinstance(key, str):
+            raise TypeError(f"keys: found {key!r}, expected the path of a number such as 'obstacle[0].radius'")
+    result = Sensitivities.from_json(_run_on(scene, "sensitivity", ["--json", *(["--held"] if held else [])], keys))
+    if "trouble" in result:
+        raise ValueError(f"there are no derivatives: {result['trouble']}")
+    return result
+
+
+def calibrate(scene: Scene, output: str | os.PathLike[str] | None) -> Calibration:
+    """`tendril calibrate` of a scene."""
+    return Calibration.from_json(_run_on(
+        scene, "calibrate", ["--json", *(["--output", os.path.abspath(output)] if output is not None else [])]))
+
+
+def _run_on(scene: Scene, command: str, arguments: Sequence[str], words: Sequence[str] = ()) -> str:
+    """Standard output of a command on a scene, whose file may have been changed since it was read."""
+    arguments = list(arguments)
     for directory in scene._plugin_directories:
         arguments += ["--plugin-dir", os.path.abspath(directory)]
     if _unchanged(scene):
         settings = [word for key, value, is_text, _ in scene._settings
                     for word in ("--set", f"{key}={inline(value, key) if is_text else value}")]
-        return Study.from_json(run(["study", scene._file, *arguments, *settings]))
+        return run([command, scene._file, *words, *arguments, *settings])
     folder = os.path.dirname(scene._file) or None
-    return Study.from_json(run(["study", "-", *arguments], text=scene.to_toml(), directory=folder))
+    return run([command, "-", *words, *arguments], text=scene.to_toml(), directory=folder)
 
 
 def _unchanged(scene: Scene) -> bool:

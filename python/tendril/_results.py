@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from ._scene import Scene
+
     Array = npt.NDArray[np.float64]
 
 SCHEMA = 1
@@ -212,6 +214,7 @@ class Plan(_Shape):
 
     problem = "pose"
     _needs: ClassVar[Sequence[str]] = ("status", "backbone", "coordinates", "moments", "contacts")
+    _scene: Scene | None = None
 
     @property
     def target_error(self) -> float | None:
@@ -248,6 +251,25 @@ class Plan(_Shape):
         """What the scene could have needed and did not, and why."""
         return self._document["left_out"]
 
+    @property
+    def uncertainty(self) -> dict[str, Any] | None:
+        """Standard deviations of tip and contacts where the scene has error bars ("8 mm +- 0.2 mm"), moments held, and
+        the share of each input; None: it has none."""
+        return self._document.get("uncertainty")
+
+    def sensitivity(self, key: str, *, held: bool = False) -> dict[str, float]:
+        """Derivatives of the quantities of the plan by a number of its scene, SI: `plan.sensitivity("obstacle[0].radius")`.
+
+        Of a plan that Scene.plan() has given, which is planned once more. See Scene.sensitivity().
+        """
+        return self.sensitivities(key, held=held)[key]
+
+    def sensitivities(self, *keys: str, held: bool = False) -> Sensitivities:
+        """The same by several numbers, by default all of the scene."""
+        if self._scene is None:
+            raise TypeError("sensitivities: a plan from a file does not know its scene, expected Scene.sensitivity()")
+        return self._scene.sensitivity(*keys, held=held)
+
     def row(self) -> dict[str, Any]:
         row = super().row()
         row.update(objective=self._document.get("objective"), target_error=self.target_error,
@@ -270,6 +292,65 @@ class Execution(Plan):
     def load(self) -> float:
         """Fraction of the loads that was reached; 1 if all are on."""
         return self._document["load"]["reached"]
+
+
+class Sensitivities(Result):
+    """Derivatives of a plan, or of what the robot does under its held moments, by numbers of the scene; SI."""
+
+    _needs: ClassVar[Sequence[str]] = ("kind", "quantities", "numbers")
+
+    @property
+    def held(self) -> bool:
+        """Whether the moments stay; else everything is planned anew."""
+        return self._document["kind"] == "held"
+
+    @property
+    def rows(self) -> list[str]:
+        """Names of the quantities that are differentiated: "tip.x", "contacts[0].force", ..."""
+        return [quantity["name"] for quantity in self._document["quantities"]]
+
+    @property
+    def columns(self) -> list[str]:
+        """Keys of the numbers by which they are."""
+        return [number["key"] for number in self._document["numbers"] if "derivatives" in number]
+
+    @property
+    def matrix(self) -> Array:
+        """rows x columns."""
+        import numpy as np
+
+        columns = [number["derivatives"] for number in self._document["numbers"] if "derivatives" in number]
+        return np.array(columns, dtype=float).reshape(len(columns), len(self.rows)).T
+
+    @property
+    def trouble(self) -> dict[str, str]:
+        """By which numbers there are no derivatives, and why."""
+        return {number["key"]: number["trouble"] for number in self._document["numbers"] if "trouble" in number}
+
+    def __getitem__(self, key: str) -> Any:
+        for number in self._document["numbers"]:
+            if number["key"] != key:
+                continue
+            if "trouble" in number:
+                raise ValueError(f"{key}: {number['trouble']}")
+            return dict(zip(self.rows, number["derivatives"], strict=True))
+        return super().__getitem__(key)
+
+
+class Calibration(Result):
+    """Numbers of a rod found from measured shapes."""
+
+    _needs: ClassVar[Sequence[str]] = ("numbers",)
+
+    @property
+    def numbers(self) -> list[dict[str, Any]]:
+        """What was looked for: name, unit, value and error (standard deviation), None where it is not identifiable."""
+        return self._document["numbers"]
+
+    @property
+    def identifiable(self) -> bool:
+        """Whether all of them are."""
+        return all(number["identifiable"] for number in self.numbers)
 
 
 class Trajectory(Result):

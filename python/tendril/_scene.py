@@ -11,7 +11,7 @@ from typing import Any, Union
 
 from . import _native
 from ._components import components
-from ._results import Description, Estimate, Execution, Plan, Result, Study, Trajectory
+from ._results import Calibration, Description, Estimate, Execution, Plan, Result, Sensitivities, Study, Trajectory
 from ._values import inline, is_list, key_text, plain
 
 Earlier = Union[Result, str, "os.PathLike[str]", Mapping[str, Any]]
@@ -176,7 +176,9 @@ class Scene:
             _refuse(start is not None, "start", "an estimate starts from the measured points")
             _refuse(verify, "verify", "the obstacles of an estimate are not known, so nothing can be carried out")
             return Estimate.from_json(scene.estimate())
-        return Plan.from_json(scene.plan(_json_of(start, "start"), bool(verify)))
+        plan = Plan.from_json(scene.plan(_json_of(start, "start"), bool(verify)))
+        plan._scene = self.copy()
+        return plan
 
     def trajectory(self, *, verify: bool = False) -> Trajectory:
         """`tendril plan` of a scene with problem = "trajectory"."""
@@ -230,6 +232,24 @@ class Scene:
         from ._command import study
 
         return study(self, jobs, output)
+
+    def sensitivity(self, *keys: str, held: bool = False) -> Sensitivities:
+        """`tendril sensitivity`: derivatives of the scene's plan by its numbers, SI, by default all of them.
+
+        `held`: of what the robot does under the plan's moments, instead of another plan; "moments[0]" is a key then.
+        Raises ValueError where there are none, in words.
+        """
+        from ._command import sensitivity
+
+        return sensitivity(self, keys, held)
+
+    def calibrate(self, *, output: str | os.PathLike[str] | None = None) -> Calibration:
+        """`tendril calibrate`: numbers of the rod from the measured shapes that the scene names. With `output`, a
+        directory, figures and a fragment that scenes include are written there.
+        """
+        from ._command import calibrate
+
+        return calibrate(self, output)
 
     def problem(self) -> Problem:
         """The assembled problem, for loops: `problem.follow((0.097, 0.01))`."""

@@ -62,6 +62,10 @@ TEST(Calibrate, WritesAFragmentThatOtherScenesInclude) {
   const json fitted = json::parse(read_file(directory / "out/result.json"));
   EXPECT_EQ(result["status"], "solved");
   EXPECT_NEAR(result["moments"][0].get<double>(), 1e5 * fitted["numbers"][1]["value"].get<double>(), 1e-9);
+  // Its numbers carry their error bars, and so does what comes of them.
+  EXPECT_TRUE(contains_text(fragment, " +- ")) << fragment;
+  EXPECT_GT(result["uncertainty"]["tip"]["y"].get<double>(), 0.0) << result["uncertainty"];
+  EXPECT_EQ(result["uncertainty"]["shares"].size(), fitted["numbers"].size());
 }
 
 TEST(Calibrate, TellsWhereInTheFilesSomethingIsWrong) {

@@ -7,6 +7,7 @@
 
 #include "command/new_command.hpp"
 #include "command/reference.hpp"
+#include "command/sensitivity_command.hpp"
 #include "live/live.hpp"
 #include "session/inputs.hpp"
 #include "tendril/app/commands.hpp"
@@ -290,6 +291,36 @@ Command calibrate_command(CLI::App& app) {
           }};
 }
 
+Command sensitivity_command(CLI::App& app) {
+  struct Parsed {
+    SceneOptions scene;
+    std::vector<std::string> keys;
+    std::string moments;
+    bool held = false, json = false;
+  };
+  CLI::App* sensitivity = app.add_subcommand(
+      "sensitivity",
+      "How a plan follows the numbers of its scene; exit code 0: it has derivatives, 1: none, 2: wrong input");
+  const auto parsed = std::make_shared<Parsed>();
+  parsed->scene.add_to(*sensitivity);
+  sensitivity->add_option("KEY", parsed->keys, "Numbers such as obstacle[0].radius, by default all of the scene");
+  sensitivity->add_flag("--held", parsed->held,
+                        "What the rod does under the plan's moments, held, instead of another plan");
+  sensitivity
+      ->add_option("--moments", parsed->moments,
+                   "What the rod does under these, one per actuator, in N m or with units")
+      ->type_name("\"M, ...\"")
+      ->excludes("--held");
+  add_json(*sensitivity, parsed->json);
+  return {sensitivity, [parsed] {
+            return run_sensitivity({parsed->scene.arguments(),
+                                    parsed->keys,
+                                    {files::InputKind::moments, parsed->moments},
+                                    parsed->held,
+                                    parsed->json});
+          }};
+}
+
 Command study_command(CLI::App& app, std::vector<std::string> words) {
   struct Parsed {
     SceneOptions scene;
@@ -424,10 +455,10 @@ int parse_and_run(int argc, const char* const* argv) {
   app.set_version_flag("--version", TENDRIL_VERSION);
   app.get_formatter()->column_width(34);
   const std::vector<Command> commands{
-      plan_command(app),      execute_command(app),  study_command(app, {argv + std::min(argc, 1), argv + argc}),
-      calibrate_command(app), describe_command(app), live_command(app),
-      view_command(app),      plugins_command(app),  new_command(app),
-      reference_command(app)};
+      plan_command(app),      execute_command(app),     study_command(app, {argv + std::min(argc, 1), argv + argc}),
+      calibrate_command(app), sensitivity_command(app), describe_command(app),
+      live_command(app),      view_command(app),        plugins_command(app),
+      new_command(app),       reference_command(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

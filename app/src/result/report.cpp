@@ -7,6 +7,7 @@
 
 #include "result/grasp_result.hpp"
 #include "result/report_parts.hpp"
+#include "result/uncertainty_result.hpp"
 #include "system/tables.hpp"
 #include "tendril/tolerances.hpp"
 
@@ -265,6 +266,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
   // Without a shape there is nothing to tell of it.
   const bool has_shape = !plan.backbone.empty();
   if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);
+  if (!run.uncertainties.empty()) text += uncertainty_text(scene, run.uncertainties.front());
   text += friction_text(plan, units);
   text += verification_text(plan);
   text += line("coordinates", fmt::format("{}, order {}, {} values{}", plan.coordinates_name, plan.order,
@@ -300,6 +302,7 @@ std::string execution_report(const Scene& scene, const Execution& execution, con
   if (!plan.message.empty()) text += line("", printable(plan.message));
   const bool has_shape = !plan.backbone.empty();
   if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);
+  if (!run.uncertainties.empty()) text += uncertainty_text(scene, run.uncertainties.front());
   text += line("path", fmt::format("load fraction {:.9g} reached in {} steps, {} contacts made or released",
                                    execution.load, execution.steps, execution.contact_changes));
   text += line("basis", fmt::format("{} pieces of {} functions", execution.pieces, plan.order));

@@ -10,6 +10,7 @@
 
 #include "result/grasp_result.hpp"
 #include "result/result_object.hpp"
+#include "result/uncertainty_result.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/coordinate_model.hpp"
@@ -299,6 +300,7 @@ namespace {
 /// What stands once in a result: what is around the rod, and what the command did around the planner.
 void add_run(Json& json, const Scene& scene, const RunInfo& run) {
   add_surroundings(json, scene);
+  if (!run.uncertainties.empty()) json["uncertainty"] = uncertainty_json(run.uncertainties.front());
   json["seconds"]["read"] = number(run.seconds_read);
   json["seconds"]["open"] = number(run.seconds_open);
   json["plugins"] = components_json(run.components);

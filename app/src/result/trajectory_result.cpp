@@ -6,6 +6,7 @@
 
 #include "result/grasp_result.hpp"
 #include "result/report_parts.hpp"
+#include "result/uncertainty_result.hpp"
 #include "system/tables.hpp"
 
 namespace tendril::app {
@@ -108,6 +109,9 @@ std::string trajectory_json(const Scene& scene, const Trajectory& trajectory, co
   json["title"] = scene.title;
   json["problem"] = to_string(scene.problem);
   json.update(trajectory_object(scene, trajectory));
+  for (std::size_t i = 0; i < run.uncertainties.size(); ++i) {
+    json["steps"][i]["uncertainty"] = uncertainty_json(run.uncertainties[i]);
+  }
   add_surroundings(json, scene);
   json["plugins"] = components_json(run.components);
   json["versions"] = versions_json();

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -20,10 +21,13 @@ class Settings {
   /// A value of the document in SI, if it is a number.
   std::optional<double> number(const Node* table, const std::string& key, const Dimension& dimension) const;
   void set(const std::string& path, const std::string& value) { all_.push_back({"calibrated", path, value}); }
-  void set(const std::string& path, double value) { set(path, fmt::format("{:.12g}", value)); }
+  /// A number with its standard deviation, both in `unit`.
+  void set(const std::string& path, double value, double error, std::string_view unit) {
+    set(path, fmt::format("{:.12g} {} +- {:.4g} {}", value, unit, error, unit));
+  }
   /// Multiplies one of two keys that say the same in different ways; false: neither is there.
   bool multiply(const std::string& table, const std::pair<std::string, Dimension>& one,
-                const std::pair<std::string, Dimension>& other, double factor);
+                const std::pair<std::string, Dimension>& other, double factor, double error);
   const std::vector<Override>& all() const { return all_; }
 
  private:
@@ -59,11 +63,11 @@ std::optional<double> Settings::number(const Node* table, const std::string& key
 }
 
 bool Settings::multiply(const std::string& table, const std::pair<std::string, Dimension>& one,
-                        const std::pair<std::string, Dimension>& other, double factor) {
+                        const std::pair<std::string, Dimension>& other, double factor, double error) {
   bool any = false;
   for (const auto& [key, dimension] : {one, other}) {
     if (const auto value = number(at(table), key, dimension)) {
-      set(table + '.' + key, *value * factor);
+      set(table + '.' + key, *value * factor, std::abs(*value) * error, dimension.unit);
       any = true;
     }
   }
@@ -92,26 +96,28 @@ bool put(Settings& settings, const CalibratedNumber& number) {
     case CalibrationUnknown::stiffness:
       for (const std::string& table : tables) {
         whole = whole && settings.multiply(table, {"bending_stiffness", dimension::stiffness},
-                                           {"youngs_modulus", dimension::pressure}, number.value);
+                                           {"youngs_modulus", dimension::pressure}, number.value, number.error);
       }
       return whole;
     case CalibrationUnknown::density:
       for (const std::string& table : tables) {
         whole = whole && settings.multiply(table, {"linear_density", dimension::linear_density},
-                                           {"density", dimension::density}, number.value);
+                                           {"density", dimension::density}, number.value, number.error);
       }
       return whole;
     case CalibrationUnknown::rest_curvature:
-      if (whole) settings.set(tables.front() + ".rest_curvature", number.value);
+      if (whole)
+        settings.set(tables.front() + ".rest_curvature", number.value, number.error, dimension::curvature.unit);
       return whole;
     case CalibrationUnknown::moment: {
       const std::string actuator = "rod.actuator." + std::to_string(spec.actuator - 1);
       if (spec.degree > 1 || number.unit != "N m/Pa") return false;
-      settings.set(actuator + ".moment_per_pressure", number.value);
+      settings.set(actuator + ".moment_per_pressure", number.value, number.error, number.unit);
       return true;
     }
     case CalibrationUnknown::base_angle:
-      if (spec.per == CalibrationScope::all) settings.set("rod.base.angle", number.value);
+      if (spec.per == CalibrationScope::all)
+        settings.set("rod.base.angle", number.value, number.error, dimension::angle.unit);
       return spec.per == CalibrationScope::all;
     case CalibrationUnknown::base_x:
     case CalibrationUnknown::base_y:

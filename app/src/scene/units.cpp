@@ -245,7 +245,8 @@ double Units::read(std::string_view text, const Dimension& dimension) const {
     const std::string expected = expected_quantity(dimension, dimension.unit.empty() ? " without a unit" : "");
     throw QuantityError(quoted(text), std::move(why), expected, hint);
   };
-  std::string_view rest = trimmed(text);
+  // An error bar behind it is another number.
+  std::string_view rest = trimmed(text.substr(0, text.find("+-")));
   if (rest.starts_with('+') && rest.size() > 1 && (is_digit(rest[1]) || rest[1] == '.')) rest.remove_prefix(1);
 
   double value = 0.0;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "scene/calibrated_rod.hpp"
+#include "scene/error_bars.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/interrupt.hpp"
@@ -88,6 +89,7 @@ Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Unit
     scene_ = read_scene(document_, units_);
     dropped_ = scene_.left_out;
     located("", [&] { validate(scene_); });
+    spreads_ = error_bars(document_, scene_);
     {
       const Stopwatch open(seconds_open_);
       registry_ = std::make_unique<plugins::Registry>(
@@ -187,6 +189,8 @@ Plan Session::plan(const std::optional<Plan>& start) {
   problem();
   const auto guard = guarded();
   Plan plan = plan_from(start ? &*start : nullptr);
+  uncertainties_.clear();
+  find_uncertainty(plan, false);
   plan.left_out.insert(plan.left_out.end(), dropped_.begin(), dropped_.end());
   return plan;
 }
@@ -212,12 +216,30 @@ Plan Session::plan_from(const Plan* start, bool follow, const std::vector<std::s
 Trajectory Session::plan_trajectory() {
   problem();
   const auto guard = guarded();
-  return tendril::plan_trajectory(scene_.trajectory.targets,
-                                  {scene_.trajectory.replan_every, scene_.trajectory.cold_starts},
-                                  [this](const TargetSpec& target, const Plan* start, bool follow) {
-                                    problem().set_target(target);
-                                    return plan_from(start, follow);
-                                  });
+  Trajectory trajectory = tendril::plan_trajectory(scene_.trajectory.targets,
+                                                   {scene_.trajectory.replan_every, scene_.trajectory.cold_starts},
+                                                   [this](const TargetSpec& target, const Plan* start, bool follow) {
+                                                     problem().set_target(target);
+                                                     return plan_from(start, follow);
+                                                   });
+  uncertainties_.clear();
+  for (const TrajectoryStep& step : trajectory.steps) find_uncertainty(step.plan, false);
+  return trajectory;
+}
+
+Sensitivity Session::sensitivity(const Plan& plan, SensitivityKind kind) {
+  return located("", [&] { return problem().sensitivity(plan, kind); });
+}
+
+void Session::find_uncertainty(const Plan& plan, bool executed) {
+  if (spreads_.empty()) return;
+  std::vector<Spread> spreads = spreads_;
+  for (Spread& spread : spreads) follow_held_inputs(scene_, plan.moments, spread);
+  const Sensitivity sensitivity = located("", [&] {
+    return executed ? sensitivity_of(scene_, make_obstacles(), plan)
+                    : problem().sensitivity(plan, SensitivityKind::held);
+  });
+  uncertainties_.push_back(uncertainty_of(sensitivity, spreads));
 }
 
 void Session::use(const Scene& scene) {
@@ -248,6 +270,8 @@ Execution Session::execute(const std::vector<double>& moments, const std::option
       done.result.grasp = grasp_of(scene_, *palm_distance, done.result.contacts);
   }
   done.result.left_out.insert(done.result.left_out.end(), dropped_.begin(), dropped_.end());
+  uncertainties_.clear();
+  find_uncertainty(done.result, true);
   return done;
 }
 
@@ -274,6 +298,7 @@ Trajectory Session::execute(const std::vector<TrajectoryStep>& steps, const std:
   const auto guard = guarded();
   const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
   Trajectory done;
+  uncertainties_.clear();
   for (const TrajectoryStep& step : steps) {
     TrajectoryStep& reached = done.steps.emplace_back();
     reached.target = step.target;
@@ -286,6 +311,7 @@ Trajectory Session::execute(const std::vector<TrajectoryStep>& steps, const std:
         "", [&] { return tendril::execute(aimed, obstacles, step.plan.moments, execute_control(state)).result; });
     done.interrupted = stop().load();
     if (done.interrupted || reached.plan.backbone.empty()) break;
+    find_uncertainty(reached.plan, true);
     state = reached.plan;
   }
   return done;
@@ -340,6 +366,7 @@ RunInfo Session::run_info() const {
   }
   run.seconds_read = seconds_read_;
   run.seconds_open = seconds_open_;
+  run.uncertainties = uncertainties_;
   return run;
 }
 

@@ -6,6 +6,7 @@
 #include "tendril/plan.hpp"
 #include "tendril/registrar.hpp"
 #include "tendril/scene.hpp"
+#include "tendril/sensitivity.hpp"
 
 namespace tendril {
 
@@ -32,6 +33,11 @@ class TENDRIL_API Problem {
   /// and from the second such step in a row nothing is allocated as long as the active set stays; otherwise everything
   /// is planned. `stop` as in PlanControl.
   void follow(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop = nullptr);
+  /// The derivatives of a plan that this problem made by numbers of its scene, by the implicit function theorem
+  /// (docs/model.md section 15): one factorization, a right-hand side per number. `keys`: of scene_numbers() (or, of
+  /// held plans, "moments[i]"); none: all of them. Where there is no derivative the trouble says why. Throws Error for
+  /// an unknown key.
+  Sensitivity sensitivity(const Plan& plan, SensitivityKind kind, const std::vector<std::string>& keys = {});
 
  private:
   bool follow_without_solver(Plan& plan);

@@ -9,6 +9,7 @@
 #include "tendril/problem.hpp"
 #include "tendril/scene.hpp"
 #include "tendril/trajectory.hpp"
+#include "tendril/uncertainty.hpp"
 
 namespace tendril::app {
 
@@ -24,6 +25,8 @@ struct RunInfo {
   std::vector<UsedComponent> components;
   double seconds_read = 0.0;  ///< reading and checking the scene
   double seconds_open = 0.0;  ///< finding and opening plugins, making components
+  /// Where numbers of the scene have error bars: what these make of each plan of the result.
+  std::vector<Uncertainty> uncertainties{};
 };
 
 /// One JSON document, schema 1. SI units, except objective, terms, coordinates.values and certificate, which are

@@ -90,9 +90,13 @@ class Session {
   plugins::Registry& registry() { return *registry_; }
   /// Options of the scene that the plugin named by the command does not know.
   const std::vector<LeftOut>& dropped() const { return dropped_; }
+  /// How a plan of this scene follows its numbers; none that an execution came to.
+  Sensitivity sensitivity(const Plan& plan, SensitivityKind kind);
   RunInfo run_info() const;
 
  private:
+  /// What the scene's error bars make of plans, or of what executions came to, where it has any: for run_info().
+  void find_uncertainty(const Plan& plan, bool executed);
   Execution verify_grasp(Plan& plan, const std::optional<Plan>& earlier);
   ExecuteControl execute_control(const std::optional<Plan>& earlier) const;
   /// What ends a run, and the guard that lets Ctrl-C do it where nobody else says what does.
@@ -112,6 +116,8 @@ class Session {
   std::vector<LeftOut> dropped_;
   std::optional<Problem> problem_;
   const std::atomic<bool>* stop_ = nullptr;
+  std::vector<Spread> spreads_;  ///< numbers with error bars
+  std::vector<Uncertainty> uncertainties_;
   double seconds_read_ = 0.0;
   double seconds_open_ = 0.0;
 };

@@ -1,0 +1,96 @@
+#include "command/sensitivity_command.hpp"
+
+#include <algorithm>
+
+#include "result/uncertainty_result.hpp"
+#include "scene/error_bars.hpp"
+#include "session/inputs.hpp"
+#include "system/output.hpp"
+#include "tendril/app/input_error.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+/// The derivatives by a key of the scene, from those by the numbers that it moves.
+KeySensitivity by_key(const Sensitivity& sensitivity, const Spread& spread, std::string value) {
+  KeySensitivity out{spread.key, std::move(value)};
+  out.rates.resize(sensitivity.quantities.size());
+  for (const Spread::Part& part : spread.parts) {
+    const Sensitivity::Column* column = sensitivity.find(part.key);
+    if (column == nullptr || !column->trouble.empty()) {
+      out.trouble = column == nullptr ? "it moves nothing that is differentiated by" : column->trouble;
+      return out;
+    }
+    for (std::size_t i = 0; i < out.rates.size(); ++i) out.rates[i] += part.rate * column->rates[i];
+  }
+  return out;
+}
+
+/// Numbers of the scene that results depend on, with what they move.
+std::vector<Spread> all_numbers(const Session& session) {
+  std::vector<Spread> spreads;
+  for (const std::string& key : number_keys(session.document())) {
+    try {
+      spreads.push_back(spread_of(session.document(), session.scene(), key));
+    } catch (const Error&) {
+      continue;  // nothing goes with it, or nothing beside it can be read
+    }
+  }
+  return spreads;
+}
+
+/// `held`: moments, N m.
+std::vector<KeySensitivity> derivatives(const Session& session, const Sensitivity& sensitivity,
+                                        const std::vector<std::string>& keys, const std::vector<double>& held) {
+  std::vector<Spread> spreads;
+  std::vector<std::string> moments;
+  for (const Sensitivity::Column& column : sensitivity.columns) {
+    if (column.number.key.starts_with("moments[")) moments.push_back(column.number.key);
+  }
+  const auto is_moment = [&](const std::string& key) {
+    return std::find(moments.begin(), moments.end(), key) != moments.end();
+  };
+  if (keys.empty()) {
+    spreads = all_numbers(session);
+    for (const std::string& key : moments) spreads.push_back({key, 0.0, {{key, 1.0}}});
+  }
+  for (const std::string& key : keys) {
+    spreads.push_back(is_moment(key) ? Spread{key, 0.0, {{key, 1.0}}}
+                                     : spread_of(session.document(), session.scene(), key));
+  }
+  std::vector<KeySensitivity> out;
+  for (Spread& spread : spreads) {
+    if (sensitivity.kind == SensitivityKind::held) follow_held_inputs(session.scene(), held, spread);
+    out.push_back(by_key(sensitivity, spread, written_value(session.document(), spread.key)));
+  }
+  return out;
+}
+
+}  // namespace
+
+int run_sensitivity(const SensitivityArguments& arguments) {
+  Session session(arguments.scene);
+  const Scene& scene = session.scene();
+  if (scene.problem != ProblemKind::pose) {
+    throw InputError("sensitivity: found problem = \"" + std::string(to_string(scene.problem)) +
+                     "\", expected a scene that plans a pose");
+  }
+  // A key that is not there is told before anything is planned.
+  for (const std::string& key : arguments.keys) {
+    if (!key.starts_with("moments[")) spread_of(session.document(), scene, key);
+  }
+  const bool executed = !arguments.moments.text.empty();
+  const Plan plan = executed ? session.execute(moments_of(arguments.moments, session), std::nullopt).result
+                             : session.plan(std::nullopt);
+  const Sensitivity sensitivity =
+      executed ? sensitivity_of(scene, session.make_obstacles(), plan)
+               : session.sensitivity(plan, arguments.held ? SensitivityKind::held : SensitivityKind::replanned);
+  const std::vector<KeySensitivity> keys = sensitivity.trouble.empty()
+                                               ? derivatives(session, sensitivity, arguments.keys, plan.moments)
+                                               : std::vector<KeySensitivity>{};
+  print(arguments.json ? sensitivity_json(scene, sensitivity, keys) : sensitivity_report(scene, sensitivity, keys));
+  return sensitivity.trouble.empty() ? 0 : 1;
+}
+
+}  // namespace tendril::app

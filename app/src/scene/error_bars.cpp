@@ -1,0 +1,239 @@
+#include "scene/error_bars.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <memory>
+
+#include "tendril/app/input_error.hpp"
+#include "tendril/app/scene_reader.hpp"
+
+namespace tendril::app {
+
+namespace {
+
+constexpr std::string_view sign = "+-";
+/// Of the value: how far apart a key is read to differentiate by it.
+constexpr double reading_step = 0.01;
+/// A number that moves by less than this share of itself, per share of the key, does not go with it.
+constexpr double moves_at_all = 1e-9;
+
+constexpr std::array<Dimension, 15> dimensions{dimension::length,
+                                               dimension::angle,
+                                               dimension::curvature,
+                                               dimension::force,
+                                               dimension::moment,
+                                               dimension::stiffness,
+                                               dimension::pressure,
+                                               dimension::acceleration,
+                                               dimension::linear_density,
+                                               dimension::density,
+                                               dimension::force_per_length,
+                                               dimension::mass,
+                                               dimension::moment_per_pressure,
+                                               dimension::time,
+                                               dimension::none};
+
+/// Calls `visit` with the path of every value that is neither a table nor a list.
+void each_value(const Node& node, const std::string& path,
+                const std::function<void(const std::string&, const Node&)>& visit) {
+  if (const auto* list = std::get_if<Node::List>(&node.value)) {
+    for (std::size_t i = 0; i < list->size(); ++i) each_value((*list)[i], fmt::format("{}[{}]", path, i), visit);
+  } else if (const auto* table = std::get_if<Node::Table>(&node.value)) {
+    for (const Node::Entry& entry : *table) {
+      each_value(entry.node, path.empty() ? entry.key : path + '.' + entry.key, visit);
+    }
+  } else {
+    visit(path, node);
+  }
+}
+
+const Node* node_at(const Document& document, const std::string& key) {
+  const Node* found = nullptr;
+  each_value(document.root(), "", [&](const std::string& path, const Node& node) {
+    if (path == key) found = &node;
+  });
+  return found;
+}
+
+/// A number of the document in SI.
+struct Written {
+  double value = 0.0;
+  Dimension dimension{};
+};
+
+/// Nothing where it is no number.
+std::optional<Written> read_number(const Node& node) {
+  if (const auto* integer = std::get_if<std::int64_t>(&node.value)) return Written{static_cast<double>(*integer)};
+  if (const auto* real = std::get_if<double>(&node.value)) return Written{*real};
+  const auto* text = std::get_if<std::string>(&node.value);
+  if (text == nullptr) return std::nullopt;
+  const Units units;
+  for (const Dimension& dimension : dimensions) {
+    try {
+      return Written{units.read(*text, dimension), dimension};
+    } catch (const QuantityError&) {
+      continue;
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<double> numbers_at(const Document& document, const std::string& key, const std::string& text) {
+  Document changed = document;
+  changed.apply({{key, key, text}});
+  std::vector<double> values;
+  for (const SceneNumber& n : scene_numbers(read_scene(changed, std::make_shared<Units>()))) values.push_back(n.value);
+  return values;
+}
+
+/// Of a key that is no number of the scene itself.
+std::vector<Spread::Part> parts_of(const Document& document, const std::vector<SceneNumber>& numbers,
+                                   const std::string& key, const Written& written) {
+  const double step = written.value != 0.0 ? reading_step * std::abs(written.value) : reading_step;
+  const auto at = [&](int steps) {
+    const double value = written.value + steps * step;
+    const std::string unit(written.dimension.unit);
+    return numbers_at(document, key, fmt::format("{:.17g}{}{}", value, unit.empty() ? "" : " ", unit));
+  };
+  const std::vector<double> far_before = at(-2), before = at(-1), behind = at(1), far_behind = at(2);
+  std::vector<Spread::Part> parts;
+  for (std::size_t i = 0; i < numbers.size() && i < before.size(); ++i) {
+    const double rate = (8.0 * (behind[i] - before[i]) - (far_behind[i] - far_before[i])) / (12.0 * step);
+    const double scale = std::abs(numbers[i].value) / std::max(std::abs(written.value), step);
+    if (std::abs(rate) > moves_at_all * scale) parts.push_back({numbers[i].key, rate});
+  }
+  return parts;
+}
+
+/// A key of the law of an actuator: the actuator, and what stands behind it; nothing where it is none.
+std::optional<std::pair<std::size_t, std::string>> law_of(const std::string& key) {
+  constexpr std::string_view table = "rod.actuator[";
+  const auto end = key.find("].");
+  if (!key.starts_with(table) || end == std::string::npos) return std::nullopt;
+  std::string law = key.substr(end + 2);
+  if (!law.starts_with("moment_per_pressure") && !law.starts_with("offset")) return std::nullopt;
+  return std::pair(std::stoul(key.substr(table.size(), end - table.size())), law);
+}
+
+double deviation_of(const Document& document, const Node& node, std::string_view bar, const Written& written) {
+  const std::string text(bar);
+  const auto refuse = [&](const std::string& why) {
+    document.fail(node.position, "found " + describe_value(node) + ", " + why +
+                                     ", expected an error bar such as \"4.9e-4 N m^2 +- 5 %\" or \"8 mm +- 0.2 mm\"");
+  };
+  const auto percent = text.find('%');
+  double deviation = 0.0;
+  try {
+    const Units units;
+    if (percent != std::string::npos) {
+      if (text.find_first_not_of(" \t", percent + 1) != std::string::npos) refuse("which goes on behind the %");
+      deviation = 0.01 * units.read(text.substr(0, percent), dimension::none) * std::abs(written.value);
+      if (written.value == 0.0) refuse("a share of nothing");
+    } else {
+      deviation = units.read(text, written.dimension);
+    }
+  } catch (const QuantityError& error) {
+    refuse("whose error bar is " + error.why());
+  }
+  if (!(deviation >= 0.0)) refuse("whose error bar is negative");
+  return deviation;
+}
+
+}  // namespace
+
+std::optional<std::pair<std::string_view, std::string_view>> split_error_bar(std::string_view text) {
+  const auto at = text.find(sign);
+  if (at == std::string_view::npos) return std::nullopt;
+  return std::pair(text.substr(0, at), text.substr(at + sign.size()));
+}
+
+std::vector<std::string> number_keys(const Document& document) {
+  std::vector<std::string> keys;
+  each_value(document.root(), "", [&](const std::string& path, const Node& node) {
+    for (const char* table : {"gravity", "rod", "tip_load", "obstacle", "contact", "target", "objective"}) {
+      if (path.starts_with(table) && read_number(node)) {
+        keys.push_back(path);
+        return;
+      }
+    }
+  });
+  return keys;
+}
+
+Spread spread_of(const Document& document, const Scene& scene, const std::string& key) {
+  const std::vector<SceneNumber> numbers = scene_numbers(scene);
+  const Node* node = node_at(document, key);
+  std::string own = key;
+  // The numbers of a rod with one segment are the rod's.
+  const std::string only = "rod.segment[0].";
+  if (scene.rod.segments.size() == 1 && own.starts_with(only)) own = "rod." + own.substr(only.size());
+  const auto same = std::find_if(numbers.begin(), numbers.end(), [&](const SceneNumber& n) { return n.key == own; });
+  // A property that changes along the rod has its first coefficient's name, and may be more than that.
+  const auto more = std::find_if(numbers.begin(), numbers.end(), [&](const SceneNumber& n) {
+    return n.key.starts_with("rod.") && n.key.find(".more_") != std::string::npos;
+  });
+  if (same != numbers.end() && more == numbers.end()) return {key, 0.0, {{own, 1.0}}};
+  if (node == nullptr) {
+    std::vector<std::string> known = number_keys(document);
+    throw InputError("the scene has no number '" + key + "'" + did_you_mean(key, known));
+  }
+  const std::optional<Written> written = read_number(*node);
+  if (!written) document.fail(node->position, "found " + describe_value(*node) + ", expected a number");
+  Spread spread{key, 0.0, parts_of(document, numbers, key, *written)};
+  if (spread.parts.empty() && !law_of(key)) {
+    document.fail(node->position, "by '" + key +
+                                      "' nothing is differentiated, expected a number of the rod, its "
+                                      "loads, an obstacle, a limit, the target or an objective");
+  }
+  return spread;
+}
+
+void follow_held_inputs(const Scene& scene, const std::vector<double>& moments, Spread& spread) {
+  const auto law = law_of(spread.key);
+  if (!law || law->first >= moments.size()) return;
+  const auto& [index, name] = *law;
+  const ActuatorSpec& actuator = scene.rod.actuators[index];
+  const double moment = moments[index];
+  const std::string key = fmt::format("moments[{}]", index);
+  if (name == "offset" && actuator.offset.size() == 1) {
+    spread.parts.push_back({key, moment / actuator.offset.front().offset});
+  } else if (name.starts_with("moment_per_pressure")) {
+    const auto bracket = name.find('[');
+    const int power = bracket == std::string::npos ? 1 : 1 + std::stoi(name.substr(bracket + 1));
+    spread.parts.push_back({key, std::pow(actuator.input_of(moment), power)});
+  } else {
+    spread.parts.push_back({spread.key, 1.0});  // by which nothing is differentiated
+  }
+}
+
+std::vector<Spread> error_bars(const Document& document, const Scene& scene) {
+  std::vector<Spread> spreads;
+  each_value(document.root(), "", [&](const std::string& path, const Node& node) {
+    const auto* text = std::get_if<std::string>(&node.value);
+    if (text == nullptr || path == "title") return;
+    const auto parts = split_error_bar(*text);
+    const std::optional<Written> written = parts ? read_number(node) : std::nullopt;
+    if (!written) return;  // text that is no number is told by who reads it
+    const double deviation = deviation_of(document, node, parts->second, *written);
+    if (deviation == 0.0) return;
+    Spread spread = spread_of(document, scene, path);
+    spread.deviation = deviation;
+    spreads.push_back(std::move(spread));
+  });
+  return spreads;
+}
+
+std::string written_value(const Document& document, const std::string& key) {
+  const Node* node = node_at(document, key);
+  if (node == nullptr) return "";
+  if (const auto* text = std::get_if<std::string>(&node->value)) return *text;
+  if (const auto* integer = std::get_if<std::int64_t>(&node->value)) return fmt::format("{}", *integer);
+  if (const auto* real = std::get_if<double>(&node->value)) return fmt::format("{:.12g}", *real);
+  return "";
+}
+
+}  // namespace tendril::app

@@ -1,0 +1,117 @@
+// Error bars of scenes against Monte Carlo: the same moments carried out in many scenes.
+
+#include "scene/error_bars.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "planned.hpp"
+
+namespace tendril::app::test {
+namespace {
+
+const Settings uncertain{{"rod.bending_stiffness", "4.9e-4 N m^2 +- 3 %"},
+                         {"obstacle[0].radius", "8 mm +- 0.1 mm"},
+                         {"rod.linear_density", "84 g/m +- 2 g/m"}};
+
+TEST(ErrorBars, AreReadInUnitsAndShares) {
+  Session session(arguments_of(arm, uncertain));
+  const std::vector<Spread> spreads = error_bars(session.document(), session.scene());
+  ASSERT_EQ(spreads.size(), 3U);
+  EXPECT_EQ(spreads[0].key, "rod.bending_stiffness");
+  EXPECT_DOUBLE_EQ(spreads[0].deviation, 0.03 * 4.9e-4);
+  EXPECT_DOUBLE_EQ(spreads[1].deviation, 2e-3);
+  EXPECT_DOUBLE_EQ(spreads[2].deviation, 1e-4);
+  EXPECT_EQ(session.scene().rod.segments[0].bending_stiffness, 4.9e-4);
+}
+
+TEST(ErrorBars, OfTheWrongKindAreRefusedWithTheirPlace) {
+  for (const std::string text : {"8 mm +- 0.1 kg", "8 mm +- -1 %", "8 mm +- 3 % of it", "8 mm +- much"}) {
+    EXPECT_THROW(Session(arguments_of(arm, {{"obstacle[0].radius", text}})), InputError) << text;
+  }
+  EXPECT_THROW(Session(arguments_of(arm, {{"solver.time_limit", "10 s +- 1 s"}})), InputError);
+}
+
+TEST(ErrorBars, AgreeWithMonteCarloOfExecutions) {
+  Session session(arguments_of(arm, uncertain));
+  const Plan plan = session.plan(std::nullopt);
+  const Plan reached = session.execute(plan.moments, plan).result;
+  const std::vector<Uncertainty> bars = session.run_info().uncertainties;
+  ASSERT_EQ(bars.size(), 1U);
+  ASSERT_EQ(bars[0].trouble, "");
+  EXPECT_EQ(bars[0].warning, "");
+  constexpr int draws = 400;
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  Scene scene = session.scene();
+  const auto obstacles = session.make_obstacles();
+  const std::size_t count = bars[0].deviations.size();
+  std::vector<double> sum(count), squares(count);
+  Session other(arguments_of(arm, {}));
+  for (int i = 0; i < draws; ++i) {
+    Scene drawn = scene;
+    drawn.rod.segments[0].bending_stiffness *= 1.0 + 0.03 * normal(random);
+    drawn.rod.segments[0].linear_density += 2e-3 * normal(random);
+    drawn.obstacles[0].options["radius"] = RawValue{8e-3 + 1e-4 * normal(random)};
+    other.use(drawn);
+    const std::vector<double> values = quantities(other.execute(plan.moments, reached).result, false);
+    ASSERT_EQ(values.size(), count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const double off = values[k] - quantities(reached, false)[k];
+      sum[k] += off;
+      squares[k] += off * off;
+    }
+  }
+  // The standard deviation of draws has a relative error of 1 / sqrt(2 (draws - 1)): 3.5 %; four of them.
+  for (std::size_t k = 0; k < count; ++k) {
+    const double drawn = std::sqrt((squares[k] - sum[k] * sum[k] / draws) / (draws - 1));
+    EXPECT_NEAR(bars[0].deviations[k].value, drawn, 0.142 * drawn) << bars[0].deviations[k].name;
+  }
+}
+
+TEST(ErrorBars, HaveSharesThatSumToOne) {
+  Session session(arguments_of(arm, uncertain));
+  session.plan(std::nullopt);
+  const Uncertainty bars = session.run_info().uncertainties.at(0);
+  ASSERT_EQ(bars.shares.size(), 3U);
+  double tip = 0.0;
+  for (const Uncertainty::Share& share : bars.shares) tip += share.tip;
+  EXPECT_NEAR(tip, 1.0, 1e-12);
+  EXPECT_EQ(bars.kind, SensitivityKind::held);
+  // The last point of the shape is the tip.
+  EXPECT_NEAR(std::sqrt(bars.shape.back().xx), bars.deviations[0].value, 1e-15);
+}
+
+// The moment that a held pressure gives follows its law.
+TEST(ErrorBars, OfAPressuresLawMoveTheMoment) {
+  Session session(arguments_of(arm, {{"rod.actuator[0].moment_per_pressure", "1e-7 N m/Pa +- 10 %"}}));
+  const Plan plan = session.plan(std::nullopt);
+  const Uncertainty bars = session.run_info().uncertainties.at(0);
+  ASSERT_EQ(bars.trouble, "");
+  const Sensitivity held = session.sensitivity(plan, SensitivityKind::held);
+  const std::vector<double>& by_moment = held.find("moments[0]")->rates;
+  for (std::size_t i = 0; i < by_moment.size(); ++i) {
+    EXPECT_NEAR(bars.deviations[i].value, std::abs(0.1 * plan.moments[0] * by_moment[i]),
+                1e-9 * bars.deviations[i].value);
+  }
+}
+
+// A heavy upright rod shortly before it snaps through: the linear error bars are told to fail.
+TEST(ErrorBars, NextToASnapAreToldNotToHold) {
+  SceneArguments arguments{std::string(TENDRIL_SCENES) + "/snap_through.toml", {}, {}, {}};
+  const Session first(arguments);
+  arguments.overrides.push_back(
+      {"set", "rod.bending_stiffness", written_value(first.document(), "rod.bending_stiffness") + " +- 2 %"});
+  Session session(arguments);
+  const std::vector<double> up{0.1}, down{-0.0299};
+  const Plan before = session.execute(up, std::nullopt).result;
+  const Plan near = session.execute(down, before).result;
+  ASSERT_EQ(near.status, PlanStatus::solved) << near.message;
+  const Uncertainty bars = session.run_info().uncertainties.at(0);
+  EXPECT_NE(bars.warning.find("snap"), std::string::npos) << bars.trouble;
+}
+
+}  // namespace
+}  // namespace tendril::app::test
