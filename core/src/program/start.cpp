@@ -5,6 +5,7 @@
 
 #include "program/pose_program_data.hpp"
 #include "program/valleys.hpp"
+#include "rod/curve.hpp"
 #include "rod/outline.hpp"
 
 namespace tendril {
@@ -129,7 +130,7 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
 
   // Contacts start where the shape comes nearest to their obstacles.
   std::vector<OutlinePoint> line;
-  outline(*d.spec.rod, shape.curvature, 400, line);
+  if (at.arc_lengths > 0 || d.spec.palm) outline(*d.spec.rod, shape.curvature, 400, line);
   if (d.spec.palm) {
     const double distance = at.palm < 0 ? d.spec.palm->minimum : start_distance(*this, shape, line);
     if (at.palm >= 0) x[at.palm] = distance;
@@ -174,26 +175,25 @@ StartShape PoseProgram::shape_of(ConstVectorRef x) const {
                                       d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
   static constexpr int samples = 500;
   std::vector<double> curvature(samples + 1);
-  std::vector<double> sigma;
-  Eigen::MatrixXd value(samples + 1, d.chain.functions());
-  Eigen::MatrixXd first(samples + 1, d.chain.functions());
-  Eigen::MatrixXd second(samples + 1, d.chain.functions());
+  const CurveTables& tables = *d.chain.curve_tables();
+  const int n = tables.per_interval();
+  Eigen::MatrixXd series(n, tables.intervals());
   std::size_t done = 0;
   for (int j = 0; j < d.chain.piece_count(); ++j) {
     const double from = d.chain.start(j, knots);
     const double length = d.chain.length(j, knots);
-    sigma.clear();
-    for (std::size_t i = done; i < curvature.size(); ++i) {
-      const double inside = ((static_cast<double>(i) + 0.5) / (samples + 1.0) - from) / length;
+    // A series of the curvature costs less than the basis at every sample.
+    const Eigen::VectorXd at_nodes =
+        d.chain.table().slope * x.segment(j * d.chain.functions(), d.chain.functions()) / length;
+    series.noalias() = tables.transform() * at_nodes.reshaped(n, tables.intervals());
+    for (int interval = 0; done < curvature.size(); ++done) {
+      const double inside = ((static_cast<double>(done) + 0.5) / (samples + 1.0) - from) / length;
       if (inside > 1.0 && j + 1 < d.chain.piece_count()) break;
-      sigma.push_back(std::clamp(inside, 0.0, 1.0));
+      const double sigma = std::clamp(inside, 0.0, 1.0);
+      while (interval + 1 < tables.intervals() && sigma > tables.end(interval + 1)) ++interval;
+      const double width = tables.end(interval + 1) - tables.end(interval);
+      curvature[done] = tables.sum(series.col(interval).data(), n, 2.0 * (sigma - tables.end(interval)) / width - 1.0);
     }
-    const auto count = static_cast<Eigen::Index>(sigma.size());
-    if (count == 0) continue;
-    d.chain.model().evaluate(sigma, value.topRows(count), first.topRows(count), second.topRows(count));
-    Eigen::Map<Eigen::VectorXd>(curvature.data() + done, count) =
-        first.topRows(count) * x.segment(j * d.chain.functions(), d.chain.functions()) / length;
-    done += sigma.size();
   }
   StartShape shape;
   shape.curvature = [curvature](double s) {
