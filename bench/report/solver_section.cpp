@@ -127,13 +127,13 @@ Table outcome_table(const SolverComparisonSetup& setup, const SolverComparison& 
 }  // namespace
 
 Table cost_table(const SolverComparisonSetup& setup, const SolverComparison& comparison) {
-  Table table{
-      "solvers_costs",
-      "What certified plans cost (medians). Mode: the way of being in contact that won, with assembly, polish "
-      "and certificate",
-      {"scene", "limit (N m)", "contestant", "plans", "certified", "best of its side", "other sides' best", "plan (ms)",
-       "mode (ms)", "solves", "mode's iterations", "mode's evaluations", "one evaluation (us)", "mode / evaluation"},
-      {}};
+  Table table{"solvers_costs",
+              "What certified plans cost (medians). Mode: the way of being in contact that won, with assembly, polish "
+              "and certificate",
+              {"scene", "limit (N m)", "contestant", "plans", "certified", "best of its side", "other sides' best",
+               "plan (ms)", "mode (ms)", "solves", "mode's iterations", "mode's evaluations", "one evaluation (us)",
+               "plan / evaluation", "mode / evaluation"},
+              {}};
   struct Group {
     int plans = 0, certified = 0, reached = 0, elsewhere = 0;
     std::vector<double> seconds, mode, solves, iterations, evaluations, evaluation;
@@ -164,7 +164,7 @@ Table cost_table(const SolverComparisonSetup& setup, const SolverComparison& com
          setup.contestants[contestant].name, std::int64_t{g.plans}, std::int64_t{g.certified}, std::int64_t{g.reached},
          std::int64_t{g.elsewhere}, 1e3 * median(g.seconds), 1e3 * median(g.mode), median(g.solves),
          median(g.iterations), median(g.evaluations), 1e6 * median(g.evaluation),
-         median(g.mode) / median(g.evaluation)});
+         median(g.seconds) / median(g.evaluation), median(g.mode) / median(g.evaluation)});
   }
   return table;
 }

@@ -4,6 +4,7 @@
 #include "checks.hpp"
 #include "difference.hpp"
 #include "quantities.hpp"
+#include "tendril/bounded_off_target.hpp"
 #ifdef TENDRIL_COUNTS_ALLOCATIONS
 #include "allocation/counting_malloc.hpp"
 #endif
@@ -50,6 +51,12 @@ class Flat {
   }
 
   Parts<double> at(const std::vector<double>& x) { return evaluate(plain_.set(x), Parts<double>{}); }
+
+  /// From the tip to the target's position; 0 without one.
+  double off_target(const std::vector<double>& x) {
+    const Quantities<double>& q = plain_.set(x);
+    return q.target.has_position ? norm(Vec2{q.tip.x, q.tip.y} - q.target.position) : 0.0;
+  }
 
 #ifdef TENDRIL_COUNTS_ALLOCATIONS
   /// Allocations of one evaluation in each form.
@@ -116,6 +123,15 @@ void check_values(const ObjectiveTerm& term, Flat& flat, std::mt19937& random, F
                     "the term is " + shown(cost) + ", below lower_bound() = " + shown(term.lower_bound()) +
                         "; expected never: override lower_bound(), with -tendril::infinity if there is none. Ways of "
                         "being in contact that cannot win by this bound are left out");
+    const double distance = flat.off_target(x);
+    if (const auto* bounded = dynamic_cast<const BoundedOffTarget*>(&term)) {
+      const double off_target = bounded->lower_bound_off_target(distance);
+      const bool rises = bounded->lower_bound_off_target(0.5 * distance) <= off_target;
+      findings.expect(rises && cost >= off_target - 1e-12 * std::abs(cost), "lower_bound_off_target",
+                      "the term is " + shown(cost) + " where the tip is " + shown(distance) +
+                          " from the target, lower_bound_off_target() there " + shown(off_target) +
+                          "; expected never above the term, and not less farther from the target");
+    }
     if (x.empty()) continue;
     const Parts<HyperDual> dual = flat.along(x, 0, 0);
     findings.expect(dual.residual_count == parts.residual_count, "number of residuals",

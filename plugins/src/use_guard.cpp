@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "tendril/bounded_off_target.hpp"
 #include "tendril/plugins/error.hpp"
 
 namespace tendril::plugins {
@@ -81,16 +82,22 @@ class GuardedCoordinates final : public CoordinateModel {
   int functions_ = 0;
 };
 
-class GuardedObjective final : public ObjectiveTerm {
+class GuardedObjective final : public ObjectiveTerm, public BoundedOffTarget {
  public:
   GuardedObjective(std::unique_ptr<ObjectiveTerm> made, std::string where)
-      : made_(std::move(made)), guard_(std::move(where)) {}
+      : made_(std::move(made)),
+        bounded_(dynamic_cast<const BoundedOffTarget*>(made_.get())),
+        guard_(std::move(where)) {}
 
   Reads reads() const override {
     return guard_("reads()", [&] { return made_->reads(); });
   }
   double lower_bound() const override {
     return guard_("lower_bound()", [&] { return made_->lower_bound(); });
+  }
+  double lower_bound_off_target(double distance) const override {
+    if (bounded_ == nullptr) return lower_bound();
+    return guard_("lower_bound_off_target()", [&] { return bounded_->lower_bound_off_target(distance); });
   }
   void evaluate(const Quantities<double>& x, Contribution<double>& out) const override {
     guard_("its evaluation", [&] { made_->evaluate(x, out); });
@@ -101,6 +108,7 @@ class GuardedObjective final : public ObjectiveTerm {
 
  private:
   std::unique_ptr<ObjectiveTerm> made_;
+  const BoundedOffTarget* bounded_;  ///< the same; null: it knows no such bound
   Guard guard_;
 };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "support/contains.hpp"
+#include "tendril/bounded_off_target.hpp"
 #include "tendril/plugins/registry.hpp"
 
 namespace tendril::plugins {
@@ -139,6 +140,16 @@ TEST(ObjectiveBounds, AreThoseOfTheForm) {
   EXPECT_EQ(bound("grasp_balance"), 0.0);
   EXPECT_EQ(bound("grasp_balance", {{"form", {std::string("linear")}}}), -infinity);
   EXPECT_EQ(bound("contact_force"), -infinity);
+}
+
+TEST(ObjectiveBounds, OffTheTargetIsThatOfTheLeastWeightOfThePosition) {
+  const auto bound = [](const RawOptions& options) {
+    const auto term = make(registry().objective("tip_pose"), options);
+    return dynamic_cast<const BoundedOffTarget&>(*term).lower_bound_off_target(0.3);
+  };
+  EXPECT_NEAR(bound({}), 0.09, rounding);
+  EXPECT_NEAR(bound({{"weights", numbers({2.0, 0.5})}}), 0.045, rounding);
+  EXPECT_EQ(bound({{"weights", numbers({2.0, 0.0, 1.0})}}), 0.0);
 }
 
 TEST(ObjectiveReads, AreWhatTheFormulaNeeds) {

@@ -198,6 +198,9 @@ struct GraspPlanner::Completing {
     }
     return changed;
   }
+  void certify(const Eigen::VectorXd& x, const PolishReport* /*polished*/) {
+    c.certificate = c.certifier->certify(*c.program, x);
+  }
   bool refine() {
     for (int& nodes : parts.nodes) nodes += nodes / 2;
     return true;

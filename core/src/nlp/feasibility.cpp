@@ -65,6 +65,7 @@ class Restoration {
 
   /// Rows at x and their signed violation.
   void look(const Eigen::VectorXd& x, Eigen::VectorXd& rows, Eigen::VectorXd& violation) const {
+    (void)program_.jacobian(x);  // brings the values along; most steps are taken, and need it next
     rows = program_.constraints(x);
     violation.resize(rows.size());
     for (int i = 0; i < rows.size(); ++i) violation[i] = excess(rows[i], i);

@@ -52,6 +52,7 @@ class Polisher::Newton {
   Side bound(int i) const { return bounds_[static_cast<std::size_t>(i)]; }
 
   void choose_active(const Eigen::VectorXd& multipliers) {
+    (void)program_->jacobian(x_);  // brings the values along, and is needed next
     const VectorView c = program_->constraints(x_);
     const bool known = multipliers.size() == program_->row_count();
     const double tolerance = options_.active_tolerance;
@@ -149,8 +150,9 @@ class Polisher::Newton {
 
   /// Residual of the first-order conditions at x with multipliers y, and the gradient of the Lagrangian.
   Residual residual(const Eigen::VectorXd& x, const Eigen::VectorXd& y, Eigen::VectorXd& slope) {
-    const VectorView c = program_->constraints(x);
+    // Derivatives first: they bring the values along.
     lagrangian_gradient(x, y, slope);
+    const VectorView c = program_->constraints(x);
     Residual r{0.0, 0.0};
     for (const int i : active_) r.rows = std::max(r.rows, std::abs(c[i] - row_target(i)));
     for (const int i : free_) r.slope = std::max(r.slope, std::abs(slope[i]));

@@ -77,10 +77,7 @@ void take_terms(Task& d, const Scene& scene) {
   }
   // Only ratios of weights mean anything: the largest is 1, however small or large all of them are.
   if (largest_weight > 0.0) d.objective_scale = largest_weight;
-  for (PoseProgramTerm& t : d.terms) {
-    t.weight /= d.objective_scale;
-    d.objective_bound += t.weight * t.term->lower_bound();
-  }
+  for (PoseProgramTerm& t : d.terms) t.weight /= d.objective_scale;
 }
 
 /// What no program of this task has, with the reason.

@@ -5,6 +5,7 @@
 
 #include "program/pose_program_data.hpp"
 #include "program/valleys.hpp"
+#include "rod/curve.hpp"
 #include "rod/outline.hpp"
 
 namespace tendril {
@@ -129,7 +130,7 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
 
   // Contacts start where the shape comes nearest to their obstacles.
   std::vector<OutlinePoint> line;
-  outline(*d.spec.rod, shape.curvature, 400, line);
+  if (at.arc_lengths > 0 || d.spec.palm) outline(*d.spec.rod, shape.curvature, 400, line);
   if (d.spec.palm) {
     const double distance = at.palm < 0 ? d.spec.palm->minimum : start_distance(*this, shape, line);
     if (at.palm >= 0) x[at.palm] = distance;
@@ -175,33 +176,30 @@ StartShape PoseProgram::shape_of(ConstVectorRef x) const {
   static constexpr int samples = 500;
   std::vector<double> curvature(samples + 1);
   std::vector<double> stretch(d.chain.stretches() > 0 ? curvature.size() : 0);
-  std::vector<double> sigma;
-  const int bends = d.chain.bends();
-  Eigen::MatrixXd value(samples + 1, bends);
-  Eigen::MatrixXd first(samples + 1, bends);
-  Eigen::MatrixXd second(samples + 1, bends);
   Eigen::VectorXd grown(d.chain.stretches());
   Eigen::VectorXd grown_slope(d.chain.stretches());
+  const CurveTables& tables = *d.chain.curve_tables();
+  const int n = tables.per_interval();
+  Eigen::MatrixXd series(n, tables.intervals());
   std::size_t done = 0;
   for (int j = 0; j < d.chain.piece_count(); ++j) {
     const double from = d.chain.start(j, knots);
     const double length = d.chain.length(j, knots);
-    sigma.clear();
-    for (std::size_t i = done; i < curvature.size(); ++i) {
-      const double inside = ((static_cast<double>(i) + 0.5) / (samples + 1.0) - from) / length;
+    // A series of the curvature costs less than the basis at every sample.
+    const Eigen::VectorXd at_nodes =
+        d.chain.table().slope * x.segment(j * d.chain.functions(), d.chain.functions()) / length;
+    series.noalias() = tables.transform() * at_nodes.reshaped(n, tables.intervals());
+    for (int interval = 0; done < curvature.size(); ++done) {
+      const double inside = ((static_cast<double>(done) + 0.5) / (samples + 1.0) - from) / length;
       if (inside > 1.0 && j + 1 < d.chain.piece_count()) break;
-      sigma.push_back(std::clamp(inside, 0.0, 1.0));
+      const double sigma = std::clamp(inside, 0.0, 1.0);
+      while (interval + 1 < tables.intervals() && sigma > tables.end(interval + 1)) ++interval;
+      const double width = tables.end(interval + 1) - tables.end(interval);
+      curvature[done] = tables.sum(series.col(interval).data(), n, 2.0 * (sigma - tables.end(interval)) / width - 1.0);
+      if (stretch.empty()) continue;
+      d.chain.table().stretch.evaluate(sigma, grown.data(), grown_slope.data());
+      stretch[done] = grown.dot(x.segment(j * d.chain.functions() + d.chain.bends(), d.chain.stretches()));
     }
-    const auto count = static_cast<Eigen::Index>(sigma.size());
-    if (count == 0) continue;
-    d.chain.model().evaluate(sigma, value.topRows(count), first.topRows(count), second.topRows(count));
-    Eigen::Map<Eigen::VectorXd>(curvature.data() + done, count) =
-        first.topRows(count) * x.segment(j * d.chain.functions(), bends) / length;
-    for (std::size_t i = 0; i < sigma.size() && !stretch.empty(); ++i) {
-      d.chain.table().stretch.evaluate(sigma[i], grown.data(), grown_slope.data());
-      stretch[done + i] = grown.dot(x.segment(j * d.chain.functions() + bends, d.chain.stretches()));
-    }
-    done += sigma.size();
   }
   StartShape shape;
   const auto sampled = [](std::vector<double> along) {

@@ -267,12 +267,8 @@ double Chain::length(int j, std::span<const double> knots) const {
 
 Eigen::VectorXd Chain::project(std::span<const double> scaled_curvature) const {
   const int n = bends();
-  Eigen::MatrixXd value(nodes(), n);
-  Eigen::MatrixXd first(nodes(), n);
-  Eigen::MatrixXd second(nodes(), n);
-  model_->evaluate(span_of(table().sigma), value, first, second);
   const Eigen::Map<const Eigen::VectorXd> target(scaled_curvature.data(), nodes());
-  const Eigen::VectorXd rhs = first.transpose() * table().weight.cwiseProduct(target);
+  const Eigen::VectorXd rhs = table().slope.leftCols(n).transpose() * table().weight.cwiseProduct(target);
   return table().stiffness.topLeftCorner(n, n).ldlt().solve(rhs);
 }
 

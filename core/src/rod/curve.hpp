@@ -26,8 +26,12 @@ class TENDRIL_API CurveTables {
   /// int over the interval from its start to each node, in units of half its width: cumulative * coefficients.
   const Eigen::MatrixXd& cumulative() const { return cumulative_; }
 
+  /// Sum of coefficients[k] P_k(z) over k < count, which is at most per_interval() + 1.
+  double sum(const double* coefficients, int count, double z) const;
+
  private:
   std::vector<double> ends_;
+  std::vector<double> rise_, fall_;  ///< of the recurrence that sums (Clenshaw)
   Eigen::MatrixXd transform_, cumulative_;
 };
 
@@ -74,12 +78,16 @@ class TENDRIL_API Curve {
   double curvature_bound(int piece) const { return curvature_bounds_[static_cast<std::size_t>(piece)]; }
 
  private:
+  /// The column of a place, which becomes the place in its interval, in [-1,1].
+  int locate(int piece, double& sigma) const;
+
   std::shared_ptr<const CurveTables> tables_;
   int pieces_ = 0;
   std::vector<double> lengths_, starts_, curvature_bounds_, stretch_bounds_;
   std::vector<const Rod::Segment*> bodies_;  // of the pieces' chain, borrowed; empty: there is none
-  std::vector<Vec2> interval_start_;         // pieces x intervals
-  Eigen::MatrixXd series_x_, series_y_;      // coefficients, a column per piece and interval
+  Eigen::MatrixXd series_x_, series_y_;      // of the tangent, a column per piece and interval
+  Eigen::MatrixXd place_x_, place_y_;        // of the position
+  std::vector<int> counts_;                  // coefficients of a column that are more than rounding
 };
 
 }  // namespace tendril

@@ -12,11 +12,14 @@ namespace tendril {
 void Planner::attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions) {
   const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
   PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
-  std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
+  // Check points are rows: they change no variable.
+  const PoseProgram bare(spec);
+  const Eigen::VectorXd start = bare.start_from(shape);
+  std::vector<CheckPoint> checks = d_.first_checks(bare, start, shape);
   const bool required = d_.min_force > 0.0;
   // From a start without a feasible point near, a solver takes far the longest, and mostly in vain: the contact is on
   // a part of the finger that cannot hold the object. It is spent only where nothing else led to a plan.
-  if (search_parameters().defer && balanced_by_row() && (deferring_ || have_plan_) && !promising(spec, checks, shape)) {
+  if (search_parameters().defer && balanced_by_row() && (deferring_ || have_plan_) && !promising(spec, checks, start)) {
     state.deferred = true;
     if (!state.best.has_point) state.trouble = "nothing feasible is near its starts, and there is a plan without it";
     return;
@@ -27,7 +30,7 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
     for (int retry = 0; retry <= search_parameters().most_retries && !must_stop(); ++retry) {
       spec.checks = checks;
       PoseProgram program(spec);
-      Eigen::VectorXd x = program.start_from(shape);
+      Eigen::VectorXd x = start;
       if ((proving_ || hurried()) && nothing_near(state, program, x)) break;
       // Of many values most follow from the moments: what a solver would do with all of them takes it minutes.
       if (slides(mode)) {
@@ -60,11 +63,11 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
   if (missing && !must_stop()) search(Branch::touching);
 }
 
-bool Planner::promising(PoseProgramSpec spec, const std::vector<CheckPoint>& checks, const StartShape& shape) {
+bool Planner::promising(PoseProgramSpec spec, const std::vector<CheckPoint>& checks, const Eigen::VectorXd& start) {
   spec.checks = checks;
   PoseProgram program(spec);
   close_contacts(program);
-  const bool feasible = restore_feasibility(program, program.start_from(shape), restored).feasible;
+  const bool feasible = restore_feasibility(program, start, restored).feasible;
   steps_.tally.add_outside(program, {});
   return feasible;
 }

@@ -30,6 +30,7 @@ enum class Completion {
 ///   build()           makes c's program and certifier anew, with the check points and nodes that there are
 ///   sharpen(x, may)   Newton, and the solver if it may; false: x is no point to judge
 ///   recover(x)        reduces the violation alone, then sharpens
+///   certify(x, p)     judges x in c; `p`: the polish that it is the point of, or null
 ///   exchange(x, i)    adds or moves check points in round i; false: none is missing
 ///   refine()          more nodes; false: there are enough of them
 ///   only_newton()     whether nothing else may move x
@@ -51,7 +52,7 @@ Completion bring_to_certificate(ProgramSearch& search, const Way& way, Point& c,
   }
   for (int refinement = 0; refinement < search_parameters().most_refinements; ++refinement) {
     const double begin = now();
-    c.certificate = c.certifier->certify(*c.program, x);
+    steps.certify(x, search.polished());
     search.tally.seconds_certifying += now() - begin;
     const bool enough = !(c.certificate.quadrature > tolerance::quadrature);
     if (enough || !sharp || search.must_stop() || !steps.refine()) break;

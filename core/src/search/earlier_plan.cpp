@@ -63,7 +63,7 @@ std::optional<FollowedPoint> followed_point(const Task& problem, const Plan& ear
   const StartShape shape = shape_of(problem, earlier, mode);
   point.x = program.start_from(shape);
   point.x.head(at.coordinates) = Eigen::Map<const Eigen::VectorXd>(earlier.coordinates.data(), at.coordinates);
-  point.checks = problem.first_checks(spec, shape);
+  point.checks = problem.first_checks(program, point.x, shape);
   for (int k = 0; k < at.forces; ++k) program.set_branch(k, Branch::touching);
   // Where the earlier plan grazes an obstacle, Newton has to know.
   Certifier certifier(spec);

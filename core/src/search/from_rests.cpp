@@ -119,8 +119,9 @@ std::vector<int> Planner::regions_near(const Mode& mode, const StartShape& shape
   return d_.regions_of(mode, places);
 }
 
-Eigen::VectorXd Planner::feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape, bool rests) {
-  FeasibilityReport f = steps_.look(program, program.start_from(shape));
+Eigen::VectorXd Planner::feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape,
+                                       const Eigen::VectorXd& start, bool rests) {
+  FeasibilityReport f = steps_.look(program, start);
   // What few coordinates leave of a sharp bend can lie on the wrong side of all that is near: less of it may do.
   for (const double share : shares_of_bend) {
     if (f.feasible || must_stop() || !rests) break;
@@ -141,14 +142,17 @@ void Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
   ++state.starts_used;
   const std::vector<int> regions = regions_near(mode, shape);
   PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
-  std::vector<CheckPoint> checks = d_.first_checks(spec, shape);
+  // Neither check points nor rows that hold a plan back change a variable.
+  const PoseProgram bare(Equations::alone(spec));
+  const Eigen::VectorXd start = bare.start_from(shape);
+  std::vector<CheckPoint> checks = d_.first_checks(bare, start, shape);
   spec.checks = checks;
   PoseProgramSpec unheld = spec;  // rows that hold a plan back are for the way to better moments
   unheld.least_margin.reset();
   unheld.least_convexity.reset();
   PoseProgram program(unheld);
   close_contacts(program);
-  const Eigen::VectorXd feasible = feasible_near(state, program, shape, rests);
+  const Eigen::VectorXd feasible = feasible_near(state, program, shape, start, rests);
   if (feasible.size() == 0) return;
   if (!slides(mode)) {
     PoseProgram held(spec);

@@ -14,6 +14,7 @@
   X(int, spread_starts, 5, "starts per way to see whether a contact spreads")                                        \
   X(double, much_work, 2e6, "work without a plan: the search hurries")                                               \
   X(int, looks_at_a_rest, 4000, "steps that the rod may take to a rest; few need more than 400")                     \
+  X(bool, bound, true, "ways that cannot win by where their tip can be are tried last, or not at all")               \
   X(bool, sides, true, "starts on every side of every obstacle")                                                     \
   X(std::size_t, most_trials, 40, "starts on sides for all ways together, the most promising ones")                  \
   X(std::size_t, most_sides, 6, "starts on further sides for one way of being in contact")                           \

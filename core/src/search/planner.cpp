@@ -8,6 +8,7 @@
 #include "search/contacts.hpp"
 #include "search/earlier_plan.hpp"
 #include "search/follower.hpp"
+#include "search/free_reach.hpp"
 #include "search/parameters.hpp"
 #include "search/sides.hpp"
 #include "search/task.hpp"
@@ -20,10 +21,7 @@ void Planner::consider(ModeState& state, const StartShape& shape) {
 
 void Planner::consider(ModeState& state, const std::function<void()>& trial) {
   if (state.left_out || !modes_[static_cast<std::size_t>(state.mode)].skip.empty() || must_stop()) return;
-  if (best_objective() <= d_.objective_bound + search_parameters().beats) {
-    if (state.starts_used == 0) state.record.outcome = "skipped: no plan can cost less than the one found";
-    return;
-  }
+  if (cannot_win(state)) return;
   const int before = state.stationary_violations;
   const double begin = now();
   trial();
@@ -40,6 +38,31 @@ void Planner::consider(ModeState& state, const std::function<void()>& trial) {
   if (state.best.certified() && !repeats && state.best.objective < best_objective() - search_parameters().beats)
     winner_ = state.mode;
   have_plan_ = winner_ >= 0;
+}
+
+bool Planner::cannot_win(ModeState& state) {
+  if (winner_ < 0) return false;
+  const auto beaten = [&](double distance) {
+    return best_objective() <= d_.least_cost(distance) + search_parameters().beats;
+  };
+  double distance = 0.0;
+  if (!beaten(distance)) {
+    distance = least_distance(static_cast<std::size_t>(state.mode), beaten);
+    if (!beaten(distance)) return false;
+  }
+  if (state.starts_used == 0) {
+    state.record.outcome =
+        "skipped: cannot win: it costs at least " + shown(d_.least_cost(distance) * d_.objective_scale);
+  }
+  return true;
+}
+
+double Planner::least_distance(std::size_t mode, const std::function<bool(double)>& enough) {
+  if (!search_parameters().bound) return 0.0;
+  const EvaluationCounts before = d_.reach ? d_.reach->program().counts() : EvaluationCounts{};
+  const double least = d_.least_distance(modes_[mode], enough);
+  if (d_.reach) steps_.tally.add_outside(d_.reach->program(), before);
+  return least;
 }
 
 std::size_t Planner::state_of(const std::vector<ContactSetup>& contacts) {
@@ -134,12 +157,19 @@ Plan Planner::run() {
     if (won && (won->empty() ? d_.min_force == 0.0 : d_.contact_planned())) order.push_back(state_of(*won));
   }
   const std::size_t modes = modes_.size();
+  const std::size_t won_before = order.empty() ? modes : order.front();
   for (std::size_t i = 0; i < modes; ++i) {
     if (order.empty() || order.front() != i) order.push_back(i);
   }
   std::erase_if(order, [this](std::size_t i) { return states_[i].left_out; });
   if (control_.follow && control_.start != nullptr) winner_ = follow();
   if (winner_ >= 0) return report();
+  // Ways whose tip has to stay away from the target may be none to solve once others have a plan.
+  if (d_.enumerated) {
+    const auto off = [](double distance) { return distance > 0.0; };
+    std::stable_partition(order.begin(), order.end(),
+                          [&](std::size_t i) { return i == won_before || !off(least_distance(i, off)); });
+  }
   if (search_parameters().balance_first && d_.palm && !d_.palm->balance) start_from_balance(order);
   search(order);
   if (fast()) return report();

@@ -158,8 +158,9 @@ class Planner {
   void refine(ModeState& state, const StartShape& shape, bool rests = false);
   /// The regions of contacts where the shape has them, or comes nearest to their obstacles.
   std::vector<int> regions_near(const Mode& mode, const StartShape& shape) const;
-  /// Empty: there is none.
-  Eigen::VectorXd feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape, bool rests);
+  /// Empty: there is none. `start`: the program's, from the shape.
+  Eigen::VectorXd feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape,
+                                const Eigen::VectorXd& start, bool rests);
   /// complete(), unless x costs more than the plan. False: x led to nothing.
   bool finish(ModeState& state, PoseProgram& program, const std::vector<int>& regions, std::vector<CheckPoint>& checks,
               const Eigen::VectorXd& x);
@@ -171,7 +172,7 @@ class Planner {
   void start_from_balance(const std::vector<std::size_t>& order);
   bool balanced_by_row() const { return d_.palm && d_.palm->balance; }
   /// Whether the rows alone lead from the start of a grasp to a feasible point.
-  bool promising(PoseProgramSpec spec, const std::vector<CheckPoint>& checks, const StartShape& shape);
+  bool promising(PoseProgramSpec spec, const std::vector<CheckPoint>& checks, const Eigen::VectorXd& start);
   void try_start(ModeState& state, const StartShape& shape);
   void attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions);
   /// Remembers which term is not finite at x, for the report.
@@ -211,6 +212,10 @@ class Planner {
   /// Whether a plan from this start could still win; then it is looked for.
   void consider(ModeState& state, const StartShape& shape);
   void consider(ModeState& state, const std::function<void()>& trial);
+  /// Whether no plan of a mode can cost less than the one found; says so in its record.
+  bool cannot_win(ModeState& state);
+  /// As Task::least_distance(), counted; 0 where ways are not bounded.
+  double least_distance(std::size_t mode, const std::function<bool(double)>& enough);
   /// Adds contacts to the best modes of each size.
   void grow();
   std::size_t state_of(const std::vector<ContactSetup>& contacts);

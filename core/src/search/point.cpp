@@ -256,6 +256,10 @@ struct Planner::Completing {
     every_check.insert(every_check.end(), checks.begin(), checks.end());
     return true;
   }
+  void certify(const Eigen::VectorXd& x, const PolishReport* polished) {
+    c.certifier->certify(*c.program, x, c.certificate, polished != nullptr ? &polished->multipliers : nullptr,
+                         polished != nullptr ? &polished->bound_multipliers : nullptr);
+  }
   bool refine() {
     if (nodes > most_nodes) return false;
     nodes += nodes / 2;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "nlp/polish.hpp"
 #include "search/parameters.hpp"
 #include "tendril/tolerances.hpp"
 
@@ -99,32 +99,27 @@ OptimalityReport ProgramSearch::solve(Attempt& attempt, NonlinearProgram& progra
 }
 
 bool ProgramSearch::sharpen(Attempt& attempt, NonlinearProgram& program, Eigen::VectorXd& x, bool solver_allowed) {
-  const auto counted_polish = [&](const Eigen::VectorXd& from) {
+  PolishOptions options;
+  options.stop = [this] { return must_stop(); };
+  const auto polishes = [&](const Eigen::VectorXd& from) {
     ++attempt.record.polishes;
     const EvaluationCounts before = program.counts();
-    PolishOptions options;
-    options.stop = [this] { return must_stop(); };
-    PolishReport report = polish(program, from, {}, options);
+    polished_ = &polisher_.run(program, from, {}, options);
     tally.add_outside(program, before);
-    return report;
-  };
-  PolishReport p = counted_polish(x);
-  if (p.converged && p.infeasibility <= tolerance::equilibrium) {
-    x = p.x;
+    if (!polished_->converged || !(polished_->infeasibility <= tolerance::equilibrium)) return false;
+    x = polished_->x;
     return true;
-  }
+  };
+  if (polishes(x)) return true;
+  polished_ = nullptr;
   if (!solver_allowed || must_stop()) return false;
   // On a decided branch the program is an ordinary one.
   const OptimalityReport r = solve(attempt, program, x);
   if (!r.x.allFinite() || r.x.size() != x.size()) return false;
-  p = counted_polish(r.x);
-  if (p.converged && p.infeasibility <= tolerance::equilibrium) {
-    x = p.x;
-    return true;
-  }
+  if (polishes(r.x)) return true;
   // The solver's own point may already be good enough for the certificate.
   if (r.infeasibility <= restored) x = r.x;
-  attempt.trouble = "the polish did not converge (" + std::string(p.reason) +
+  attempt.trouble = "the polish did not converge (" + std::string(std::exchange(polished_, nullptr)->reason) +
                     "); solver: " + std::string(to_string(r.status)) + (r.message.empty() ? "" : ", " + r.message);
   return r.infeasibility <= restored;
 }

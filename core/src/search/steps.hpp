@@ -5,6 +5,7 @@
 
 #include "base/deadline.hpp"
 #include "nlp/feasibility.hpp"
+#include "nlp/polish.hpp"
 #include "tendril/plan.hpp"
 #include "tendril/scene.hpp"
 #include "tendril/solver.hpp"
@@ -66,6 +67,8 @@ class ProgramSearch {
 
   OptimalityReport solve(Attempt& attempt, NonlinearProgram& program, const Eigen::VectorXd& x,
                          const OptimalityReport* warm = nullptr);
+  /// What Newton's method came to, if x of the last sharpen() is its point, else null.
+  const PolishReport* polished() const { return polished_; }
   /// Newton on the active set, after a solve if it needs one and may have it. False: x is no point to judge.
   bool sharpen(Attempt& attempt, NonlinearProgram& program, Eigen::VectorXd& x, bool solver_allowed);
   /// Reduces the violation alone, and remembers where there is nothing feasible near.
@@ -82,6 +85,8 @@ class ProgramSearch {
   Solver& solver_;
   const SolverSpec& spec_;
   Deadline deadline_;
+  Polisher polisher_;
+  const PolishReport* polished_ = nullptr;
   bool limited_ = false;
   int slowest_converged_ =
       10;  ///< most iterations of a solve that converged; one of a grasp is thought to take so many

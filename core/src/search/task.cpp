@@ -10,7 +10,9 @@
 #include "scene/start_shape.hpp"
 #include "search/contacts.hpp"
 #include "search/follower.hpp"
+#include "search/free_reach.hpp"
 #include "search/parameters.hpp"
+#include "tendril/bounded_off_target.hpp"
 #include "tendril/error.hpp"
 
 namespace tendril {
@@ -132,6 +134,36 @@ bool Task::contact_planned() const {
          (scene.contact.mode == ContactModeName::allow || scene.contact.mode == ContactModeName::require);
 }
 
+double Task::least_cost(double distance) const {
+  double least = 0.0;
+  for (const PoseProgramTerm& t : terms) {
+    const auto* bounded = distance > 0.0 ? dynamic_cast<const BoundedOffTarget*>(t.term) : nullptr;
+    least += t.weight * (bounded != nullptr ? bounded->lower_bound_off_target(distance) : t.term->lower_bound());
+  }
+  return least;
+}
+
+double Task::least_distance(const Mode& mode, const std::function<bool(double)>& enough) {
+  // Nothing is asked of where the tip is, or terms are unknown that may gain by it, or the rod may grow.
+  if (palm || rod.stretches() || !target.has_position || !(least_cost(1.0) > least_cost())) return 0.0;
+  if (mode.contacts.empty()) {
+    if (!reach) reach = std::make_unique<FreeReach>(spec(mode, {}, 2 * nodes));
+    return reach->least_distance(target.position, enough);
+  }
+  const std::vector<double> knots = rod.fixed_knots();
+  double least = 0.0;
+  for (const ContactSetup& c : mode.contacts) {
+    const Obstacle& obstacle = *obstacles[static_cast<std::size_t>(c.obstacle)];
+    // The obstacle's surface is so far from the target, and the tip no farther from it than the rod goes on behind the
+    // contact, which the rod has to get to first.
+    const double to_contact = std::max(c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region)],
+                                       obstacle.at(rod.base).distance - rod.most_radius());
+    const double behind = rod.most_radius() + std::max(0.0, 1.0 - to_contact);
+    least = std::max(least, std::abs(obstacle.at(target.position).distance) - behind);
+  }
+  return least;
+}
+
 int Task::first_nodes() const {
   double angle = std::max(1.0, std::abs(scene.start_tip_angle));
   for (const Rod::Actuator& a : rod.actuators) {
@@ -149,11 +181,11 @@ Mode Task::mode(std::vector<ContactSetup> contacts) const {
     if (!mode.name.empty()) mode.name += " and ";
     mode.name += contact_name(c, obstacle_names, knots.size() - 1);
     // A point at arc length s is at most s away from the base.
-    const double reach = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
+    const double farthest = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
     if (palm) {
-      if (mode.skip.empty()) mode.skip = grip->obstruction(*this, reach);
+      if (mode.skip.empty()) mode.skip = grip->obstruction(*this, farthest);
     } else if (!rod.stretches() &&
-               obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > reach + rod.most_radius()) {
+               obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > farthest + rod.most_radius()) {
       mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
     }
   }
@@ -212,10 +244,15 @@ std::vector<int> Task::pieces_of_stretch(int stretch) const {
 }
 
 std::vector<CheckPoint> Task::first_checks(const PoseProgramSpec& spec, const StartShape& shape) const {
+  if (obstacles.empty()) return {};
+  const PoseProgram probe(spec);
+  return first_checks(probe, probe.start_from(shape), shape);
+}
+
+std::vector<CheckPoint> Task::first_checks(const PoseProgram& probe, ConstVectorRef x, const StartShape& shape) const {
   std::vector<CheckPoint> checks;
   if (obstacles.empty()) return checks;
-  const PoseProgram probe(spec);
-  const Eigen::VectorXd x = probe.start_from(shape);
+  const PoseProgramSpec& spec = probe.spec();
   const PoseProgram::Layout& at = probe.layout();
   const Chain& chain = probe.chain();
   const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));

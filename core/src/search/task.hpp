@@ -15,6 +15,7 @@
 namespace tendril {
 
 class Follower;
+class FreeReach;
 
 /// One way of being in contact: a small program of its own. Regions of interior contacts are stretches between fixed
 /// knots.
@@ -42,7 +43,6 @@ struct Task {
   std::vector<std::string> obstacle_names;
   std::vector<PoseProgramTerm> terms;  ///< weights divided by `objective_scale`
   double objective_scale = 1.0;
-  double objective_bound = 0.0;  ///< no plan can cost less (scaled)
   Target target;
   TargetTolerance tolerance;
   std::function<double(double)> start_points;  ///< curvature of a start that the scene gives by points; empty: none
@@ -57,6 +57,7 @@ struct Task {
   int nodes = 0;
   double seconds_assemble = 0.0;
   std::unique_ptr<Follower> follower;  ///< of the plan that was followed last
+  std::unique_ptr<FreeReach> reach;    ///< of the rod without contacts, once it was asked for
   std::unique_ptr<Task> lower;         ///< of a grasp whose fingers are both planned: this one is then the upper finger
 
   Task();
@@ -75,10 +76,17 @@ struct Task {
   /// Pieces of an unsplit rod in a stretch.
   std::vector<int> pieces_of_stretch(int stretch) const;
   std::vector<CheckPoint> first_checks(const PoseProgramSpec& spec, const StartShape& shape) const;
+  /// The same where the program without check points is there, and x where it starts from the shape.
+  std::vector<CheckPoint> first_checks(const PoseProgram& probe, ConstVectorRef x, const StartShape& shape) const;
   StartShape scene_start() const {
     return start_points ? StartShape{start_points} : constant_curvature(scene.start_tip_angle);
   }
   bool contact_planned() const;
+  /// No plan can cost less (scaled) whose tip is at least `distance` (units of L) from the target's position.
+  double least_cost(double distance = 0.0) const;
+  /// A distance (units of L) from the target's position that the tip of no plan of a mode is nearer than, each contact
+  /// touching; 0 where none is known. Made sharper until it is `enough`, or never will be.
+  double least_distance(const Mode& mode, const std::function<bool(double)>& enough);
   /// Gauss nodes for what the moments can bend, or the start shows; the certificate checks the choice.
   int first_nodes() const;
   void take_target(const TargetSpec& wanted);

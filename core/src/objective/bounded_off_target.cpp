@@ -1,0 +1,7 @@
+#include "tendril/bounded_off_target.hpp"
+
+namespace tendril {
+
+BoundedOffTarget::~BoundedOffTarget() = default;
+
+}  // namespace tendril
