@@ -131,6 +131,21 @@ TEST(Study, TakesLimitsInPressures) {
   }
 }
 
+/// Likewise of tensions, for four tendons on either side of the backbone.
+TEST(Study, TakesLimitsInTensions) {
+  const TemporaryDirectory directory;
+  const std::string scene =
+      directory.write("s.toml", read_file(scene_path("tendon_arm.toml")) + "\n[study]\nlimits = [\"1 N\"]\n");
+  const auto one = nlohmann::json::parse(tendril({"study", scene, "--json"}).out)["cases"][0];
+  std::vector<std::string> plan{"plan", scene, "--json"};
+  for (const char* actuator : {"0", "1", "2", "3"}) {
+    plan.insert(plan.end(), {"--set", std::string("rod.actuator.") + actuator + ".limit=1"});
+  }
+  EXPECT_EQ(one["limit_unit"], "N");
+  EXPECT_EQ(one["plan"]["inputs"], nlohmann::json::parse(tendril(plan).out)["inputs"]);
+  EXPECT_EQ(one["plan"]["inputs"][0]["where"], "at its limit");
+}
+
 TEST(Study, RefusesLimitsThatItsActuatorsAreNotTold) {
   const TemporaryDirectory directory;
   const auto refusal = [&](const std::string& law, const std::string& limits) {
