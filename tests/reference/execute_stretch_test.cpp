@@ -136,6 +136,14 @@ TEST(ExecuteStretch, AContactOfAnEvenlyCompressedRodIsThatOfAShorterOne) {
               100.0 * share);
 }
 
+TEST(ExecuteStretch, ContactsDoNotRub) {
+  ForwardScene s = stretching(50.0);
+  s.circle(0.5, 0.12, 0.1);
+  ExecuteControl control;
+  control.friction = {0.3};
+  EXPECT_THROW(execute(s.scene, s.obstacles, {0.5}, control), Error);
+}
+
 TEST(ExecuteStretch, ARodThatIsCompressedToNothingIsRefused) {
   ForwardScene s = stretching(1.5);
   s.scene.rod.actuators.push_back(s.scene.rod.actuators[0]);

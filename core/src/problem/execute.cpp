@@ -38,6 +38,9 @@ class Executor {
       if (!std::isfinite(m)) throw Error("expected finite moments, found " + shown(m));
       last_.push_back(scale_.to_dimensionless(m, dimension::moment));
     }
+    if (!control.friction.empty() && rod_.stretches()) {
+      throw Error("contacts rub on rods of fixed length, expected no ratios of friction for one that stretches");
+    }
     if (!control.with_obstacles) return;
     if (obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
     if (!control.friction.empty() && control.friction.size() != obstacles.size()) {

@@ -181,7 +181,8 @@ class TENDRIL_API Places {
   void find_rates(const Integrals& field, Eigen::MatrixXd& rates) const;
   void weigh(int j, const Ramp& along, const Ramp* turning, double* z) const;
   void add_unit_weight(int j, const Ramp& along, const double* factors, double* z) const;
-  void weigh_units(int j, const Ramp& along, const Ramp* turning, double push, const Eigen::VectorXd* pushed);
+  void add_stretch_gram(int j, const Sweep& sweep, const Sweep* turning, bool pushed);
+  void add_stretch_rate(int j, int l, const Sweep& sweep, const Sweep* turning, bool pushed);
   /// How fast sigma of piece j runs along the rod with arc length l.
   double run(int j, double sigma, int l) const { return start_rate_(j, l) + sigma * length_rate_(j, l); }
   Vec2 line_rate(int j, int l) const { return {line_rate_(2 * j, l), line_rate_(2 * j + 1, l)}; }

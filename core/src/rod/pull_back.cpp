@@ -47,13 +47,31 @@ void Places::add_unit_weight(int j, const Ramp& along, const double* factors, do
   }
 }
 
-/// unit_buffer_ = weight (along + psi turning) . t + push pushed  at the nodes of a rod that stretches, t the unit
-/// tangent; `turning` and `pushed` may be null.
-void Places::weigh_units(int j, const Ramp& along, const Ramp* turning, double push, const Eigen::VectorXd* pushed) {
+/// What the stretch of piece j adds to second derivatives by its coordinates: to the weights of the angle's that are in
+/// node_buffer_, and by the angle and the stretch. `turning` may be null.
+void Places::add_stretch_gram(int j, const Sweep& sweep, const Sweep* turning, bool pushed) {
   unit_buffer_.setZero();
-  add_unit_weight(j, along, nullptr, unit_buffer_.data());
-  if (turning != nullptr) add_unit_weight(j, *turning, psi_.col(j).data(), unit_buffer_.data());
-  if (pushed != nullptr) unit_buffer_ += push * *pushed;
+  add_unit_weight(j, sweep.load(j).across(), nullptr, unit_buffer_.data());
+  if (turning != nullptr) {
+    const Ramp load = -1.0 * turning->load(j);
+    add_unit_weight(j, load, eta_.col(j).data(), node_buffer_.data());
+    add_unit_weight(j, load, psi_.col(j).data(), unit_buffer_.data());
+  }
+  if (pushed) unit_buffer_ += backbone_.length(j) * unit_push_across_;
+  backbone_.add_mixed_nodes(gram_sums_, j, unit_buffer_.data());
+}
+
+/// The same of those by coordinates and arc length l.
+void Places::add_stretch_rate(int j, int l, const Sweep& sweep, const Sweep* turning, bool pushed) {
+  unit_buffer_.setZero();
+  add_unit_weight(j, sweep.load_rate(j, l), nullptr, unit_buffer_.data());
+  if (turning != nullptr) {
+    const Ramp load = turning->load_rate(j, l).across();
+    add_unit_weight(j, load, eta_.col(j).data(), node_buffer_.data());
+    add_unit_weight(j, load, psi_.col(j).data(), unit_buffer_.data());
+  }
+  if (pushed) unit_buffer_ += length_rate_(j, l) * unit_push_along_;
+  backbone_.add_stretch_nodes(rate_sums_[static_cast<std::size_t>(l)], j, unit_buffer_.data());
 }
 
 /// Sums forces on the stations of a piece at its nodes, along the tangent and across it. False: there are none.
@@ -119,7 +137,9 @@ void Places::pull_back(const Forces& forces, double* out) {
       for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] += h * push_across_[i];
       backbone_.add_nodes(sums_, j, z);
       if (chain_->stretches() > 0) {
-        weigh_units(j, load, nullptr, h, pushed ? &unit_push_along_ : nullptr);
+        unit_buffer_.setZero();
+        add_unit_weight(j, load, nullptr, unit_buffer_.data());
+        if (pushed) unit_buffer_ += h * unit_push_along_;
         backbone_.add_stretch_nodes(sums_, j, unit_buffer_.data());
       }
     }
@@ -149,6 +169,8 @@ void Places::second_pull_back(const Forces& forces, const Forces* virtual_forces
   double* z = node_buffer_.data();
   Sweep sweep(*this, forces);
   Sweep turning(*this, virtual_forces != nullptr ? *virtual_forces : forces);
+  const Sweep* by_turning = virtual_forces != nullptr ? &turning : nullptr;
+  const bool stretches = chain_->stretches() > 0;
   const auto pulls = [&](const Forces& f) { return !is_zero(f.gravity) || (dead_ && f.dead != 0.0); };
   const bool heavy =
       chain_->knot_count() > 0 && (pulls(forces) || (virtual_forces != nullptr && pulls(*virtual_forces)));
@@ -164,35 +186,21 @@ void Places::second_pull_back(const Forces& forces, const Forces* virtual_forces
     const bool pushed = gather_pushes(j, forces);
     weights(-1.0 * sweep.load(j), -1.0 * turning.load(j).across());
     for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] -= h * push_along_[i];
-    const bool stretches = chain_->stretches() > 0;
-    const double* eta = stretches && virtual_forces != nullptr ? eta_.col(j).data() : nullptr;
-    if (eta != nullptr) add_unit_weight(j, -1.0 * turning.load(j), eta, z);
+    if (stretches) add_stretch_gram(j, sweep, by_turning, pushed);
     backbone_.add_gram_nodes(gram_sums_, j, z);
-    if (stretches) {
-      const Ramp by_psi = -1.0 * turning.load(j);
-      weigh_units(j, sweep.load(j).across(), eta != nullptr ? &by_psi : nullptr, h,
-                  pushed ? &unit_push_across_ : nullptr);
-      backbone_.add_mixed_nodes(gram_sums_, j, unit_buffer_.data());
-    }
     for (int l = 0; l < arc_lengths_; ++l) {
       const double rate = length_rate_(j, l);
       if (still(j, l)) continue;
       weights(sweep.load_rate(j, l).across(), -1.0 * turning.load_rate(j, l));
       for (int i = 0; pushed && i < chain_->nodes(); ++i) z[i] += rate * push_across_[i];
-      PieceSums& sums = rate_sums_[static_cast<std::size_t>(l)];
-      if (eta != nullptr) add_unit_weight(j, turning.load_rate(j, l).across(), eta, z);
-      backbone_.add_nodes(sums, j, z);
-      if (!stretches) continue;
-      const Ramp by_psi = turning.load_rate(j, l).across();
-      weigh_units(j, sweep.load_rate(j, l), eta != nullptr ? &by_psi : nullptr, rate,
-                  pushed ? &unit_push_along_ : nullptr);
-      backbone_.add_stretch_nodes(sums, j, unit_buffer_.data());
+      if (stretches) add_stretch_rate(j, l, sweep, by_turning, pushed);
+      backbone_.add_nodes(rate_sums_[static_cast<std::size_t>(l)], j, z);
     }
     add_inside(forces, virtual_forces, j, out);
     for (int l = 0; heavy && l < out.ss.rows(); ++l) {
       for (int k = 0; k < out.ss.cols(); ++k) {
         weights(sweep.load_bend(j, l, k), turning.load_bend(j, l, k).across());
-        if (eta != nullptr) add_unit_weight(j, turning.load_bend(j, l, k), eta, z);
+        if (stretches && by_turning != nullptr) add_unit_weight(j, turning.load_bend(j, l, k), eta_.col(j).data(), z);
         out.ss(l, k) += node_buffer_.sum();
       }
     }

@@ -199,7 +199,9 @@ void validate_stretch(const Scene& scene) {
     throw SceneError(path, what + ", expected a rod that does not stretch");
   };
   if (scene.problem == ProblemKind::grasp) refuse("grasps are planned with fingers of fixed length");
-  if (scene.problem == ProblemKind::estimate) refuse("forces are estimated on rods of fixed length");
+  if (scene.problem == ProblemKind::estimate || !scene.measurement.points.empty()) {
+    refuse("forces are estimated on rods of fixed length");
+  }
   for (std::size_t i = 0; i < scene.obstacles.size() && needs_obstacles(scene); ++i) {
     if (friction_of(scene, i) > 0.0) refuse("contacts rub on rods of fixed length");
   }
