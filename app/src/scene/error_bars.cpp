@@ -137,7 +137,7 @@ double deviation_of(const Document& document, const Node& node, std::string_view
       deviation = units.read(text, written.dimension);
     }
   } catch (const QuantityError& error) {
-    refuse("whose error bar is " + error.why());
+    refuse("with an error bar " + error.why());
   }
   if (!(deviation >= 0.0)) refuse("whose error bar is negative");
   return deviation;

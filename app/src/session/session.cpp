@@ -234,10 +234,17 @@ Sensitivity Session::sensitivity(const Plan& plan, SensitivityKind kind) {
 void Session::find_uncertainty(const Plan& plan, bool executed) {
   if (spreads_.empty()) return;
   std::vector<Spread> spreads = spreads_;
-  for (Spread& spread : spreads) follow_held_inputs(scene_, plan.moments, spread);
+  std::vector<std::string> keys;
+  for (Spread& spread : spreads) {
+    follow_held_inputs(scene_, plan.moments, spread);
+    for (const Spread::Part& part : spread.parts) {
+      // The offset of a tendon is no number of the program: uncertainty_of() says that it has no column.
+      if (part.key != spread.key || !part.key.ends_with("offset")) keys.push_back(part.key);
+    }
+  }
   const Sensitivity sensitivity = located("", [&] {
-    return executed ? sensitivity_of(scene_, make_obstacles(), plan)
-                    : problem().sensitivity(plan, SensitivityKind::held);
+    return executed ? sensitivity_of(scene_, make_obstacles(), plan, keys)
+                    : problem().sensitivity(plan, SensitivityKind::held, keys);
   });
   uncertainties_.push_back(uncertainty_of(sensitivity, spreads));
 }

@@ -29,19 +29,19 @@ TENDRIL_API std::vector<SceneNumber> scene_numbers(const Scene& scene);
 struct TENDRIL_API Sensitivity {
   /// Derivatives by one number.
   struct Column {
-    SceneNumber number;
+    SceneNumber number;           ///< by which
     std::string trouble{};        ///< why there are none; empty: there are
     std::vector<double> rates{};  ///< of the quantities, in SI of both
     std::vector<Vec2> shape{};    ///< of the points of the backbone at `arc_lengths`
     double margin = 0.0;          ///< of the margin of stability, as far as the shape changes it
   };
 
-  SensitivityKind kind = SensitivityKind::replanned;
-  std::string trouble{};  ///< why there is no derivative at all; empty: there are
-  std::vector<ResultQuantity> quantities{};
-  std::vector<Column> columns{};
-  std::vector<double> arc_lengths{};  ///< m
-  double margin = 0.0;                ///< of stability
+  SensitivityKind kind = SensitivityKind::replanned;  ///< what stays where the number is another one
+  std::string trouble{};                              ///< why there is no derivative at all; empty: there are
+  std::vector<ResultQuantity> quantities{};           ///< what is differentiated
+  std::vector<Column> columns{};                      ///< by what
+  std::vector<double> arc_lengths{};                  ///< m
+  double margin = 0.0;                                ///< of stability
 
   /// The column of a number; null: it has none.
   const Column* find(std::string_view key) const;

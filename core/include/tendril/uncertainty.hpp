@@ -8,7 +8,7 @@
 
 namespace tendril {
 
-/// What becomes of a plan where a number of its scene is another one (docs/model.md section 15).
+/// What becomes of a plan where a number of its scene is another one (docs/model.md section 14).
 enum class SensitivityKind {
   replanned,  ///< planned anew, with the same contacts and limits active
   held        ///< carried out: the moments stay, which is what the robot does
@@ -29,15 +29,19 @@ struct Uncertainty {
   /// Why the numbers below should not be relied on: a state that may be lost within them. Empty: nothing is known.
   std::string warning{};
   std::vector<ResultQuantity> deviations{};  ///< standard deviations of what a sensitivity tells
+  /// What comes of one input.
   struct Share {
     std::string key;             ///< of the input
     double tip = 0.0;            ///< share of the variance of the tip's place, 0..1
     std::vector<double> each{};  ///< share of the variance of each of `deviations`
   };
   std::vector<Share> shares{};  ///< one per input, in the order given
+  /// How well a point of the backbone is known.
   struct Point {
-    double arc_length = 0.0;              ///< m
-    double xx = 0.0, xy = 0.0, yy = 0.0;  ///< m^2, covariance of its place
+    double arc_length = 0.0;  ///< m
+    double xx = 0.0;          ///< m^2, variance of its x
+    double xy = 0.0;          ///< m^2, covariance of x and y
+    double yy = 0.0;          ///< m^2, variance of its y
   };
   std::vector<Point> shape{};  ///< along the backbone, the tip last
 };
