@@ -165,7 +165,9 @@ TEST(SearchModes, WhatIsSkippedByWhereItsTipCanBeCostsAsMuchAsIsSaid) {
           if (other.mode != mode.mode) control.without.push_back(other.mode);
         }
         const Plan alone = combination::plan(made, control);
-        if (alone.status == PlanStatus::solved) {
+        // Where nothing presses the plan belongs to another way.
+        const bool presses = mode.mode == "no contact" || (!alone.contacts.empty() && alone.contacts[0].force > 1e-9);
+        if (alone.status == PlanStatus::solved && presses) {
           EXPECT_GE(alone.objective, least * (1.0 - 1e-9));
         }
       }
