@@ -34,7 +34,7 @@ class TENDRIL_API Problem {
   /// is planned. `stop` as in PlanControl.
   void follow(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop = nullptr);
   /// The derivatives of a plan that this problem made by numbers of its scene, by the implicit function theorem
-  /// (docs/model.md section 14): one factorization, a right-hand side per number. `keys`: of scene_numbers() (or, of
+  /// (docs/model.md section 15): one factorization, a right-hand side per number. `keys`: of scene_numbers() (or, of
   /// held plans, "moments[i]"); none: all of them. Where there is no derivative the trouble says why. Throws Error for
   /// an unknown key.
   Sensitivity sensitivity(const Plan& plan, SensitivityKind kind, const std::vector<std::string>& keys = {});

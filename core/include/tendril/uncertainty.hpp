@@ -8,7 +8,7 @@
 
 namespace tendril {
 
-/// What becomes of a plan where a number of its scene is another one (docs/model.md section 14).
+/// What becomes of a plan where a number of its scene is another one (docs/model.md section 15).
 enum class SensitivityKind {
   replanned,  ///< planned anew, with the same contacts and limits active
   held        ///< carried out: the moments stay, which is what the robot does
