@@ -46,22 +46,21 @@ def run(arguments: Sequence[str], *, text: str | None = None, directory: str | N
 def study(scene: Scene, jobs: int, output: str | os.PathLike[str] | None) -> Study:
     if isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1:
         raise ValueError(f"jobs: found {jobs!r}, expected a whole number from 1 on")
-    own = used_in(scene._tables())
-    if own:
-        raise ValueError(f"study: the scene names {own[0]} of this process, which a study's processes do not know; plan_many "
-                         "plans scenes with it")
     arguments = ["--json", "--jobs", str(jobs)]
     if output is not None:
         arguments += ["--output", os.path.abspath(output)]
     return Study.from_json(_run_on(scene, "study", arguments))
 
 
-def sensitivity(scene: Scene, keys: Sequence[str], held: bool) -> Sensitivities:
-    """`tendril sensitivity` of a scene."""
+def sensitivity(scene: Scene, keys: Sequence[str], held: bool, moments: Sequence[float] | None = None) -> Sensitivities:
+    """`tendril sensitivity` of a scene, or of what comes of it under `moments` (N m)."""
     for key in keys:
         if not isinstance(key, str):
             raise TypeError(f"keys: found {key!r}, expected the path of a number such as 'obstacle[0].radius'")
-    result = Sensitivities.from_json(_run_on(scene, "sensitivity", ["--json", *(["--held"] if held else [])], keys))
+    kind = ["--held"] if held and not moments else []
+    if moments:
+        kind = ["--moments=" + ",".join(repr(float(moment)) for moment in moments)]
+    result = Sensitivities.from_json(_run_on(scene, "sensitivity", ["--json", *kind], keys))
     if "trouble" in result:
         raise ValueError(f"there are no derivatives: {result['trouble']}")
     return result
@@ -75,6 +74,10 @@ def calibrate(scene: Scene, output: str | os.PathLike[str] | None) -> Calibratio
 
 def _run_on(scene: Scene, command: str, arguments: Sequence[str], words: Sequence[str] = ()) -> str:
     """Standard output of a command on a scene, whose file may have been changed since it was read."""
+    own = used_in(scene._tables())
+    if own:
+        raise ValueError(f"{command}: the scene names {own[0]} of this process, which the command's processes do not know; plan() "
+                         "and plan_many() do")
     arguments = list(arguments)
     for directory in scene._plugin_directories:
         arguments += ["--plugin-dir", os.path.abspath(directory)]

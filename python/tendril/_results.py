@@ -267,8 +267,12 @@ class Plan(_Shape):
     def sensitivities(self, *keys: str, held: bool = False) -> Sensitivities:
         """The same by several numbers, by default all of the scene."""
         if self._scene is None:
-            raise TypeError("sensitivities: a plan from a file does not know its scene, expected Scene.sensitivity()")
-        return self._scene.sensitivity(*keys, held=held)
+            raise TypeError("sensitivities: this result does not know its scene (it comes from a file, or from another start); "
+                            "expected one that Scene.plan() or Scene.execute() gave")
+        return self._differentiated(self._scene, keys, held)
+
+    def _differentiated(self, scene: Scene, keys: tuple[str, ...], held: bool) -> Sensitivities:
+        return scene.sensitivity(*keys, held=held)
 
     def row(self) -> dict[str, Any]:
         row = super().row()
@@ -278,10 +282,15 @@ class Plan(_Shape):
 
 
 class Execution(Plan):
-    """What the rod does under given moments."""
+    """What the rod does under given moments. They are held in its derivatives."""
 
     problem = "execute"
     _needs: ClassVar[Sequence[str]] = (*Plan._needs, "load", "snaps")
+
+    def _differentiated(self, scene: Scene, keys: tuple[str, ...], held: bool) -> Sensitivities:
+        from ._command import sensitivity
+
+        return sensitivity(scene, keys, True, self._document["moments"])
 
     @property
     def snaps(self) -> list[dict[str, Any]]:

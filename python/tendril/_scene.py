@@ -176,9 +176,12 @@ class Scene:
             _refuse(start is not None, "start", "an estimate starts from the measured points")
             _refuse(verify, "verify", "the obstacles of an estimate are not known, so nothing can be carried out")
             return Estimate.from_json(scene.estimate())
-        plan = Plan.from_json(scene.plan(_json_of(start, "start"), bool(verify)))
-        plan._scene = self.copy()
-        return plan
+        return self._known(Plan.from_json(scene.plan(_json_of(start, "start"), bool(verify))), start)
+
+    def _known(self, result: Any, start: Earlier | None) -> Any:
+        """The result, which can be had again from this scene unless it began elsewhere."""
+        result._scene = self.copy() if start is None else None
+        return result
 
     def trajectory(self, *, verify: bool = False) -> Trajectory:
         """`tendril plan` of a scene with problem = "trajectory"."""
@@ -210,7 +213,7 @@ class Scene:
         scene = self._open()
         if plan is not None:
             path, text = scene.execute_result(_json_of(plan, "plan"), _json_of(start, "start"))
-            return Trajectory.from_json(text) if path else Execution.from_json(text)
+            return Trajectory.from_json(text) if path else self._known(Execution.from_json(text), start)
         kind = told[0] if told else "moments, pressures, inputs or plan"
         values = given[kind] if told else ()
         lists = values.split(";") if isinstance(values, str) else list(_entries(values, kind))
@@ -219,7 +222,8 @@ class Scene:
         if nested or (isinstance(values, str) and len(lists) > 1):
             text = "; ".join(_inputs_text(entry, f"{kind}[{i}]") for i, entry in enumerate(lists))
             return Trajectory.from_json(scene.execute(kind, text, _json_of(start, "start"), True))
-        return Execution.from_json(scene.execute(kind, _inputs_text(told_values, kind), _json_of(start, "start"), False))
+        return self._known(
+            Execution.from_json(scene.execute(kind, _inputs_text(told_values, kind), _json_of(start, "start"), False)), start)
 
     def describe(self) -> Description:
         """`tendril describe`: the assembled program, and what was left out of it and why. Plans nothing."""

@@ -29,6 +29,26 @@ def test_a_derivative_is_that_of_other_executions(scenes):
     assert exact == pytest.approx((tips[1] - tips[0]) / (2 * step), rel=1e-4)
 
 
+def test_an_execution_is_differentiated_under_its_own_moments(scenes):
+    scene = tendril.load(scenes / "brace.toml")
+    exact = scene.execute(["2.4 N mm"]).sensitivity("moments[0]")["tip.y"]
+    step = 1e-7
+    tips = [scene.execute([2.4e-3 + side * step]).tip.y for side in (-1, 1)]
+    assert exact == pytest.approx((tips[1] - tips[0]) / (2 * step), rel=1e-4)
+    with pytest.raises(TypeError, match="from another start"):
+        scene.execute(["2.4 N mm"], start=scene.plan()).sensitivity("moments[0]")
+
+
+def test_components_of_this_process_are_refused(scenes):
+    scene = tendril.load(scenes / "brace.toml")
+    tendril.objective("own_term", reads=["tip_angle"])(lambda x: [x.tip.angle])
+    try:
+        with pytest.raises(ValueError, match="sensitivity: the scene names objective 'own_term' of this process"):
+            scene.copy({"objective": [{"plugin": "own_term"}]}).sensitivity("rod.length")
+    finally:
+        tendril.unregister("own_term")
+
+
 def test_error_bars_are_in_results(scenes):
     scene = tendril.load(scenes / "brace.toml").copy({"rod.bending_stiffness": "4.9e-4 N m^2 +- 5 %"})
     plan = scene.plan()

@@ -213,6 +213,9 @@ TEST(NoDerivative, IsToldInWords) {
   Session met(arguments_of(arm, {{"rod.actuator[0].limit", limit}}));
   const Plan leaning = met.plan(std::nullopt);
   EXPECT_NE(met.sensitivity(leaning, SensitivityKind::replanned).trouble.find("holds nothing"), std::string::npos);
+  Session longer(arguments_of(arm, {{"rod.axial_stiffness", "50 N"}, {"coordinates.stretch_order", "2"}}));
+  EXPECT_EQ(longer.sensitivity(longer.plan(std::nullopt), SensitivityKind::held).trouble,
+            "rods that stretch are not differentiated");
   // Pieces of the rod end where an actuator does.
   Session part(arguments_of(arm, {{"rod.actuator[0].to", "60 mm"}}));
   const Sensitivity partly = part.sensitivity(part.plan(std::nullopt), SensitivityKind::replanned);

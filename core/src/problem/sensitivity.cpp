@@ -387,9 +387,10 @@ void add_held_moments(std::vector<SceneEntry>& entries, const PlanPoint& point) 
 }
 
 /// Why a result is not differentiated, whatever the program says.
-std::string refused(const Plan& plan) {
+std::string refused(const Plan& plan, const Rod& rod) {
   if (plan.status != PlanStatus::solved) return "the result is not solved, so that there is nothing to differentiate";
   if (plan.grasp) return "grasps are not differentiated";
+  if (rod.stretches()) return "rods that stretch are not differentiated";
   if (plan.certificate.stability < tolerance::held_margin * 1.5) {
     return "the margin of stability is " + shown(plan.certificate.stability) +
            ": at the limit of stability results have no derivative";
@@ -435,7 +436,7 @@ Sensitivity Problem::sensitivity(const Plan& plan, SensitivityKind kind, const s
   Task& d = *task_;
   Sensitivity out;
   out.kind = kind;
-  out.trouble = refused(plan);
+  out.trouble = refused(plan, d.rod);
   if (!out.trouble.empty()) return out;
   d.face(plan.tip_angle);
   const std::optional<FollowedPoint> found = followed_point(d, plan);
@@ -475,13 +476,13 @@ Sensitivity sensitivity_of(const Scene& scene, const std::vector<std::unique_ptr
                            const Plan& executed, const std::vector<std::string>& keys) {
   Sensitivity out;
   out.kind = SensitivityKind::held;
-  out.trouble = refused(executed);
+  const Scale scale = scale_of(scene);
+  const Rod rod = make_rod(scene, scale);
+  out.trouble = refused(executed, rod);
   const bool extended = std::any_of(executed.contacts.begin(), executed.contacts.end(),
                                     [](const PlannedContact& c) { return c.extended; });
   if (out.trouble.empty() && extended) out.trouble = "the rod lies along an obstacle, which is not differentiated";
   if (!out.trouble.empty()) return out;
-  const Scale scale = scale_of(scene);
-  const Rod rod = make_rod(scene, scale);
   PoseProgramSpec spec;
   spec.rod = &rod;
   for (const std::unique_ptr<Obstacle>& o : obstacles) spec.obstacles.push_back(o.get());
