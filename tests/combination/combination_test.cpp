@@ -170,7 +170,7 @@ std::vector<Combined> all_objectives() {
 
 Scene scene_of(const Combined& c) {
   Scene made = scene(c.scene);
-  made.coordinates = {c.coordinates.plugin, c.split, c.coordinates.options, {}};
+  made.coordinates = {c.coordinates.plugin, c.split, 0, c.coordinates.options, {}};
   made.solver.plugin = c.solver;
   made.contact.treatment = c.treatment;
   if (c.objectives.empty()) return made;

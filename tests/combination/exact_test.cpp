@@ -20,7 +20,7 @@ struct Comparison {
 Comparison compare(const std::string& plugin, const RawOptions& options, bool split) {
   Comparison c;
   Scene brace = scene("brace");
-  brace.coordinates = {plugin, split, options, {}};
+  brace.coordinates = {plugin, split, 0, options, {}};
   c.plan = plan(brace);
   EXPECT_TRUE(certified(c.plan));
   if (c.plan.contacts.size() != 1) {
