@@ -208,7 +208,9 @@ void expect_case(const Json& one) {
   EXPECT_EQ(one.at("contact_force").get<double>(), force_of(reached.at("contacts")));
   EXPECT_NEAR(one.at("model_error").get<double>(),
               std::hypot(tip(own, "x") - tip(one.at("plan"), "x"), tip(own, "y") - tip(one.at("plan"), "y")), 1e-14);
-  EXPECT_EQ(one.at("lines").at(0).back(), one.at("tip"));
+  // Drawn points are sums of a series, the tip is the integral itself: rounding of a few lengths.
+  const Json& drawn = one.at("lines").at(0).back();
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(drawn.at(i).get<double>(), one.at("tip").at(i).get<double>(), 1e-14);
 }
 
 std::string joined_words(const std::string& text) {
