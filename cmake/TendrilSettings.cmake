@@ -60,10 +60,12 @@ if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
     set(CMAKE_CXX_COMPILER_LAUNCHER "${TENDRIL_CCACHE}")
   endif()
 endif()
-# ccache takes precompiled headers only when told that their macros and times do not matter.
+# ccache takes precompiled headers only when told that their macros and times do not matter, and knows a source again in
+# another clone only when paths count from where the clone stands.
 if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$" AND TENDRIL_PCH)
   set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND}" -E env
       "CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime"
+      "CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}" "CCACHE_NOHASHDIR=1"
       ${CMAKE_CXX_COMPILER_LAUNCHER})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     add_compile_options(-fpch-preprocess)
