@@ -3,12 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <utility>
-#include <vector>
 
 #include "conformance/formula.hpp"
 #include "derivatives/differences.hpp"
@@ -257,51 +254,6 @@ TEST(AugmentedLagrangian, HandsExceptionsOfTheProgramOn) {
                                   }).solve(program, {mixed_start, {}, {}}, {});
   EXPECT_EQ(report.status, SolveStatus::failed);
   EXPECT_EQ(report.message, "the spring broke");
-}
-
-/// One equation and a square to reduce.
-struct Held {
-  int variables = 2;
-  int rows = 1;
-  int residuals = 1;
-  template <class T>
-  void operator()(const T* x, Values<T>& out) const {
-    out.residuals[0] = x[0] - 3.0;
-    out.rows[0] = x[0] * x[0] + x[1] - 1.0;
-  }
-  void bounds(Bounds b) const {
-    b.row_lower << 0.0;
-    b.row_upper << 0.0;
-  }
-};
-
-/// From a start on the equation that the first iterations leave for good: there once more, with a penalty that makes a
-/// violation of 1e-4 worth the whole cost of 4. From a start beside it there is nothing to go back to.
-TEST(AugmentedLagrangian, GoesBackToAFeasibleStartOnceAndHoldsOnToItsRows) {
-  const auto starts_of_solves = [](const Eigen::Vector2d& start) {
-    FormulaProgram<Held> program;
-    std::vector<double> starts, penalties;
-    Scripted([&](Scripted::Subproblem& subproblem, double* x) {
-      starts.push_back(x[0]);
-      const Eigen::Vector2d on_probation(x[0], 5.0);
-      Eigen::VectorXd r(subproblem.residual_count());
-      RowMajor j(subproblem.residual_count(), 2);
-      EXPECT_TRUE(subproblem.evaluate(on_probation.data(), r.data(), j.data()));
-      penalties.push_back(j(1, 1) * j(1, 1));
-      x[0] = x[1] = 3.0 + 0.1 * static_cast<double>(starts.size());
-      return Scripted::Reduction{true, false, 60, "on its way"};
-    }).solve(program, {start, {}, {}}, {});
-    return std::pair(starts, penalties);
-  };
-  const auto [starts, penalties] = starts_of_solves({1.0, 0.0});
-  ASSERT_GE(starts.size(), 5U);
-  EXPECT_EQ(starts[1], 3.1);
-  EXPECT_EQ(starts[2], 1.0);
-  EXPECT_EQ(std::count(starts.begin(), starts.end(), 1.0), 2);
-  EXPECT_NEAR(penalties[0], first_penalty, 1e-9);
-  EXPECT_NEAR(penalties[2], 1e8, 1.0);
-  const auto [beside, unused] = starts_of_solves({1.0, 0.5});
-  EXPECT_EQ(std::count(beside.begin(), beside.end(), 1.0), 1);
 }
 
 /// Its rest does not follow its model: whatever is tried beside the start costs more.

@@ -24,13 +24,6 @@ constexpr double largest_multiplier = 1e9;
 constexpr double least_weight = 1e-6;
 constexpr double first_weight = 1e-2;
 constexpr double largest_weight = 1e12;
-/// A start that violates no row by more than this is worth going back to, where so many iterations led to no other such
-/// point.
-constexpr double kept = 1e-6;
-constexpr int patience = 100;
-/// The penalty is then such that so much of a violation costs what the whole objective is worth at the start.
-constexpr double held = 1e-4;
-constexpr double holding_penalty = 1e8;
 
 }  // namespace
 
@@ -194,8 +187,6 @@ class AugmentedLagrangianSolver::Loop {
   }
 
   bool sharpened();
-  bool astray() const { return now_.violation > kept; }
-  void go_back(const Eigen::VectorXd& start);
   std::optional<End> advance(Squares& squares, const Reduce& reduce);
   Reduction reduce_squares(Squares& squares, const Reduce& reduce);
   bool shorten(const Eigen::VectorXd& from);
@@ -333,36 +324,10 @@ AugmentedLagrangianSolver::Loop::End AugmentedLagrangianSolver::Loop::run(const 
   now_ = conditions();
   if (warm_ && sharpened()) return {SolveStatus::converged, "polished"};
   last_violation_ = violation(penalty_);
-  bool may_go_back = !astray();
-  const Eigen::VectorXd start = x_;
   while (used_ < control_.max_iterations) {
-    std::optional<End> end = advance(squares, reduce);
-    const bool failed = end ? end->status != SolveStatus::converged : used_ >= patience;
-    if (may_go_back && failed) {
-      may_go_back = false;
-      if (astray()) {
-        go_back(start);
-        end.reset();
-      }
-    }
-    if (end) return *end;
+    if (const std::optional<End> end = advance(squares, reduce)) return *end;
   }
   return {SolveStatus::iteration_limit, "iteration limit"};
-}
-
-/// A small penalty leaves a feasible start for what costs little and violates little, as a grasp without force does,
-/// and the way from there takes more iterations than there are: from the start again, and held to the rows.
-void AugmentedLagrangianSolver::Loop::go_back(const Eigen::VectorXd& start) {
-  x_ = center_ = start;
-  multipliers_.setZero();
-  bound_multipliers_.setZero();
-  penalty_ = std::clamp(2.0 * std::abs(program_.cost(x_)) / (held * held), first_penalty, holding_penalty);
-  weight_ = first_weight;
-  near_enough_ = 1e-2;
-  curved_ = false;
-  unfallen_ = rejected_ = 0;
-  now_ = conditions();
-  last_violation_ = violation(penalty_);
 }
 
 /// One reduction from the centre; x moves to its end if that is usable.
