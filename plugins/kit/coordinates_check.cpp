@@ -31,8 +31,8 @@ std::string function_at(int i, double sigma) {
 }
 
 std::vector<double> spread(int count) {
-  std::vector<double> sigma;
-  for (int i = 0; i < count; ++i) sigma.push_back((i + 0.5) / count);
+  std::vector<double> sigma(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) sigma[static_cast<std::size_t>(i)] = (i + 0.5) / count;
   return sigma;
 }
 

@@ -40,6 +40,7 @@ constexpr std::array flags{Flag{"tip_position", &Reads::tip_position},
 Reads reads_of(const std::vector<std::string>& names, const std::vector<double>& samples) {
   Reads reads;
   std::vector<std::string> known;
+  known.reserve(flags.size());
   for (const Flag& flag : flags) known.emplace_back(flag.name);
   for (const std::string& name : names) {
     const auto found = std::find(known.begin(), known.end(), name);
@@ -512,7 +513,7 @@ std::function<void(Registrar&)> together(const std::vector<PythonComponent>& com
 
 void add_components(py::module_& module) {
   add_dual(module);
-  py::class_<PythonComponent>(module, "Component");
+  const py::class_<PythonComponent> type(module, "Component");
   module.def("objective", &objective);
   module.def("coordinates", &coordinates);
   module.def("obstacle", &obstacle);

@@ -171,12 +171,13 @@ std::string Differentiator::replan(const PolishReport& polished) {
 }
 
 void Differentiator::add_rod_rates(const SceneChange& change, ProgramRates& rates) {
-  PoseProgramSpec spec = p_.program.spec();
-  const bool terms_see_it = std::any_of(spec.terms.begin(), spec.terms.end(),
-                                        [](const PoseProgramTerm& t) { return t.term->reads().bending_energy; });
-  if (!terms_see_it) spec.terms.clear();
+  const std::vector<PoseProgramTerm>& terms = p_.program.spec().terms;
+  const bool terms_see_it =
+      std::any_of(terms.begin(), terms.end(), [](const PoseProgramTerm& t) { return t.term->reads().bending_energy; });
   const auto add = [&](double share, double factor) {
     const Rod rod = change.rod(share);
+    PoseProgramSpec spec = p_.program.spec();
+    if (!terms_see_it) spec.terms.clear();
     spec.rod = &rod;
     PoseProgram changed(spec);
     rates.rows += factor * changed.constraints(p_.x);
@@ -232,7 +233,7 @@ std::string Differentiator::find_rates(const SceneChange& change, ProgramRates& 
   rates.cost = 0.0;
   if (change.moves) {
     if (!moving_) moving_ = std::make_unique<MotionRates>(p_.program.spec(), p_.x, multipliers_);
-    if (const std::string why = moving_->add(change.motion, rates); !why.empty()) return why;
+    if (std::string why = moving_->add(change.motion, rates); !why.empty()) return why;
   }
   if (change.rod) add_rod_rates(change, rates);
   return replanned_ ? add_objective_rates(change, rates) : "";
