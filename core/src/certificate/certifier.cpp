@@ -41,8 +41,11 @@ struct Certifier::Data {
     return s;
   }
 
+  /// The program and its curve at x. The curve is followed again only where the program was evaluated anew.
   void move(ConstVectorRef x) {
     program->jacobian(x);
+    if (program->counts().first_derivatives == followed) return;
+    followed = program->counts().first_derivatives;
     curve->follow(program->backbone());
     if (spec.carried == 0) return;
     if (!from_palm) from_palm = std::make_unique<Curve>(tables);
@@ -89,6 +92,7 @@ struct Certifier::Data {
   std::vector<ShrunkObstacle> shrunk;  ///< one per obstacle
   std::shared_ptr<const CurveTables> tables;
   std::unique_ptr<Curve> curve, from_palm;
+  std::int64_t followed = 0;  ///< evaluations of the program when the curve was made
 
   Stability stability;
   std::unique_ptr<OutOfPlane> out_of_plane;  ///< null: torsion is not known
@@ -108,6 +112,7 @@ void Certifier::set_checks(const std::vector<CheckPoint>& checks) {
   data_->spec.checks = checks;
   const Loads loads = data_->program->loads();
   data_->program = std::make_unique<PoseProgram>(data_->spec);
+  data_->followed = 0;
   data_->program->set_loads(loads);
 }
 
@@ -317,6 +322,8 @@ const PoseProgram& Certifier::finer(ConstVectorRef x) {
   data_->move(x);
   return *data_->program;
 }
+
+const Curve& Certifier::curve() const { return *data_->curve; }
 
 bool Certifier::approached(ConstVectorRef x, double level) {
   Data& d = *data_;

@@ -52,6 +52,8 @@ class TENDRIL_API Certifier {
   std::vector<Approach> approaches(ConstVectorRef x, double level);
   /// The program on the rule with twice the nodes, moved to x: what is read between nodes is read from this one.
   const PoseProgram& finer(ConstVectorRef x);
+  /// The curve of the rod there: where finer() or a judgement was asked for last.
+  const Curve& curve() const;
   /// Whether there is any; allocates nothing unless there is.
   bool approached(ConstVectorRef x, double level);
 

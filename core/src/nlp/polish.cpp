@@ -14,6 +14,14 @@ namespace {
 
 enum class Side : signed char { inactive = 0, lower = -1, upper = 1, equal = 2 };
 
+/// A step that left this share of the residual is followed by one with the same factorization, whose error shrinks by
+/// about that share again: it costs an evaluation instead of a Hessian and a factorization too.
+constexpr double chord_share = 1e-2;
+/// Where such a step ended, tolerances count this much: Newton's own would have gone on to rounding.
+constexpr double chord_accuracy = 1e-2;
+/// Lengths of a step that are tried, each half of the one before.
+constexpr int most_trials = 6;
+
 }  // namespace
 
 class Polisher::Newton {
@@ -143,15 +151,11 @@ class Polisher::Newton {
     double merit() const { return std::max(rows, slope); }
   };
 
-  void lagrangian_gradient(const Eigen::VectorXd& x, const Eigen::VectorXd& y, Eigen::VectorXd& slope) {
-    slope = program_->gradient(x);
-    slope.noalias() += program_->jacobian(x).transpose() * y;
-  }
-
   /// Residual of the first-order conditions at x with multipliers y, and the gradient of the Lagrangian.
   Residual residual(const Eigen::VectorXd& x, const Eigen::VectorXd& y, Eigen::VectorXd& slope) {
     // Derivatives first: they bring the values along.
-    lagrangian_gradient(x, y, slope);
+    slope = program_->gradient(x);
+    slope.noalias() += program_->jacobian(x).transpose() * y;
     const VectorView c = program_->constraints(x);
     Residual r{0.0, 0.0};
     for (const int i : active_) r.rows = std::max(r.rows, std::abs(c[i] - row_target(i)));
@@ -180,6 +184,11 @@ class Polisher::Newton {
     return false;
   }
 
+  /// Whether the residual is below the tolerances, these times `share`.
+  bool small(const Residual& r, double share) const {
+    return r.rows <= share * options_.row_tolerance && r.slope <= share * options_.slope_tolerance;
+  }
+
   /// Newton on the current active set. False: no convergence.
   bool newton() {
     pin_bounds();
@@ -188,13 +197,20 @@ class Polisher::Newton {
     if (!std::isfinite(now.merit())) return give_up("a value is not finite");
     double best = now.merit();
     int without_progress = 0;
-    while (now.rows > options_.row_tolerance || now.slope > options_.slope_tolerance) {
+    bool chord = false;  // the factorization is an earlier point's
+    while (!small(now, chord ? chord_accuracy : 1.0)) {
       if (report_.iterations++ >= options_.max_iterations) return give_up("too many steps");
       if (options_.stop && options_.stop()) return give_up("stopped");
-      assemble();
+      if (!chord) factorize();
+      set_right_side();
       if (!solve()) return give_up("the KKT system has no solution");
-      const Residual next = search_along_step(now);
+      const Residual next = search_along_step(now, chord ? 1 : most_trials);
       if (!(next.merit() < infinity)) {
+        if (small(now, 1.0)) return true;
+        if (chord) {
+          chord = false;
+          continue;
+        }
         // At the floor of rounding a Newton step cannot make things better.
         const double floor = std::max(10.0 * options_.row_tolerance, rounding());
         if (now.rows <= floor && now.slope <= 100.0 * options_.slope_tolerance) return true;
@@ -203,6 +219,7 @@ class Polisher::Newton {
       x_.swap(x_new_);
       y_.swap(y_new_);
       slope_.swap(slope_new_);
+      chord = regular_ && next.merit() <= chord_share * now.merit();
       now = next;
       without_progress = now.merit() < 0.5 * best ? 0 : without_progress + 1;
       best = std::min(best, now.merit());
@@ -211,52 +228,55 @@ class Polisher::Newton {
     return true;
   }
 
-  /// The KKT system at x: free variables first, then active rows.
-  void assemble() {
+  /// The KKT matrix at x: free variables first, then active rows.
+  void factorize() {
     const auto nf = static_cast<Eigen::Index>(free_.size());
     const auto na = static_cast<Eigen::Index>(active_.size());
     // The order matters: hessian() moves the program to x.
     const MatrixView hessian = program_->hessian(x_, 1.0, y_);
     const MatrixView jacobian = program_->jacobian(x_);
-    const VectorView c = program_->constraints(x_);
-    rhs_.resize(nf + na);
     kkt_.setZero(nf + na, nf + na);
     for (Eigen::Index i = 0; i < nf; ++i) {
       const int vi = free_[static_cast<std::size_t>(i)];
-      rhs_[i] = -slope_[vi];
       for (Eigen::Index k = 0; k < nf; ++k) kkt_(k, i) = hessian(free_[static_cast<std::size_t>(k)], vi);
       for (Eigen::Index r = 0; r < na; ++r) {
         kkt_(nf + r, i) = kkt_(i, nf + r) = jacobian(active_[static_cast<std::size_t>(r)], vi);
       }
     }
-    for (Eigen::Index r = 0; r < na; ++r) {
-      const int i = active_[static_cast<std::size_t>(r)];
-      rhs_[nf + r] = row_target(i) - c[i];
-    }
+    lu_.compute(kkt_);
+  }
+
+  /// What the next step has to take away, in the order of the matrix.
+  void set_right_side() {
+    const auto nf = static_cast<Eigen::Index>(free_.size());
+    const VectorView c = program_->constraints(x_);
+    rhs_.resize(nf + static_cast<Eigen::Index>(active_.size()));
+    Eigen::Index k = 0;
+    for (const int i : free_) rhs_[k++] = -slope_[i];
+    for (const int i : active_) rhs_[k++] = row_target(i) - c[i];
   }
 
   /// The step that solves the system. False: there is none.
   bool solve() {
-    lu_.compute(kkt_);
-    step_.resize(rhs_.size());
     left_.resize(rhs_.size());
     step_ = lu_.solve(rhs_);
     left_.noalias() = kkt_ * step_;
     left_ -= rhs_;
     const double scale = 1.0 + rhs_.cwiseAbs().maxCoeff();
     const auto nf = static_cast<Eigen::Index>(free_.size());
-    if (step_.allFinite() && left_.cwiseAbs().maxCoeff() <= 1e-8 * scale && step_.head(nf).norm() <= 1e3) return true;
+    regular_ = step_.allFinite() && left_.cwiseAbs().maxCoeff() <= 1e-8 * scale && step_.head(nf).norm() <= 1e3;
+    if (regular_) return true;
     // Dependent rows or a flat direction: the shortest step that does as well as any.
     step_ = kkt_.completeOrthogonalDecomposition().solve(rhs_);
     return step_.allFinite();
   }
 
   /// Goes along the step, halved until the residual falls; infinite where it does not.
-  Residual search_along_step(const Residual& now) {
+  Residual search_along_step(const Residual& now, int trials) {
     x_new_ = x_;
     y_new_ = y_;
     double length = 1.0;
-    for (int halving = 0; halving < 6; ++halving, length *= 0.5) {
+    for (int trial = 0; trial < trials; ++trial, length *= 0.5) {
       Eigen::Index k = 0;
       for (const int i : free_) x_new_[i] = x_[i] + length * step_[k++];
       for (const int i : active_) y_new_[i] = y_[i] + length * step_[k++];
@@ -286,7 +306,6 @@ class Polisher::Newton {
       changed = changed || side != Side::inactive;
     }
     if (changed) return true;
-    lagrangian_gradient(x_, y_, slope_);
     // A multiplier counts as wrong only beyond the accuracy of the slopes themselves.
     double worst = 1e-9 * (1.0 + (y_.size() > 0 ? y_.cwiseAbs().maxCoeff() : 0.0));
     Side* drop = nullptr;
@@ -310,7 +329,6 @@ class Polisher::Newton {
     report_.converged = converged;
     report_.x = x_;
     report_.multipliers = y_;
-    lagrangian_gradient(x_, y_, slope_);
     report_.bound_multipliers.setZero(program_->variable_count());
     report_.stationarity = 0.0;
     for (int i = 0; i < program_->variable_count(); ++i) {
@@ -334,6 +352,7 @@ class Polisher::Newton {
   Eigen::MatrixXd kkt_;
   Eigen::VectorXd rhs_, step_, left_;
   Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+  bool regular_ = false;  ///< the last step came from lu_
   PolishReport report_;
 };
 

@@ -108,17 +108,21 @@ void PoseProgram::set_branch(int contact, Branch branch) {
   lower_[at.first_force + contact] = branch == Branch::separated ? 0.0 : s.min_force;
   upper_[at.first_force + contact] = branch == Branch::separated ? 0.0 : s.max_force;
   set_row_bounds();
+  data_->evaluated = data_->kept = false;
   invalidate();
 }
 
 void PoseProgram::set_target(const Target& target) {
   data_->spec.target = target;
   data_->base.terms.set_target(target);
+  // Rows that hold the rod to its target are evaluated with all others.
+  data_->kept = data_->evaluated && data_->layout.targets == 0;
   invalidate();
 }
 
 void PoseProgram::set_loads(const Loads& loads) {
   data_->loads = loads;
+  data_->evaluated = data_->kept = false;
   invalidate();
 }
 
@@ -142,11 +146,19 @@ std::string PoseProgram::variable_name(int variable) const {
 
 void PoseProgram::do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out) {
   Data& d = *data_;
-  d.move(x);
-  if (derivatives) d.differentiate();
-  for (const std::unique_ptr<RowBlock>& block : d.blocks) {
-    block->evaluate(x, derivatives, out.constraints.segment(block->first(), block->count()),
-                    out.jacobian.middleRows(block->first(), block->count()));
+  const bool same = d.kept && (d.differentiated || !derivatives) && x == d.evaluated_at;
+  d.kept = false;
+  if (!same) {
+    d.evaluated = false;
+    d.move(x);
+    if (derivatives) d.differentiate();
+    for (const std::unique_ptr<RowBlock>& block : d.blocks) {
+      block->evaluate(x, derivatives, out.constraints.segment(block->first(), block->count()),
+                      out.jacobian.middleRows(block->first(), block->count()));
+    }
+    d.evaluated = true;
+    d.differentiated = derivatives;
+    d.evaluated_at = x;
   }
   d.base.terms.evaluate(d.base.values, out.cost, out.rest, out.residuals);
   if (derivatives) d.base.differentiate_terms(out.gradient, out.rest_gradient, out.residual_jacobian);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "rod/kernels.hpp"
 #include "tendril/error.hpp"
 
 namespace tendril {
@@ -68,6 +69,37 @@ double CurveTables::sum(const double* coefficients, int count, double z) const {
   return sum;
 }
 
+Vec2 CurveTables::sum(const double* x, const double* y, int count, double z) const {
+  Vec2 sum, above;
+  for (int k = count - 1; k >= 0; --k) {
+    const auto i = static_cast<std::size_t>(k);
+    const double rise = rise_[i] * z;
+    // What waits for the sum before is one product: the chain of these is what a point costs.
+    const Vec2 rest{x[k] - fall_[i] * above.x, y[k] - fall_[i] * above.y};
+    above = sum;
+    sum = {rise * sum.x + rest.x, rise * sum.y + rest.y};
+  }
+  return sum;
+}
+
+CurveSamples::CurveSamples(const CurveTables& tables, int steps) : steps_(steps), values_(tables.intervals()) {
+  const int most = tables.per_interval() + 1;
+  Eigen::VectorXd column(most);
+  int from = 0;
+  for (int i = 0; i < tables.intervals(); ++i) {
+    int to = from;
+    while (to <= steps && (i + 1 == tables.intervals() || sigma(to) <= tables.end(i + 1))) ++to;
+    Eigen::MatrixXd& values = values_[static_cast<std::size_t>(i)];
+    values.resize(to - from, most);
+    for (int k = from; k < to; ++k) {
+      const double z = 2.0 * (sigma(k) - tables.end(i)) / (tables.end(i + 1) - tables.end(i)) - 1.0;
+      legendre_polynomials(z, {column.data(), static_cast<std::size_t>(most)});
+      values.row(k - from) = column.transpose();
+    }
+    from = to;
+  }
+}
+
 void Curve::follow(const Backbone& backbone) {
   const Chain& chain = backbone.chain();
   const int n = tables_->per_interval();
@@ -99,10 +131,13 @@ void Curve::follow(const Backbone& backbone) {
     Vec2 at = backbone.knot_point(j);
     for (int i = 0; i < intervals; ++i) {
       const int column = j * intervals + i;
-      const Eigen::Map<const Eigen::VectorXd> c(backbone.cosine_.col(j).data() + i * n, n);
-      const Eigen::Map<const Eigen::VectorXd> s(backbone.sine_.col(j).data() + i * n, n);
-      series_x_.col(column).noalias() = tables_->transform() * c;
-      series_y_.col(column).noalias() = tables_->transform() * s;
+      const auto transform = [&](const Eigen::MatrixXd& tangent, Eigen::MatrixXd& series) {
+        series.col(column).setZero();
+        kernels::add_weighted_columns(n, n, n, tables_->transform().data(), tangent.col(j).data() + i * n, 1,
+                                      series.col(column).data());
+      };
+      transform(backbone.cosine_, series_x_);
+      transform(backbone.sine_, series_y_);
       // The first coefficient is the mean.
       const double width = lengths_[piece] * (tables_->end(i + 1) - tables_->end(i));
       integrate(series_x_.col(column).data(), n, 0.5 * width, at.x, place_x_.col(column).data());
@@ -130,17 +165,29 @@ int Curve::locate(int piece, double& sigma) const {
 Curve::Point Curve::at(int piece, double sigma) const {
   const Vec2 point = position(piece, sigma);
   const int column = locate(piece, sigma);
-  const int count = tables_->per_interval();
   return {point,
-          {tables_->sum(series_x_.col(column).data(), count, sigma),
-           tables_->sum(series_y_.col(column).data(), count, sigma)}};
+          tables_->sum(series_x_.col(column).data(), series_y_.col(column).data(), tables_->per_interval(), sigma)};
 }
 
 Vec2 Curve::position(int piece, double sigma) const {
   const int column = locate(piece, sigma);
-  const int count = counts_[static_cast<std::size_t>(column)];
-  return {tables_->sum(place_x_.col(column).data(), count, sigma),
-          tables_->sum(place_y_.col(column).data(), count, sigma)};
+  return tables_->sum(place_x_.col(column).data(), place_y_.col(column).data(),
+                      counts_[static_cast<std::size_t>(column)], sigma);
+}
+
+void Curve::positions(int piece, const CurveSamples& samples, VectorRef x, VectorRef y) const {
+  x.setZero();
+  y.setZero();
+  Eigen::Index from = 0;
+  for (int i = 0; i < tables_->intervals(); ++i) {
+    const Eigen::MatrixXd& values = samples.values(i);
+    const auto own = static_cast<int>(values.rows());
+    const int column = piece * tables_->intervals() + i;
+    const int count = counts_[static_cast<std::size_t>(column)];
+    kernels::add_weighted_columns(own, own, count, values.data(), place_x_.col(column).data(), 1, x.data() + from);
+    kernels::add_weighted_columns(own, own, count, values.data(), place_y_.col(column).data(), 1, y.data() + from);
+    from += own;
+  }
 }
 
 }  // namespace tendril

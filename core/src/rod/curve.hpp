@@ -28,11 +28,32 @@ class TENDRIL_API CurveTables {
 
   /// Sum of coefficients[k] P_k(z) over k < count, which is at most per_interval() + 1.
   double sum(const double* coefficients, int count, double z) const;
+  /// Two such sums.
+  Vec2 sum(const double* x, const double* y, int count, double z) const;
 
  private:
   std::vector<double> ends_;
   std::vector<double> rise_, fall_;  ///< of the recurrence that sums (Clenshaw)
   Eigen::MatrixXd transform_, cumulative_;
+};
+
+/// Legendre polynomials at evenly spaced places of a piece, with which the positions there are one product.
+class TENDRIL_API CurveSamples {
+ public:
+  /// Of no place.
+  CurveSamples() = default;
+  /// Places sigma = 0, 1/steps, .., 1 of the pieces of curves with these tables.
+  CurveSamples(const CurveTables& tables, int steps);
+  /// Of these places, the first one not counted.
+  int steps() const { return steps_; }
+  /// Place k in [0,1].
+  double sigma(int k) const { return static_cast<double>(k) / steps_; }
+  /// Of the places in smooth interval i: a row per place, a column per polynomial.
+  const Eigen::MatrixXd& values(int i) const { return values_[static_cast<std::size_t>(i)]; }
+
+ private:
+  int steps_ = 0;
+  std::vector<Eigen::MatrixXd> values_;
 };
 
 /// The curve of a moved backbone as a series per smooth interval of each piece.
@@ -52,6 +73,8 @@ class TENDRIL_API Curve {
   };
   Point at(int piece, double sigma) const;       ///< Point at sigma in [0,1] of a piece.
   Vec2 position(int piece, double sigma) const;  ///< Its position alone.
+  /// Positions at all places of `samples` on a piece, into vectors of that size.
+  void positions(int piece, const CurveSamples& samples, VectorRef x, VectorRef y) const;
   /// Pieces of the backbone followed last.
   int piece_count() const { return pieces_; }
   /// Length of a piece, units of L.

@@ -6,17 +6,31 @@
 #include <utility>
 
 #include "certificate/clearance.hpp"
+#include "rod/kernels.hpp"
 #include "rod/outline.hpp"
 
 namespace tendril {
 
-BackboneSampler::BackboneSampler(const Chain& chain)
-    : curve_(chain.curve_tables()), pieces_(static_cast<std::size_t>(chain.piece_count())) {}
+BackboneSampler::BackboneSampler(const Chain& chain) : pieces_(static_cast<std::size_t>(chain.piece_count())) {}
 
-void BackboneSampler::sample(const PoseProgram& program, double length, std::vector<BackbonePoint>& out) {
+BackboneSampler::Piece::Piece(const Chain& chain, int steps)
+    : samples(*chain.curve_tables(), steps),
+      value(steps + 1, chain.bends()),
+      first(steps + 1, chain.bends()),
+      x(steps + 1),
+      y(steps + 1),
+      angle(steps + 1),
+      slope(steps + 1) {
+  std::vector<double> sigma;
+  for (int i = 0; i <= steps; ++i) sigma.push_back(samples.sigma(i));
+  Eigen::MatrixXd second(steps + 1, chain.bends());
+  chain.model().evaluate(sigma, value, first, second);
+}
+
+void BackboneSampler::sample(const PoseProgram& program, const Curve& curve, double length,
+                             std::vector<BackbonePoint>& out) {
   const Chain& chain = program.chain();
   const Backbone& shape = program.backbone();
-  curve_.follow(shape);
   const int n = chain.bends();
   constexpr double total = 100.0;
   constexpr double slack = 1.25;
@@ -24,29 +38,28 @@ void BackboneSampler::sample(const PoseProgram& program, double length, std::vec
   for (int j = 0; j < chain.piece_count(); ++j) {
     Piece& piece = pieces_[static_cast<std::size_t>(j)];
     const int wanted = std::max(4, static_cast<int>(std::ceil(total * shape.length(j))));
-    if (wanted > slack * piece.steps || piece.steps > slack * wanted) {
-      piece.steps = wanted;
-      std::vector<double> sigma;
-      for (int i = 0; i <= piece.steps; ++i) sigma.push_back(static_cast<double>(i) / piece.steps);
-      piece.value.resize(piece.steps + 1, n);
-      piece.first.resize(piece.steps + 1, n);
-      Eigen::MatrixXd second(piece.steps + 1, n);
-      chain.model().evaluate(sigma, piece.value, piece.first, second);
-    }
-    const Eigen::Map<const Eigen::VectorXd> q(shape.coordinates(j), n);
-    for (int i = j == 0 ? 0 : 1; i <= piece.steps; ++i) {
-      const double at = static_cast<double>(i) / piece.steps;
-      const Vec2 p = curve_.position(j, at);
-      out.push_back({(shape.start(j) + at * shape.length(j)) * length, p.x * length, p.y * length,
-                     shape.knot_angle(j) + piece.value.row(i).dot(q),
-                     piece.first.row(i).dot(q) / shape.length(j) / length});
+    if (wanted > slack * piece.samples.steps() || piece.samples.steps() > slack * wanted) piece = Piece(chain, wanted);
+    const int count = piece.samples.steps() + 1;
+    curve.positions(j, piece.samples, piece.x, piece.y);
+    const auto sum = [&](const Eigen::MatrixXd& basis, Eigen::VectorXd& to) {
+      to.setZero();
+      kernels::add_weighted_columns(count, count, n, basis.data(), shape.coordinates(j), 1, to.data());
+    };
+    sum(piece.value, piece.angle);
+    sum(piece.first, piece.slope);
+    for (int i = j == 0 ? 0 : 1; i < count; ++i) {
+      out.push_back({(shape.start(j) + piece.samples.sigma(i) * shape.length(j)) * length, piece.x[i] * length,
+                     piece.y[i] * length, shape.knot_angle(j) + piece.angle[i],
+                     piece.slope[i] / shape.length(j) / length});
     }
   }
 }
 
 std::vector<BackbonePoint> sampled_backbone(const PoseProgram& program, double length) {
   std::vector<BackbonePoint> out;
-  BackboneSampler(program.chain()).sample(program, length, out);
+  Curve curve(program.chain().curve_tables());
+  curve.follow(program.backbone());
+  BackboneSampler(program.chain()).sample(program, curve, length, out);
   return out;
 }
 

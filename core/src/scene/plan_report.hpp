@@ -18,15 +18,17 @@ namespace tendril {
 class BackboneSampler {
  public:
   explicit BackboneSampler(const Chain& chain);
-  /// Replaces `out` by points of the program's shape computed last. `length`: of the rod, m.
-  void sample(const PoseProgram& program, double length, std::vector<BackbonePoint>& out);
+  /// Replaces `out` by points of the program's shape computed last, whose curve this is. `length`: of the rod, m.
+  void sample(const PoseProgram& program, const Curve& curve, double length, std::vector<BackbonePoint>& out);
 
  private:
   struct Piece {
-    int steps = 0;
-    Eigen::MatrixXd value, first;  ///< of the basis, a row per point
+    Piece() = default;
+    Piece(const Chain& chain, int steps);
+    CurveSamples samples;
+    Eigen::MatrixXd value, first;        ///< of the basis, a row per point
+    Eigen::VectorXd x, y, angle, slope;  ///< of the points: memory that is used again
   };
-  Curve curve_;
   std::vector<Piece> pieces_;
 };
 

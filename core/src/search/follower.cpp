@@ -56,9 +56,10 @@ bool Follower::step(Plan& plan) {
   const PolishReport& polished = polisher_.run(program_, point_.x, multipliers_);
   if (!polished.converged || !(polished.infeasibility <= tolerance::equilibrium)) return false;
   const double polishing = now();
-  if (!problem_.obstacles.empty() && certifier_.approached(polished.x, violation_level)) return false;
   certifier_.certify(program_, polished.x, certificate_, &polished.multipliers, &polished.bound_multipliers);
   if (!certificate_.valid() || certificate_.quadrature > tolerance::quadrature) return false;
+  // Only what the certificate sees near can be so near that a check point has to move.
+  if (certificate_.penetration >= -violation_level && certifier_.approached(polished.x, violation_level)) return false;
   if (!contacts_unchanged(problem_, program_, polished.x)) return false;
   point_.x = polished.x;
   multipliers_ = polished.multipliers;
@@ -74,7 +75,7 @@ void Follower::write(Plan& plan, double begin, double certifying, const Evaluati
   plan.model_error.reset();
   plan.local_model_error.reset();
   tell_point(d, program_, point_.x, plan);
-  sampler_.sample(certifier_.finer(point_.x), d.scale.length, plan.backbone);
+  sampler_.sample(certifier_.finer(point_.x), certifier_.curve(), d.scale.length, plan.backbone);
   plan.self_overlap = self_overlap(plan.backbone, d.scene.rod.body());
   plan.certificate = certificate_;
 
