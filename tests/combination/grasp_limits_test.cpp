@@ -225,6 +225,32 @@ TEST_P(GraspSolver, SaysWhyItPressesLess) {
   EXPECT_TRUE(contains_text(reason(light), "no such grasp was certified"));
 }
 
+/// Where no motor is strong enough for the force limit the cheapest grasp counts. It takes 64 N mm: larger limits
+/// change nothing.
+TEST_P(GraspSolver, WeakMotorsHoldWhatTheyCan) {
+  const auto weak = [&](double limit) {
+    Scene made = grasp_of_diameter(0.06, 3.33);
+    made.solver.time_limit = 60.0;
+    std::erase_if(made.objectives, [](const ObjectiveSpec& o) { return o.plugin == "contact_force"; });
+    for (ActuatorSpec& a : made.rod.actuators) {
+      a.minimum = -limit;
+      a.maximum = limit;
+    }
+    return planned(made);
+  };
+  const Plan first = weak(0.08);
+  ASSERT_TRUE(certified(first));
+  EXPECT_NEAR(first.grasp->axial_force, 0.0, 1e-9);
+  EXPECT_NEAR(std::abs(first.moments[1]), 0.0643639, 1e-6);
+  for (const double limit : {0.1, 0.11}) {
+    SCOPED_TRACE(limit);
+    const Plan found = weak(limit);
+    ASSERT_TRUE(certified(found));
+    EXPECT_NEAR(contact_force(found), contact_force(first), 1e-6);
+    expect_same_plan(found, first, 1e-6);
+  }
+}
+
 TEST_P(GraspSolver, AWayOfTouchingThatCannotHoldCostsNoSolve) {
   // The proximal segment ends too early for this object; the distal one holds it.
   const Plan found = planned(scene("grasp_60mm"));
@@ -292,14 +318,15 @@ TEST_P(GraspSolver, WhatCannotBeHeldIsInfeasibleWithTheLimitThatBinds) {
     EXPECT_TRUE(contains_text(found.message, reason));
   };
   refused(grasp_of_diameter(0.2, 3.33), "too large");
-  // Within reach, but even at the least force no shape of the finger comes round it.
-  refused(grasp_of_diameter(0.15, 3.33), "contact force 1 at its smallest");
+  // Within reach, but not even the largest force bends the finger round it.
+  refused(grasp_of_diameter(0.15, 3.33), "contact force 1 at its largest");
   refused(scene("grasp_60mm", {"gripper.palm_distance=\"150 mm\""}), "too far away");
   refused(scene("grasp_60mm", {"gripper.palm_distance=\"100 mm\""}), "too far away");
   // A weak finger cannot bend down to a thin object, nor round a thick one.
   const std::vector<std::string> weak{"rod.actuator.0.limit=\"10 N mm\"", "rod.actuator.1.limit=\"10 N mm\""};
   refused(grasp_of_diameter(0.005, 3.33, weak), "moment 1 at its smallest");
-  refused(grasp_of_diameter(0.075, 3.33, weak), "moment 1 at its largest");
+  // With 150 N mm, both moments closing, it is held.
+  refused(grasp_of_diameter(0.075, 3.33, weak), "moment 1 at its smallest, moment 2 at its smallest");
 }
 
 TEST(GraspReport, SaysWhichMomentsOpenTheFinger) {

@@ -82,14 +82,14 @@ TEST_P(GraspDerivatives, RowsOfTheWholeAreWhatTheySay) {
   for (int which = 0; which < 2; ++which) {
     const PoseProgram::ContactState& contact = program->finger(which).contacts().front();
     EXPECT_NEAR(contact.force * forces[which], program->force(x), 1e-12);
-    axial += program->force(x) * contact.surface.normal.x;
+    axial += contact.surface.normal.x;
     // Both bases stand on the palm.
     const Vec2 base = point(which, 0, 0.0);
     EXPECT_NEAR(base.x, -program->palm_distance(x), 1e-12);
     EXPECT_NEAR(base.y, units[which] * (which == 0 ? 0.2 : -0.16), 1e-12);
   }
   EXPECT_NEAR(c[program->balance_row()], axial, 1e-12);
-  EXPECT_NEAR(net_force(*program).x, -axial, 1e-12);
+  EXPECT_NEAR(net_force(*program).x, -program->force(x) * axial, 1e-12);
   // The smaller of both limits: 5 * 0.7 and 1 * 1.9.
   EXPECT_NEAR(program->upper()[program->variable_count() - (GetParam().free_palm ? 2 : 1)], 1.9, 1e-12);
 }

@@ -53,6 +53,11 @@ Eigen::VectorXd with_row(const Pair& grasp, const Eigen::VectorXd& x, const std:
   return moved(program, x, row_named(program, name), value);
 }
 
+/// Along the axis the object is pushed with `net`: the row is the sum of both directions.
+Eigen::VectorXd with_net_force(const Pair& grasp, const Eigen::VectorXd& x, double net) {
+  return with_row(grasp, x, "force_balance row 1", net / GraspProgram(grasp.spec()).force(x));
+}
+
 /// Variable `variable` of a finger's own program at x.
 double own_value(const Pair& grasp, std::size_t which, const Eigen::VectorXd& x, const std::string& variable) {
   GraspProgram program(grasp.spec());
@@ -149,12 +154,12 @@ const std::vector<Disturbed>& disturbances_of_the_whole() {
        {"net force on the object"},
        tolerance::balance,
        three_digits,
-       [](Pair& g, std::size_t, Point x, double amount) { return with_row(g, x, "force_balance row 1", amount); }},
+       [](Pair& g, std::size_t, Point x, double amount) { return with_net_force(g, x, amount); }},
       {"force out of balance, towards the palm",
        {"net force on the object"},
        tolerance::balance,
        three_digits,
-       [](Pair& g, std::size_t, Point x, double amount) { return with_row(g, x, "force_balance row 1", -amount); }},
+       [](Pair& g, std::size_t, Point x, double amount) { return with_net_force(g, x, -amount); }},
       {"a palm that is too near",
        {"violation of a limit"},
        tolerance::bounds,

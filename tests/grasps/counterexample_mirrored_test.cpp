@@ -40,6 +40,11 @@ Eigen::VectorXd with_row(Finger& finger, const std::string& name, double value) 
   return moved(program, finger.x, row_named(program, name), value);
 }
 
+/// Along the axis an object is pushed with `net`: the row is the direction of the one push.
+Eigen::VectorXd with_net_force(Finger& finger, double net) {
+  return with_row(finger, "force_balance row 1", net / finger.x[PoseProgram(finger.spec).layout().first_force]);
+}
+
 Eigen::Index first_moment(const Finger& finger) { return PoseProgram(finger.spec).layout().first_moment; }
 
 const std::vector<Disturbed>& disturbances() {
@@ -61,12 +66,12 @@ const std::vector<Disturbed>& disturbances() {
        {"net force on the object"},
        tolerance::balance,
        three_digits,
-       [](Finger& f, double amount) { return with_row(f, "force_balance row 1", amount); }},
+       [](Finger& f, double amount) { return with_net_force(f, amount); }},
       {"force out of balance, towards the palm",
        {"net force on the object"},
        tolerance::balance,
        three_digits,
-       [](Finger& f, double amount) { return with_row(f, "force_balance row 1", -amount); }},
+       [](Finger& f, double amount) { return with_net_force(f, -amount); }},
       {"a gap under the force",
        {"complementarity"},
        tolerance::complementarity,

@@ -25,6 +25,13 @@ bool leaves_plane(const Certificate& c) {
 /// Somewhere the rod lies along an obstacle instead of touching it at a point.
 bool spreads(const Certificate& c) { return !(c.contact_convexity > tolerance::convexity); }
 
+/// Force of all contacts on the finger along its palm's axis, EI/L^2, at the point evaluated last.
+double axial_force(const PoseProgram& program) {
+  double sum = 0.0;
+  for (const PoseProgram::ContactState& c : program.contacts()) sum += c.force * dot(c.push, program.spec().palm->axis);
+  return sum;
+}
+
 }  // namespace
 
 struct Certifier::Data {
@@ -178,7 +185,7 @@ void Certifier::certify(PoseProgram& judged, ConstVectorRef x, Certificate& c, c
   }
   measure(judged, x, c);
   const PoseProgram::Layout& at = data_->program->layout();
-  c.balance = at.balances > 0 ? std::abs(data_->rows[at.first_balance]) : 0.0;
+  c.balance = at.balances > 0 ? std::abs(axial_force(*data_->program)) : 0.0;
   data_->judge_stationarity(judged, x, c, multipliers, bound_multipliers);
   list_failures(c);
 }

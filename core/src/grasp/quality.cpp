@@ -35,11 +35,19 @@ Response response_of(PoseProgramSpec spec, Vec2 axis, double shift, ConstVectorR
   const bool singular = !(equations.factor().rcond() > singular_below);
   const MatrixView jacobian = program.jacobian(y);
   Eigen::MatrixXd rates;
+  // The row of one contact is the direction of its push alone (balance_rows.cpp): the force is another factor.
+  const bool alone = at.forces == 1;
+  const double force = alone ? y[at.first_force] : 1.0;
+  const double direction = alone ? program.constraints(y)[at.first_balance] : 0.0;
   const auto derivative = [&](int variable) {
     if (singular) return std::nan("");
     equations.find_rates(y, {variable}, rates);
-    double sum = jacobian(at.first_balance, variable);
-    for (int i = 0; i < equations.size(); ++i) sum += jacobian(at.first_balance, equations.unknown(i)) * rates(i, 0);
+    double sum = force * jacobian(at.first_balance, variable);
+    for (int i = 0; i < equations.size(); ++i) {
+      const int unknown = equations.unknown(i);
+      sum +=
+          (force * jacobian(at.first_balance, unknown) + (unknown == at.first_force ? direction : 0.0)) * rates(i, 0);
+    }
     return -sum;
   };
   Response out;

@@ -187,7 +187,7 @@ void GraspProgram::do_evaluate(ConstVectorRef x, bool derivatives, Workspace& ou
     out.rest += program.rest(f.x);
     out.constraints.segment(f.first_row, f.own_rows) = c.head(f.own_rows);
     out.constraints.segment(d.first_separation, separations) += f.length_unit * c.segment(f.separation, separations);
-    out.constraints[d.balance] += f.force_unit * c[f.balance];
+    out.constraints[d.balance] += c[f.balance];
     out.residuals.segment(f.residual, program.residual_count()) = program.residuals(f.x);
   }
   if (!derivatives) return;
@@ -206,8 +206,7 @@ void GraspProgram::do_evaluate(ConstVectorRef x, bool derivatives, Workspace& ou
       out.jacobian.block(f.first_row, to, f.own_rows, count) += factor * jacobian.block(0, from, f.own_rows, count);
       out.jacobian.block(d.first_separation, to, separations, count) +=
           (factor * f.length_unit) * jacobian.block(f.separation, from, separations, count);
-      out.jacobian.block(d.balance, to, 1, count) +=
-          (factor * f.force_unit) * jacobian.block(f.balance, from, 1, count);
+      out.jacobian.block(d.balance, to, 1, count) += factor * jacobian.block(f.balance, from, 1, count);
       out.gradient.segment(to, count) += factor * gradient.segment(from, count);
       out.rest_gradient.segment(to, count) += factor * rest.segment(from, count);
       out.residual_jacobian.block(f.residual, to, residual.rows(), count) += factor * residual.middleCols(from, count);
@@ -228,7 +227,7 @@ void GraspProgram::do_hessian(ConstVectorRef x, double sigma, ConstVectorRef mul
     f.multipliers.head(f.own_rows) = multipliers.segment(f.first_row, f.own_rows);
     f.multipliers.segment(f.separation, separations) =
         f.length_unit * multipliers.segment(d.first_separation, separations);
-    f.multipliers[f.balance] = f.force_unit * multipliers[d.balance];
+    f.multipliers[f.balance] = multipliers[d.balance];
     const MatrixView h = f.program->hessian(f.x, sigma, f.multipliers);
     struct Part {
       Eigen::Index from, to, count;

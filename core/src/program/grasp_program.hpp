@@ -34,9 +34,10 @@ struct GraspProgramSpec {
 /// distance): coordinates, moments and contact arc length of each in units of its own rod, then what they share in
 /// units of the grasp; no palm distance where it is fixed. One contact each presses on a round object, so that no force
 /// is left on it exactly if both forces are equal, which the shared variable sees to, and the normals are opposite: one
-/// row, the force along the axis. (Its other root, normals on the same side, leaves a force across the axis, which the
-/// certificate finds. Forces of their own would make that row, the balance across the axis and the limits of both
-/// forces dependent at every solution.) Forces without friction pass through the centre: no moment is left either.
+/// row, the sum of their parts along the axis. (Its other root, normals on the same side, leaves a force across the
+/// axis, which the certificate finds. Forces of their own would make that row, the balance across the axis and the
+/// limits of both forces dependent at every solution.) Forces without friction pass through the centre: no moment is
+/// left either.
 class TENDRIL_API GraspProgram : public NonlinearProgram {
  public:
   /// Throws Error for fingers that do not have one contact each.
@@ -54,7 +55,7 @@ class TENDRIL_API GraspProgram : public NonlinearProgram {
   double force(ConstVectorRef x) const;          ///< Of either contact, units of the grasp.
   double palm_distance(ConstVectorRef x) const;  ///< Units of the grasp.
   int palm_variable() const;                     ///< -1: the distance is fixed.
-  int balance_row() const;                       ///< Net force along the axis, units of the grasp.
+  int balance_row() const;                       ///< Both normals along the axis, in sum.
   int first_separation() const;                  ///< Row; one per separation.
 
   std::string row_name(int row) const override;

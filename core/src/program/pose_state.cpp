@@ -142,16 +142,23 @@ bool PoseState::ordered(int contact) const {
 
 void PoseState::add_force_work(int contact, Vec2 displacement) {
   const PoseProgram::ContactState& c = contacts[static_cast<std::size_t>(contact)];
+  const BaseIndex::Contact& at = base.index.contacts[static_cast<std::size_t>(contact)];
+  const Vec2 sliding = add_push_work(contact, displacement, c.force);
+  base.add_symmetric(at.point.x, at.force, sliding.x);
+  base.add_symmetric(at.point.y, at.force, sliding.y);
+}
+
+Vec2 PoseState::add_push_work(int contact, Vec2 displacement, double force) {
+  const PoseProgram::ContactState& c = contacts[static_cast<std::size_t>(contact)];
   // n + lean tau is n turned and stretched: so is what it works along, the other way.
   displacement = displacement - c.lean * turned(displacement);
   const BaseIndex::Contact& at = base.index.contacts[static_cast<std::size_t>(contact)];
   const Vec2 tau = turned(c.surface.normal);
   const Vec2 sliding = c.surface.curvature * dot(tau, displacement) * tau;
-  base.gradient[at.point.x] += c.force * sliding.x;
-  base.gradient[at.point.y] += c.force * sliding.y;
-  base.add(at.point, normal_hessian(c.surface, c.force * displacement));
-  base.add_symmetric(at.point.x, at.force, sliding.x);
-  base.add_symmetric(at.point.y, at.force, sliding.y);
+  base.gradient[at.point.x] += force * sliding.x;
+  base.gradient[at.point.y] += force * sliding.y;
+  base.add(at.point, normal_hessian(c.surface, force * displacement));
+  return sliding;
 }
 
 }  // namespace tendril

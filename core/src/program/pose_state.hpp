@@ -73,6 +73,8 @@ struct PoseState {
   }
   /// Adds second derivatives of the work of contact k's force, its couple aside, along a constant displacement.
   void add_force_work(int contact, Vec2 displacement);
+  /// The same of a constant force; returns the work's gradient by the contact's point, per force.
+  Vec2 add_push_work(int contact, Vec2 displacement, double force);
 };
 
 }  // namespace tendril
