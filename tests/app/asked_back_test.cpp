@@ -90,7 +90,7 @@ TEST(StandardInput, FeedsAStudyAndItsWorkers) {
 }
 
 /// scenes/trajectory.toml with its targets in t.csv.
-CommandRun plan_targets(const std::string& csv) {
+CommandRun plan_targets(const std::string& csv, bool as_json = true) {
   const TemporaryDirectory directory;
   directory.write("t.csv", csv);
   const std::string scene = R"(
@@ -105,7 +105,20 @@ file = "t.csv"
 [[objective]]
 plugin = "tip_pose"
 )";
-  return tendril({"plan", directory.write("s.toml", scene), "--json"});
+  std::vector<std::string> words{"plan", directory.write("s.toml", scene)};
+  if (as_json) words.emplace_back("--json");
+  return tendril(words);
+}
+
+TEST(TrajectoryFile, TellsTargetsOutOfReach) {
+  const CommandRun millimetres = plan_targets("98,10\n97,15\n", false);
+  EXPECT_TRUE(contains_text(millimetres.out,
+                            "2 of 2 targets lie out of reach, by up to 9.84e+04 % of the length: are "
+                            "they in mm? A plain number is in m"))
+      << millimetres.out;
+  const CommandRun far = plan_targets("0.098,0.01\n0.12,0\n", false);
+  EXPECT_TRUE(contains_text(far.out, "1 of 2 targets lie out of reach, by up to 20 % of the length\n")) << far.out;
+  EXPECT_FALSE(contains_text(plan_targets("0.098,0.01\n0.1,0\n", false).out, "out of reach"));
 }
 
 TEST(TrajectoryFile, HoldsTargets) {

@@ -140,6 +140,10 @@ TEST(Execute, TakesPressuresAndShowsThemInTheUnitsOfTheScene) {
   EXPECT_TRUE(contains_text(tendril({"plan", scene}).out, "pressure  value"));
   expect_refused(tendril({"execute", scene, "--pressures", "1 bar, 2 bar"}),
                  "--pressures, number 1: the scene does not say what moment a pressure gives");
+  expect_refused(tendril({"execute", scene_path("grasp_60mm.toml"), "--moments", "40 kPa, 0"}),
+                 "number in N m; --pressures takes pressures");
+  expect_refused(tendril({"execute", scene_path("grasp_60mm.toml"), "--pressures", "0, 40 N mm"}),
+                 "number in Pa; --moments takes moments");
   expect_refused(tendril({"execute", scene, "--inputs", "1 N mm"}), "--inputs: found 1 inputs");
   expect_refused(tendril({"execute", scene, "--inputs", "1 N mm, 2 N mm"}), "--inputs, number 2: found \"2 N mm\"");
   expect_refused(tendril({"execute", scene}), "execute needs what moves the scene's 2 actuators");

@@ -160,6 +160,24 @@ std::string errors_text(const std::string& name, const Errors& e, const DisplayU
                      e.at + 1);
 }
 
+/// Targets that no shape of the rod can reach; empty: there is none.
+std::string reach_text(const Scene& scene) {
+  if (scene.coordinates.stretch_order > 0) return "";
+  const double length = scene.rod.length();
+  double farthest = 0.0;
+  int beyond = 0;
+  for (const TargetSpec& target : scene.trajectory.targets) {
+    const double distance = target.position ? norm(*target.position - scene.rod.base_position) : 0.0;
+    farthest = std::max(farthest, distance);
+    if (distance > length * (1.0 + 1e-9)) ++beyond;
+  }
+  if (beyond == 0) return "";
+  const bool thousandth = farthest > 10.0 * length && 1e-3 * farthest <= 1.5 * length;
+  return fmt::format("{} of {} targets lie out of reach, by up to {:.3g} % of the length{}\n\n", beyond,
+                     scene.trajectory.targets.size(), 100.0 * (farthest / length - 1.0),
+                     thousandth ? ": are they in mm? A plain number is in m" : "");
+}
+
 }  // namespace
 
 std::string trajectory_report(const Scene& scene, const Trajectory& trajectory) {
@@ -171,6 +189,7 @@ std::string trajectory_report(const Scene& scene, const Trajectory& trajectory) 
   if (const auto cuts = count(cut); cuts > 0) {
     text += fmt::format("time ended the search of {} steps before it was done: better plans may exist\n\n", cuts);
   }
+  text += reach_text(scene);
   Grid grid;
   grid.row({"step", "target", "tip", "error", "moments", "contact", "force", "stability", "reached", "status"});
   for (std::size_t i = 0; i < trajectory.steps.size(); ++i)

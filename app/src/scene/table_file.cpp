@@ -53,6 +53,7 @@ class Reader {
   void collect(const std::vector<TextLine>& lines);
   bool take_comment(const TextLine& line);
   void take_names(const TextLine& line, std::vector<TextCell> cells);
+  bool take_units(const std::vector<TextCell>& cells);
   void take_columns_by_count();
   void take_row(const TextLine& line, std::vector<TextCell> cells);
   double value(const TextLine& line, const TextCell& cell, std::size_t at) const;
@@ -104,6 +105,7 @@ void Reader::collect(const std::vector<TextLine>& lines) {
         continue;
       }
     }
+    if (lines_.empty() && take_units(cells_of(line, separator_of(line)))) continue;
     if (lines_.empty()) separator_ = separator_of(line);
     lines_.push_back(line);
     cells_.push_back(cells_of(line, separator_));
@@ -254,6 +256,24 @@ void Reader::take_names(const TextLine& line, std::vector<TextCell> cells) {
     column_of_.back() = static_cast<int>(at);
     factors_[static_cast<std::size_t>(at)] = one->factor;
   }
+}
+
+/// Some programs write the units on a line below the names. False: it is none of these.
+bool Reader::take_units(const std::vector<TextCell>& cells) {
+  if (column_of_.empty()) return false;
+  std::vector<double> factors = factors_;
+  for (std::size_t i = 0; i < column_of_.size(); ++i) {
+    if (column_of_[i] < 0) continue;
+    const auto at = static_cast<std::size_t>(column_of_[i]);
+    std::string_view unit = i < cells.size() ? std::string_view(cells[i].text) : "";
+    const bool in_brackets = unit.size() > 2 && (unit.front() == '[' || unit.front() == '(');
+    if (in_brackets) unit = trimmed_text(unit.substr(1, unit.size() - 2));
+    const auto size = unit.empty() ? std::nullopt : factor(unit, spec_.columns[file_.form[at]].dimension);
+    if (!size) return false;
+    factors[at] = *size;
+  }
+  factors_ = factors;
+  return true;
 }
 
 void Reader::take_columns_by_count() {

@@ -40,8 +40,9 @@ struct TableFile {
 };
 
 /// Reads a table as spreadsheets and cameras write it. Values stand between commas, semicolons, tabs or blanks, perhaps
-/// in quotes; a first line of names may give units in brackets; a decimal comma is read where it can be nothing else.
-/// Lines without any value, and lines that begin with #, are skipped. Throws InputError with line and column.
+/// in quotes; a first line of names may give units in brackets, or a second line the units alone; a decimal comma is
+/// read where it can be nothing else. Lines without any value, and lines that begin with #, are skipped. Throws
+/// InputError with line and column.
 TableFile read_table_file(const std::filesystem::path& path, const TableFileSpec& spec, const Units& units);
 
 }  // namespace tendril::app

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "result/grasp_result.hpp"
 #include "tendril/app/input_error.hpp"
@@ -13,8 +15,18 @@ namespace tendril::app {
 
 namespace {
 
-/// SI, or with a unit.
-double read_number(const std::string& text, const Dimension& wanted, const std::string& where, const Units& units) {
+bool is_quantity(const std::string& text, const Dimension& dimension, const Units& units) {
+  try {
+    units.read(text, dimension);
+    return true;
+  } catch (const QuantityError&) {
+    return false;
+  }
+}
+
+/// SI, or with a unit. `hint`: what else the text may be, and the option that takes it.
+double read_number(const std::string& text, const Dimension& wanted, const std::string& where, const Units& units,
+                   const std::optional<std::pair<Dimension, std::string>>& hint) {
   double value = 0.0;
   const char* const end = text.data() + text.size();
   const auto [rest, code] = std::from_chars(text.data(), end, value);
@@ -22,7 +34,9 @@ double read_number(const std::string& text, const Dimension& wanted, const std::
   try {
     return units.read(text, wanted);
   } catch (const QuantityError& error) {
-    throw InputError(fmt::format("{}: {}", where, error.what()));
+    std::string words = error.what();
+    if (hint && is_quantity(text, hint->first, units)) words += "; " + hint->second;
+    throw InputError(fmt::format("{}: {}", where, words));
   }
 }
 
@@ -69,8 +83,14 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
                                    to_string(actuator.kind)));
     }
     const bool told = inputs.kind != InputKind::moments;
+    std::optional<std::pair<Dimension, std::string>> hint;
+    if (told) {
+      hint.emplace(dimension::moment, "--moments takes moments");
+    } else if (actuator.knows_pressure()) {
+      hint.emplace(dimension::pressure, "--pressures takes pressures");
+    }
     const double value =
-        read_number(texts[a], told ? actuator.input_dimension() : dimension::moment, where, session.units());
+        read_number(texts[a], told ? actuator.input_dimension() : dimension::moment, where, session.units(), hint);
     if (actuator.kind == ActuatorKind::tendon && value < 0.0) {
       throw InputError(fmt::format(
           "{}: found a tension of {} N, expected one that is not negative: a tendon only pulls", where, value));

@@ -48,14 +48,47 @@ bool declares(const OptionSchema& schema, std::string_view name) {
 
 }  // namespace
 
+/// What was meant by an entry of the table at `path` that its component does not know: a key of the table itself, or of
+/// a table in it, or "" where an option is nearer.
+std::string Session::misspelt_key(const std::string& path, const std::string& entry) const {
+  const std::string table = path.substr(0, path.find('['));
+  const std::size_t number = table == path ? 0 : std::stoul(path.substr(table.size() + 1));
+  const OptionSchema* schema = table == "coordinates" ? &registry_->coordinates(scene_.coordinates.plugin).options
+                               : table == "obstacle"  ? &registry_->obstacle(scene_.obstacles[number].shape).options
+                               : table == "objective" ? &registry_->objective(scene_.objectives[number].plugin).options
+                                                      : nullptr;
+  if (schema == nullptr || declares(*schema, entry)) return "";
+  const Node* node = document_.root().find(table);
+  if (const auto* list = node != nullptr ? std::get_if<Node::List>(&node->value) : nullptr) node = &(*list)[number];
+  std::vector<std::string> own;
+  for (const KeySpec& key : scene_keys()) {
+    if (key.name != table) continue;
+    for (const KeySpec& below : key.keys) {
+      own.push_back(below.name);
+      if (node == nullptr || node->find(below.name) == nullptr) continue;
+      for (const KeySpec& deeper : below.keys) {
+        if (deeper.name == entry) return below.name + '.' + entry;
+      }
+    }
+  }
+  std::vector<std::string> known = own;
+  for (const OptionSpec& option : *schema) known.push_back(option.name);
+  const std::string nearest = nearest_name(entry, known);
+  return std::find(own.begin(), own.end(), nearest) != own.end() ? nearest : "";
+}
+
 /// Runs `make`; what it throws gets the place of `path` in the scene. An option stands below `path`.
 template <class Make>
 decltype(auto) Session::located(const std::string& path, Make&& make) const {
   try {
     return make();
   } catch (const OptionError& error) {
-    const bool in_file = error.position().line > 0;
-    document_.fail(in_file ? error.position() : document_.find(path + '.' + error.option()), error.what());
+    const SourcePosition place =
+        error.position().line > 0 ? error.position() : document_.find(path + '.' + error.option());
+    const std::string meant = misspelt_key(path, error.option());
+    if (meant.empty()) document_.fail(place, error.what());
+    document_.fail(place, fmt::format("found the key '{}', which [{}] does not have; did you mean '{}'?",
+                                      error.option(), path.substr(0, path.find('[')), meant));
   } catch (const SceneError& error) {
     document_.fail(document_.find(error.path()), error.what());
   } catch (const plugins::PluginError& error) {

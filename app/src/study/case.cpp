@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "result/result_object.hpp"
 #include "result/trajectory_result.hpp"
@@ -325,6 +326,10 @@ std::string failed_case(const StudyCase& one, const std::string& message) {
   json["message"] = message;
   json["lines"] = Json::array();
   return one_line(std::move(json));
+}
+
+std::string study_heading(const Scene& scene) {
+  return printable(scene.title.empty() ? std::filesystem::path(scene.file).filename().string() : scene.title) + "\n\n";
 }
 
 }  // namespace tendril::app

@@ -13,4 +13,7 @@ std::string run_case(Session& session, const Scene& scene, const StudySpec& stud
 /// The record of a case that came to nothing.
 std::string failed_case(const StudyCase& one, const std::string& message);
 
+/// What stands above the table of a study: the scene's title, or its file without the directory.
+std::string study_heading(const Scene& scene);
+
 }  // namespace tendril::app

@@ -199,7 +199,7 @@ std::string grasp_study_report(const Scene& scene, const StudyResult& result) {
       trouble += fmt::format("case {}: {}: {}\n", i, status, printable(message));
     }
   }
-  std::string text = printable(scene.title) + "\n\n" + grid.text("");
+  std::string text = study_heading(scene) + grid.text("");
   text += "\nlateral: of each finger; axial: of both, positive away from the palm\n";
   if (opening)
     text += "the planned moment of the last actuator is an opening one: a larger one opens the finger further\n";

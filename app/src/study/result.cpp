@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "study/case.hpp"
 #include "study/grasp.hpp"
 #include "system/tables.hpp"
 #include "tendril/app/input_error.hpp"
@@ -291,7 +292,7 @@ std::string study_report(const Scene& scene, const StudyResult& result) {
               g.loaded > 0 ? fmt::format("{} of {}", g.arrived, g.loaded) : "-"});
   }
   std::string text =
-      printable(scene.title) + "\n\n" + grid.text("") + "\nmean +- sample standard deviation over the solved cases\n";
+      study_heading(scene) + grid.text("") + "\nmean +- sample standard deviation over the solved cases\n";
   if (grazes) text += fmt::format("none: rods that graze an obstacle with less than {}\n", force(grazing));
   for (std::size_t i = 0; i < result.cases.size(); ++i) {
     const std::string message = printable(result.values[i].value("message", ""));

@@ -130,6 +130,12 @@ std::vector<TextCell> cells_of(const TextLine& line, char separator) {
 }
 
 std::pair<std::optional<double>, std::string_view> leading_number(std::string_view text, bool comma) {
+  // Some programs write the minus sign of typography.
+  constexpr std::string_view minus = "\xe2\x88\x92";
+  if (text.starts_with(minus)) {
+    const auto [number, rest] = leading_number(text.substr(minus.size()), comma);
+    return {number ? std::optional(-*number) : number, number ? rest : text};
+  }
   const std::string_view rest = text.starts_with('+') ? text.substr(1) : text;
   std::string plain(rest);
   if (comma) std::replace(plain.begin(), plain.end(), ',', '.');

@@ -108,7 +108,8 @@ EstimateInput::EstimateInput(const Scene& scene) {
       throw SceneError("measurement", "a measured point is at arc length " + shown(p.arc_length, 3) +
                                           " m, expected at least 0 and at most the rod's length, " +
                                           shown(scale.length, 3) + " m: " +
-                                          (s > 1.0 && 1e-3 * points.back().arc_length <= 1.05 * scale.length
+                                          (s > 1.0 && points.back().arc_length > 10.0 * scale.length &&
+                                                   1e-3 * points.back().arc_length <= 1.05 * scale.length
                                                ? "are the points in mm? A plain number is in m"
                                                : "are its unit and the rod's length right?"));
     }

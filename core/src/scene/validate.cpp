@@ -365,10 +365,27 @@ void validate_gripper(const Scene& scene) {
   if (scene.contact.max_force == 0.0) throw SceneError("contact.max_force", "a grasp needs a max_force above 0");
 }
 
+/// Beyond this load (EI/L^2) rounding alone is more than bends the rod.
+constexpr double largest_load = 1e12;
+
+void validate_loads(const Scene& scene) {
+  double mass = scene.tip_load.mass;
+  for (const SegmentSpec& s : scene.rod.segments) mass += s.linear_density * s.length;
+  const double weight = scene.gravity ? mass * norm(*scene.gravity) : 0.0;
+  const double load = (weight + norm(scene.tip_load.force)) / scale_of(scene).force();
+  if (load <= largest_load) return;
+  throw SceneError("rod", "weight and tip load are " + shown(load, 3) +
+                              " times EI/L^2, the force that bends the rod, and no shape can be computed under more "
+                              "than " +
+                              shown(largest_load, 3) +
+                              ": are the units of length, stiffness, density and loads right?");
+}
+
 }  // namespace
 
 void validate(const Scene& scene) {
   validate_rod(scene.rod, "rod");
+  validate_loads(scene);
   validate_stretch(scene);
   if (scene.gravity) {
     require_finite(scene.gravity->x, "gravity");

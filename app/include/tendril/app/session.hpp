@@ -108,6 +108,7 @@ class Session {
   plugins::Located place() const;
   template <class Make>
   decltype(auto) located(const std::string& path, Make&& make) const;
+  std::string misspelt_key(const std::string& path, const std::string& entry) const;
 
   Document document_;
   std::shared_ptr<const Units> units_;
