@@ -385,7 +385,6 @@ void validate_loads(const Scene& scene) {
 
 void validate(const Scene& scene) {
   validate_rod(scene.rod, "rod");
-  validate_loads(scene);
   validate_stretch(scene);
   if (scene.gravity) {
     require_finite(scene.gravity->x, "gravity");
@@ -395,6 +394,7 @@ void validate(const Scene& scene) {
   require_not_negative(scene.tip_load.mass, "tip_load.mass", "the mass", "kg");
   require_finite(scene.tip_load.force.x, "tip_load.force");
   require_finite(scene.tip_load.force.y, "tip_load.force");
+  validate_loads(scene);
   if (scene.target.position) {
     require_finite(scene.target.position->x, "target.position");
     require_finite(scene.target.position->y, "target.position");
