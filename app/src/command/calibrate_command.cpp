@@ -6,6 +6,7 @@
 #include "figure/backbones.hpp"
 #include "figure/panels.hpp"
 #include "result/calibration_report.hpp"
+#include "system/output.hpp"
 
 namespace tendril::app {
 
@@ -63,11 +64,11 @@ void draw(const Scene& scene, const Calibration& calibration, StagedFiles& files
 
 }  // namespace
 
-int run_calibrate(Session& session, const ResultPlaces& places) {
-  const Calibration calibration = session.calibrate();
+std::vector<std::string> write_calibration(Session& session, const Calibration& calibration,
+                                           const ResultPlaces& places) {
   const Scene& scene = session.scene();
   const ResultForms forms{[&] { return calibration_json(scene, calibration, session.run_info()); },
-                          [&] { return calibration_report(scene, calibration); },
+                          {},
                           {},
                           [&](StagedFiles& files, const std::string& stem, const std::vector<Picture>& pictures) {
                             if (calibration.shapes.empty())
@@ -80,7 +81,14 @@ int run_calibrate(Session& session, const ResultPlaces& places) {
     files.write("rod.toml", session.calibrated_rod(calibration));
     files.publish();
   }
-  give_result(places, forms, session);
+  return write_result(places, forms, session);
+}
+
+int run_calibrate(Session& session, const ResultPlaces& places) {
+  const Calibration calibration = session.calibrate();
+  for (const std::string& text : write_calibration(session, calibration, places)) note(text);
+  print(places.json ? calibration_json(session.scene(), calibration, session.run_info())
+                    : calibration_report(session.scene(), calibration));
   return calibration.status == CalibrationStatus::solved ? 0 : 1;
 }
 

@@ -7,7 +7,6 @@
 
 #include "command/new_command.hpp"
 #include "command/reference.hpp"
-#include "command/sensitivity_command.hpp"
 #include "live/live.hpp"
 #include "session/inputs.hpp"
 #include "tendril/app/commands.hpp"
@@ -314,9 +313,7 @@ Command sensitivity_command(CLI::App& app) {
   add_json(*sensitivity, parsed->json);
   return {sensitivity, [parsed] {
             return run_sensitivity({parsed->scene.arguments(),
-                                    parsed->keys,
-                                    {files::InputKind::moments, parsed->moments},
-                                    parsed->held,
+                                    {parsed->keys, {files::InputKind::moments, parsed->moments}, parsed->held},
                                     parsed->json});
           }};
 }
@@ -338,18 +335,19 @@ Command study_command(CLI::App& app, std::vector<std::string> words) {
   study->add_option("--figure", parsed->figure, "Picture of the study, .svg, .png, .pdf or .html")->type_name("FILE");
   add_movie(*study, parsed->movie);
   study->add_option("--jobs", arguments.jobs, "Worker processes")->type_name("N")->check(CLI::Range(1, 1024));
-  study->add_option("--shard", arguments.shard, "Only the i-th of N parts of the cases")->type_name("i/N");
-  study->add_flag("--merge", arguments.merge, "Join the parts that are in the output directory");
+  study->add_option("--shard", arguments.places.shard, "Only the i-th of N parts of the cases")->type_name("i/N");
+  study->add_flag("--merge", arguments.places.merge, "Join the parts that are in the output directory");
   study->add_flag("--worker", arguments.worker)->group("");
   add_json(*study, arguments.json);
   return {study, [study, parsed] {
             require_name(*study, "--output", parsed->output);
             require_name(*study, "--figure", parsed->figure);
             parsed->arguments.scene = parsed->scene.arguments();
-            parsed->arguments.output = optional_path(parsed->output);
             require_name(*study, "--movie", parsed->movie);
-            parsed->arguments.figure = optional_path(parsed->figure);
-            parsed->arguments.movie = optional_path(parsed->movie);
+            StudyPlaces& places = parsed->arguments.places;
+            places.output = optional_path(parsed->output);
+            places.figure = optional_path(parsed->figure);
+            places.movie = optional_path(parsed->movie);
             return run_study(parsed->arguments);
           }};
 }
@@ -380,7 +378,13 @@ Command live_command(CLI::App& app) {
       ->type_name("N")
       ->check(CLI::Range(1, 65535));
   live->add_flag("--no-browser", parsed->no_browser, "Only print the address");
-  return {live, [parsed] { return run_live({parsed->scene.arguments(), parsed->port, !parsed->no_browser}); }};
+  return {live, [parsed] {
+            LiveArguments arguments;
+            arguments.scene = parsed->scene.arguments();
+            arguments.control.port = parsed->port;
+            arguments.control.open_browser = !parsed->no_browser;
+            return run_live(arguments);
+          }};
 }
 
 Command view_command(CLI::App& app) {

@@ -13,6 +13,7 @@
 #include "figure/picture.hpp"
 #include "result/json_reader.hpp"
 #include "session/inputs.hpp"
+#include "session/sensitivities.hpp"
 #include "system/output.hpp"
 #include "system/tables.hpp"
 #include "tendril/app/files.hpp"
@@ -90,6 +91,14 @@ int run_calibrate(const CalibrateArguments& arguments) {
   return run_calibrate(session, arguments.places);
 }
 
+int run_sensitivity(const SensitivityArguments& arguments) {
+  Session session(arguments.scene);
+  const SceneSensitivity found = sensitivities_of(session, arguments.wishes);
+  print(arguments.json ? sensitivity_json(session.scene(), found.of, found.keys)
+                       : sensitivity_report(session.scene(), found.of, found.keys));
+  return found.of.trouble.empty() ? 0 : 1;
+}
+
 int run_describe(const SceneArguments& arguments, bool json) {
   Session session(arguments);
   note_dropped(session);
@@ -101,20 +110,24 @@ int run_describe(const SceneArguments& arguments, bool json) {
   return 0;
 }
 
-int run_view(const ViewArguments& arguments) {
-  const std::string name = arguments.result.string();
-  std::filesystem::path page = arguments.output.value_or(arguments.result.filename().replace_extension(".html"));
-  if (is_movie(page)) {
-    require_movie(page);
+std::vector<std::string> write_view(const files::ResultText& result, const std::filesystem::path& file,
+                                    plugins::Registry& registry, const std::atomic<bool>* stop) {
+  if (is_movie(file)) {
+    require_movie(file);
   } else {
-    picture_of(page);
+    picture_of(file);
   }
+  const Json drawing = drawing_of(parse_result(result.text, result.name, "result"), result.name, registry);
+  if (!has_shape(drawing)) throw InputError("no figure: " + result.name + " holds no shape");
+  write_picture(file, drawing, stop);
+  return drawing["notes"];
+}
+
+int run_view(const ViewArguments& arguments) {
+  std::filesystem::path page = arguments.output.value_or(arguments.result.filename().replace_extension(".html"));
   plugins::Registry registry(plugins::Catalog(plugins::search_places(arguments.plugin_directories)));
-  const Json drawing =
-      drawing_of(parse_result(read_input(arguments.result, "result", largest_result), name, "result"), name, registry);
-  if (!has_shape(drawing)) throw InputError("no figure: " + name + " holds no shape");
-  for (const Json& text : drawing["notes"]) note(text.get<std::string>());
-  write_picture(page, drawing);
+  const files::ResultText result{read_input(arguments.result, "result", largest_result), arguments.result.string()};
+  for (const std::string& text : write_view(result, page, registry)) note(text);
   print("wrote " + printable(page.string()) + '\n');
   return 0;
 }

@@ -13,7 +13,8 @@ namespace {
 /// The pictures of a result, of which the drawing is made once.
 class Pictures {
  public:
-  Pictures(const ResultForms& forms, Session& session) : forms_(forms), session_(session) {}
+  Pictures(const ResultForms& forms, Session& session, std::vector<std::string>& notes)
+      : forms_(forms), session_(session), notes_(notes) {}
 
   void into(const std::filesystem::path& directory, const std::string& stem, const std::vector<Picture>& pictures) {
     if (!forms_.draw && !drawing()) return;
@@ -21,7 +22,7 @@ class Pictures {
     if (!forms_.draw) {
       draw_pictures(*drawing(), files, stem, pictures);
     } else if (!forms_.draw(files, stem, pictures)) {
-      return note("no figure: " + forms_.no_shape);
+      return no_shape();
     }
     files.publish();
   }
@@ -31,6 +32,7 @@ class Pictures {
   }
 
  private:
+  void no_shape() { notes_.push_back("no figure: " + forms_.no_shape); }
   /// Null: there is no shape, which was said.
   const Json* drawing() {
     if (!made_) {
@@ -38,7 +40,7 @@ class Pictures {
       drawing_ = drawing_of(Json::parse(forms_.json()), "the result", session_.registry());
       if (!has_shape(drawing_)) {
         drawing_ = nullptr;
-        note("no figure: " + forms_.no_shape);
+        no_shape();
       }
     }
     return drawing_.is_null() ? nullptr : &drawing_;
@@ -46,6 +48,7 @@ class Pictures {
 
   const ResultForms& forms_;
   Session& session_;
+  std::vector<std::string>& notes_;
   bool made_ = false;
   Json drawing_;
 };
@@ -61,25 +64,30 @@ void try_places(const ResultPlaces& places) {
   if (places.output) const StagedFiles trial(*places.output);
 }
 
-void give_result(const ResultPlaces& places, const ResultForms& forms, Session& session) {
-  const std::string json = places.json || places.output ? forms.json() : "";
-  Pictures pictures(forms, session);
+std::vector<std::string> write_result(const ResultPlaces& places, const ResultForms& forms, Session& session) {
+  std::vector<std::string> notes;
+  Pictures pictures(forms, session, notes);
   if (places.output) {
     {
       StagedFiles files(*places.output);
-      files.write("result.json", json);
+      files.write("result.json", forms.json());
       files.publish();
     }
     try {
       pictures.into(*places.output, "figure", {Picture::svg, Picture::png});
     } catch (const InputError& error) {
-      note(error.what());
+      notes.emplace_back(error.what());
     }
   }
   for (const auto& file : {places.figure, places.movie}) {
     if (file) pictures.as(*file);
   }
-  print(places.json ? json : forms.report());
+  return notes;
+}
+
+void give_result(const ResultPlaces& places, const ResultForms& forms, Session& session) {
+  for (const std::string& text : write_result(places, forms, session)) note(text);
+  print(places.json ? forms.json() : forms.report());
 }
 
 }  // namespace tendril::app

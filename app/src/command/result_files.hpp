@@ -21,7 +21,9 @@ struct ResultForms {
 
 /// What cannot be written had better be known before the work begins. Throws InputError.
 void try_places(const ResultPlaces& places);
-/// Writes and prints the result. Without its picture it is still a result: that is only noted.
+/// Writes the result's files. Without its picture it is still a result: why there is none is returned.
+std::vector<std::string> write_result(const ResultPlaces& places, const ResultForms& forms, Session& session);
+/// Writes and prints the result.
 void give_result(const ResultPlaces& places, const ResultForms& forms, Session& session);
 
 }  // namespace tendril::app

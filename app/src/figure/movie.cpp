@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "figure/frame_figure.hpp"
 #include "system/progress.hpp"
@@ -81,7 +82,7 @@ void require_movie(const std::filesystem::path& file) {
   }
 }
 
-void write_movie(const std::filesystem::path& file, const Json& drawing) {
+void write_movie(const std::filesystem::path& file, const Json& drawing, const std::atomic<bool>* stop) {
   require_movie(file);
   const std::size_t frames = drawing["frames"].size();
   if (frames < 2) {
@@ -100,14 +101,18 @@ void write_movie(const std::filesystem::path& file, const Json& drawing) {
   StagedFiles files(file.parent_path());
   files.write_aside("movie.dat", figure.data());
   files.write_aside("movie.gnuplot", script_of(figure, frames, gif ? name : ""));
-  const InterruptGuard interrupt;
-  Progress progress("movie", "frames", frames, 0);
+  std::optional<InterruptGuard> interrupt;
+  std::optional<Progress> progress;
+  if (stop == nullptr) {
+    stop = &interrupt.emplace().flag();
+    progress.emplace("movie", "frames", frames, 0);
+  }
   std::string unread;
-  ProcessWatch watch{{}, &InterruptGuard::flag()};
+  ProcessWatch watch{{}, stop};
   watch.on_output = [&](std::string_view text) {
     unread += text;
     for (std::size_t end = unread.find('\n'); end != std::string::npos; end = unread.find('\n')) {
-      if (unread.compare(0, end, frame_mark) == 0) progress.step(false);
+      if (progress && unread.compare(0, end, frame_mark) == 0) progress->step(false);
       unread.erase(0, end + 1);
     }
   };

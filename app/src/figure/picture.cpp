@@ -46,8 +46,8 @@ void draw_pictures(const Json& drawing, StagedFiles& files, const std::string& s
          files, stem, pictures);
 }
 
-void write_picture(const std::filesystem::path& file, const Json& drawing) {
-  if (is_movie(file)) return write_movie(file, drawing);
+void write_picture(const std::filesystem::path& file, const Json& drawing, const std::atomic<bool>* stop) {
+  if (is_movie(file)) return write_movie(file, drawing, stop);
   const Picture picture = picture_of(file);
   StagedFiles files(file.parent_path());
   if (picture == Picture::page) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace tendril::app {
 void draw_pictures(const Json& drawing, StagedFiles& files, const std::string& stem,
                    const std::vector<Picture>& pictures);
 
-/// Writes the one picture, page or movie that a file name asks for.
-void write_picture(const std::filesystem::path& file, const Json& drawing);
+/// Writes the one picture, page or movie that a file name asks for. `stop`: as for write_movie().
+void write_picture(const std::filesystem::path& file, const Json& drawing, const std::atomic<bool>* stop = nullptr);
 
 }  // namespace tendril::app

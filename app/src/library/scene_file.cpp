@@ -2,17 +2,19 @@
 
 #include <utility>
 
+#include "command/calibrate_command.hpp"
+#include "command/result_files.hpp"
 #include "figure/drawing.hpp"
+#include "library/arguments.hpp"
+#include "live/live.hpp"
 #include "result/calibration_report.hpp"
 #include "result/estimate_report.hpp"
 #include "result/json_reader.hpp"
 #include "result/trajectory_result.hpp"
 #include "session/inputs.hpp"
-#include "tendril/app/session.hpp"
+#include "session/sensitivities.hpp"
 
 namespace tendril::files {
-
-namespace {
 
 app::SceneArguments arguments_of(const SceneSource& source) {
   app::SceneArguments arguments{source.file, {}, source.plugin_directories, source.text, source.components};
@@ -23,8 +25,6 @@ app::SceneArguments arguments_of(const SceneSource& source) {
   }
   return arguments;
 }
-
-}  // namespace
 
 std::string scene_text(const SceneSource& source) {
   const app::SceneArguments arguments = arguments_of(source);
@@ -39,21 +39,27 @@ std::string drawing_json(const ResultText& result, const std::vector<std::filesy
   return app::drawing_of(app::parse_result(result.text, result.name, "result"), result.name, registry).dump();
 }
 
+std::vector<std::string> view(const ResultText& result, const std::filesystem::path& file,
+                              const std::vector<std::filesystem::path>& plugin_directories,
+                              const std::function<void(Registrar&)>& components, const std::atomic<bool>* stop) {
+  plugins::Registry registry(plugins::Catalog(plugins::search_places(plugin_directories)), components);
+  return app::write_view(result, file, registry, &stop_of(stop));
+}
+
+void live(const SceneSource& source, const LiveControl& control) { app::run_live({arguments_of(source), control}); }
+
 class SceneFile::Opened {
  public:
-  explicit Opened(const SceneSource& source) : session(arguments_of(source)) { session.stop_by(never_); }
+  explicit Opened(const SceneSource& source) : session(arguments_of(source)) { session.stop_by(stop_of(nullptr)); }
 
   /// Lets `run` end what is done from now on.
-  void begin(const Run& run) { session.stop_by(run.stop != nullptr ? *run.stop : never_); }
+  void begin(const Run& run) { session.stop_by(stop_of(run.stop)); }
   std::optional<Plan> start_of(const Run& run) const {
     if (!run.start) return std::nullopt;
     return app::parse_start(run.start->text, run.start->name, session.scene());
   }
 
   app::Session session;
-
- private:
-  const std::atomic<bool> never_{false};
 };
 
 SceneFile::SceneFile(const SceneSource& source) : opened_(std::make_unique<Opened>(source)) {}
@@ -86,7 +92,18 @@ Estimate SceneFile::estimate(const Run& run) {
   return opened_->session.estimate();
 }
 
-Calibration SceneFile::calibrate(const Run& run) {
+std::string SceneFile::sensitivity_json(const SensitivityWishes& wishes, const Run& run) {
+  opened_->begin(run);
+  const app::SceneSensitivity found = app::sensitivities_of(opened_->session, wishes);
+  return app::sensitivity_json(scene(), found.of, found.keys);
+}
+
+std::vector<std::string> SceneFile::write(const Calibration& calibration, const CalibrationPlaces& places) {
+  return app::write_calibration(opened_->session, calibration, {places.output, places.figure, {}, false});
+}
+
+Calibration SceneFile::calibrate(const Run& run, const CalibrationPlaces& places) {
+  app::try_places({places.output, places.figure, {}, false});
   opened_->begin(run);
   return opened_->session.calibrate();
 }

@@ -78,29 +78,35 @@ class BrowserStart {
 std::string live_server() { return TENDRIL_HTTP_LIBRARY; }
 
 int run_live(const LiveArguments& arguments) {
+  const files::LiveControl& control = arguments.control;
   const auto serve = load_server(arguments.server);
   LiveScene scene(arguments.scene);
   const std::string token = random_token();
   Door door(scene, token);
-  const InterruptGuard guard;
+  std::optional<InterruptGuard> guard;
+  if (control.stop == nullptr) guard.emplace();
   std::optional<BrowserStart> browser;
   http::Service service;
-  service.port = arguments.port;
+  service.port = control.port;
   service.largest_body = Door::largest_body;
   service.answer = [&](const http::Request& request) { return door.answer(request); };
   service.ending = [&] { scene.end(); };
   service.ready = [&](int port) {
     door.open(port);
     const std::string address = fmt::format("http://127.0.0.1:{}/{}/", port, token);
-    print("live at " + address + "\nCtrl-C ends it\n");
-    if (arguments.open_browser) browser.emplace(address);
+    if (control.ready) {
+      control.ready(address);
+    } else {
+      print("live at " + address + "\nCtrl-C ends it\n");
+    }
+    if (control.open_browser) browser.emplace(address);
   };
-  if (!serve(service, InterruptGuard::flag())) {
-    throw InputError(arguments.port == 0
+  if (!serve(service, control.stop != nullptr ? *control.stop : InterruptGuard::flag())) {
+    throw InputError(control.port == 0
                          ? "live: no port of the loopback interface can be opened"
                          : fmt::format("--port {}: the port cannot be opened, for instance because another program "
                                        "uses it; expected one that is free, or no --port",
-                                       arguments.port));
+                                       control.port));
   }
   return 0;
 }

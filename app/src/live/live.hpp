@@ -1,6 +1,9 @@
 #pragma once
 
+#include <string>
+
 #include "tendril/app/session.hpp"
+#include "tendril/files/scene_file.hpp"
 
 namespace tendril::app {
 
@@ -10,12 +13,11 @@ std::string live_server();
 
 struct LiveArguments {
   SceneArguments scene;
-  int port = 0;  ///< 0: any that is free
-  bool open_browser = true;
+  files::LiveControl control{};
   std::string server = live_server();
 };
 
-/// `tendril live`: serves the page until Ctrl-C; returns 0. Throws InputError.
+/// `tendril live`: serves the page until it is ended; returns 0. Throws InputError.
 int run_live(const LiveArguments& arguments);
 
 }  // namespace tendril::app

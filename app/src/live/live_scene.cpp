@@ -87,7 +87,7 @@ Json drawing_without_shape(const Scene& scene) {
 
 LiveScene::LiveScene(const SceneArguments& arguments) : arguments_(arguments) {
   // Read once: the page shows this scene even if the file changes meanwhile.
-  arguments_.text = read_scene_input(arguments.scene);
+  if (!arguments_.text) arguments_.text = read_scene_input(arguments.scene);
   Session session(arguments_);
   const Scene& scene = session.scene();
   if (scene.problem == ProblemKind::estimate) {

@@ -45,13 +45,24 @@ struct CalibrateArguments {
   ResultPlaces places;
 };
 
+struct SensitivityArguments {
+  SceneArguments scene;
+  files::SensitivityWishes wishes{};
+  bool json = false;
+};
+
 /// Each runs one command and returns its exit code: 0 solved, 1 no acceptable plan. What a user can repair is thrown as
 /// InputError. Results go to standard output, notes to standard error.
 int run_plan(const PlanArguments& arguments);
 int run_execute(const ExecuteArguments& arguments);
 int run_calibrate(const CalibrateArguments& arguments);
+int run_sensitivity(const SensitivityArguments& arguments);
 int run_describe(const SceneArguments& arguments, bool json);
 int run_view(const ViewArguments& arguments);
+/// Only writes what run_view() writes of a result's text; `name` is what messages call the result. Returns what is to
+/// be known of it. `stop` ends a movie.
+std::vector<std::string> write_view(const files::ResultText& result, const std::filesystem::path& file,
+                                    plugins::Registry& registry, const std::atomic<bool>* stop = nullptr);
 int run_plugins(const std::vector<std::filesystem::path>& plugin_directories, bool json);
 
 /// The whole command: reads the arguments, runs, prints errors. Exit code 2 for wrong input of any kind.

@@ -1,22 +1,19 @@
 #pragma once
 
-#include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "tendril/app/session.hpp"
+#include "tendril/files/study_file.hpp"
 
 namespace tendril::app {
 
+using files::StudyPlaces;
+
 struct StudyArguments {
   SceneArguments scene;
-  std::optional<std::filesystem::path> output;  ///< a directory; without it nothing can be resumed
-  std::optional<std::filesystem::path> figure;  ///< file of the figure alone
-  std::optional<std::filesystem::path> movie;   ///< file of a movie, a frame for each case
+  StudyPlaces places;
   int jobs = 1;
-  std::string shard;    ///< "i/N"; empty: all cases
-  bool merge = false;   ///< only join the shards in `output`
   bool worker = false;  ///< be a worker of another process
   bool json = false;
   std::vector<std::string> words;  ///< the command line, from the command's name on, for workers

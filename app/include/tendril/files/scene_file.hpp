@@ -56,6 +56,32 @@ TENDRIL_API std::string drawing_json(const ResultText& result,
                                      const std::vector<std::filesystem::path>& plugin_directories = {},
                                      const std::function<void(Registrar&)>& components = {});
 
+/// Writes what there is to see of a result, as `tendril view`: a page (.html), a picture (.svg, .png, .pdf) or a movie
+/// (.gif, .mp4), by the name of `file`. Returns what is to be known of it. `stop` ends a movie. Throws Error.
+TENDRIL_API std::vector<std::string> view(const ResultText& result, const std::filesystem::path& file,
+                                          const std::vector<std::filesystem::path>& plugin_directories = {},
+                                          const std::function<void(Registrar&)>& components = {},
+                                          const std::atomic<bool>* stop = nullptr);
+
+/// How a live page is served.
+struct LiveControl {
+  int port = 0;                             ///< of the loopback interface; 0: any that is free
+  bool open_browser = true;                 ///< where there is a display
+  const std::atomic<bool>* stop = nullptr;  ///< ends it; null: Ctrl-C does
+  /// Told the address once it is open; empty: it is printed.
+  std::function<void(const std::string& address)> ready{};
+};
+
+/// `tendril live`: serves a page on which the scene can be dragged, until it is ended. Components are asked by threads
+/// of its own. Throws Error.
+TENDRIL_API void live(const SceneSource& source, const LiveControl& control = {});
+
+/// Where a calibration is to be written.
+struct CalibrationPlaces {
+  std::optional<std::filesystem::path> output{};  ///< a directory, for the result, the figure, and rod.toml
+  std::optional<std::filesystem::path> figure{};  ///< file of the figure alone
+};
+
 /// The kind of `Inputs::text`.
 enum class InputKind {
   none,       ///< nothing was said
@@ -69,6 +95,13 @@ struct Inputs {
   InputKind kind = InputKind::none;  ///< of the numbers in `text`
   std::string text{};                ///< one SI number or quantity with a unit for each actuator, between commas
   std::string shown{};               ///< how messages name them; empty: as options of the command
+};
+
+/// What `tendril sensitivity` is asked for.
+struct SensitivityWishes {
+  std::vector<std::string> keys{};  ///< numbers such as obstacle[0].radius; none: all of the scene
+  Inputs moments{};                 ///< carried out instead of planned ones; without text: none
+  bool held = false;                ///< what the rod does under the plan's moments, instead of another plan
 };
 
 /// What a run starts from and what may end it.
@@ -112,8 +145,14 @@ class TENDRIL_API SceneFile {
   /// The same under the moments of an earlier result: of a plan, or of each step of a trajectory in turn.
   std::variant<Execution, Trajectory> execute(const ResultText& earlier, const Run& run = {});
 
-  /// `tendril calibrate`.
-  Calibration calibrate(const Run& run = {});
+  /// `tendril sensitivity`, as its JSON; `run.start` is not used. Where the result has no derivatives, "trouble" says
+  /// why.
+  std::string sensitivity_json(const SensitivityWishes& wishes, const Run& run = {});
+
+  /// `tendril calibrate`, without its files. Throws Error, before it begins, where write() could not write to `places`.
+  Calibration calibrate(const Run& run = {}, const CalibrationPlaces& places = {});
+  /// The files of a calibration. Returns why there is no figure. Throws Error.
+  std::vector<std::string> write(const Calibration& calibration, const CalibrationPlaces& places);
   /// The document of docs/results.md, schema 1, as the command writes it; ends in a line feed.
   std::string json(const Plan& plan) const;
   std::string json(const Execution& execution) const;      ///< Likewise.

@@ -1,11 +1,9 @@
-#include "command/sensitivity_command.hpp"
+#include "session/sensitivities.hpp"
 
 #include <algorithm>
 
-#include "result/uncertainty_result.hpp"
 #include "scene/error_bars.hpp"
 #include "session/inputs.hpp"
-#include "system/output.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::app {
@@ -69,28 +67,24 @@ std::vector<KeySensitivity> derivatives(const Session& session, const Sensitivit
 
 }  // namespace
 
-int run_sensitivity(const SensitivityArguments& arguments) {
-  Session session(arguments.scene);
+SceneSensitivity sensitivities_of(Session& session, const SensitivityWishes& wishes) {
   const Scene& scene = session.scene();
   if (scene.problem != ProblemKind::pose) {
     throw InputError("sensitivity: found problem = \"" + std::string(to_string(scene.problem)) +
                      "\", expected a scene that plans a pose");
   }
   // A key that is not there is told before anything is planned.
-  for (const std::string& key : arguments.keys) {
+  for (const std::string& key : wishes.keys) {
     if (!key.starts_with("moments[")) spread_of(session.document(), scene, key);
   }
-  const bool executed = !arguments.moments.text.empty();
-  const Plan plan = executed ? session.execute(moments_of(arguments.moments, session), std::nullopt).result
-                             : session.plan(std::nullopt);
-  const Sensitivity sensitivity =
-      executed ? sensitivity_of(scene, session.make_obstacles(), plan)
-               : session.sensitivity(plan, arguments.held ? SensitivityKind::held : SensitivityKind::replanned);
-  const std::vector<KeySensitivity> keys = sensitivity.trouble.empty()
-                                               ? derivatives(session, sensitivity, arguments.keys, plan.moments)
-                                               : std::vector<KeySensitivity>{};
-  print(arguments.json ? sensitivity_json(scene, sensitivity, keys) : sensitivity_report(scene, sensitivity, keys));
-  return sensitivity.trouble.empty() ? 0 : 1;
+  const bool executed = !wishes.moments.text.empty();
+  const Plan plan =
+      executed ? session.execute(moments_of(wishes.moments, session), std::nullopt).result : session.plan(std::nullopt);
+  SceneSensitivity out;
+  out.of = executed ? sensitivity_of(scene, session.make_obstacles(), plan)
+                    : session.sensitivity(plan, wishes.held ? SensitivityKind::held : SensitivityKind::replanned);
+  if (out.of.trouble.empty()) out.keys = derivatives(session, out.of, wishes.keys, plan.moments);
+  return out;
 }
 
 }  // namespace tendril::app
