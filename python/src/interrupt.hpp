@@ -6,6 +6,8 @@
 
 #include <atomic>
 
+#include "tendril/error.hpp"
+
 namespace tendril::python {
 
 /// While it lives in Python's main thread, Ctrl-C sets stop() and then does what Python does with it. Elsewhere nobody
@@ -52,12 +54,17 @@ class Interruptible {
 template <class Work>
 auto interruptible(Work&& work) {
   const Interruptible guard;
-  auto result = [&] {
-    const pybind11::gil_scoped_release released;
-    return work(guard.stop());
-  }();
-  guard.raise();
-  return result;
+  try {
+    auto result = [&] {
+      const pybind11::gil_scoped_release released;
+      return work(guard.stop());
+    }();
+    guard.raise();
+    return result;
+  } catch (const Error&) {
+    guard.raise();  // what was ended is no error of its own
+    throw;
+  }
 }
 
 }  // namespace tendril::python

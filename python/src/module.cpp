@@ -9,6 +9,7 @@
 #include "interrupt.hpp"
 #include "problem.hpp"
 #include "source.hpp"
+#include "study.hpp"
 #include "tendril/error.hpp"
 #include "tendril/version.hpp"
 
@@ -32,6 +33,42 @@ std::string plan_trajectory(SceneFile& scene, bool verified) {
 
 std::string estimate(SceneFile& scene) {
   return interruptible([&](const auto& stop) { return scene.json(scene.estimate({&stop})); });
+}
+
+std::string sensitivity(SceneFile& scene, const std::vector<std::string>& keys, bool held, const std::string& moments) {
+  return interruptible([&](const auto& stop) {
+    return scene.sensitivity_json({keys, {files::InputKind::moments, moments, "moments"}, held}, {&stop});
+  });
+}
+
+/// Its JSON, and why there is no figure.
+std::pair<std::string, std::vector<std::string>> calibrate(SceneFile& scene, const std::optional<std::string>& output,
+                                                           const std::optional<std::string>& figure) {
+  return interruptible([&](const auto& stop) {
+    const files::CalibrationPlaces places{output, figure};
+    const Calibration calibration = scene.calibrate({&stop}, places);
+    return std::pair(scene.json(calibration), scene.write(calibration, places));
+  });
+}
+
+std::vector<std::string> view(const std::string& result, const std::string& file,
+                              const std::vector<PythonComponent>& components) {
+  return interruptible([&](const auto& stop) { return files::view({result}, file, {}, together(components), &stop); });
+}
+
+void live(const SceneTuple& scene, int port, bool open_browser, const py::function& ready) {
+  interruptible([&](const auto& stop) {
+    const auto told = [&](const std::string& address) {
+      const py::gil_scoped_acquire held;
+      try {
+        ready(address);
+      } catch (py::error_already_set& raised) {
+        raised.discard_as_unraisable("live");  // the server could not go on from there
+      }
+    };
+    files::live(source_of(scene), {port, open_browser, &stop, told});
+    return true;
+  });
 }
 
 std::string execute(SceneFile& scene, const std::string& kind, const std::string& inputs,
@@ -82,18 +119,16 @@ PYBIND11_MODULE(_native, module) {
   module.def("command_path", &command_path);
   module.def("scene_text",
              [](const std::string& file, const std::string& text, const std::vector<SettingTuple>& settings) {
-               return files::scene_text(source_of(file, text, settings, {}));
+               return files::scene_text(source_of({file, text, settings, {}, {}}));
              });
   add_components(module);
   module.def("drawing", [](const std::string& result, const std::vector<PythonComponent>& components) {
     return files::drawing_json({result}, {}, together(components));
   });
+  module.def("view", &view);
+  module.def("live", &live);
   py::class_<SceneFile>(module, "SceneFile")
-      .def(py::init([](const std::string& file, const std::string& text, const std::vector<SettingTuple>& settings,
-                       const std::vector<std::string>& plugin_directories,
-                       const std::vector<PythonComponent>& components) {
-        return SceneFile(source_of(file, text, settings, plugin_directories, components));
-      }))
+      .def(py::init([](const SceneTuple& scene) { return SceneFile(source_of(scene)); }))
       .def_property_readonly("problem",
                              [](const SceneFile& scene) { return std::string(to_string(scene.scene().problem)); })
       .def_property_readonly("warnings", [](const SceneFile& scene) { return scene.scene().warnings; })
@@ -101,9 +136,12 @@ PYBIND11_MODULE(_native, module) {
       .def("plan", &plan)
       .def("plan_trajectory", &plan_trajectory)
       .def("estimate", &estimate)
+      .def("calibrate", &calibrate)
+      .def("sensitivity", &sensitivity)
       .def("execute", &execute)
       .def("execute_result", &execute_result);
   add_problem(module);
+  add_study(module);
 }
 
 }  // namespace tendril::python

@@ -79,6 +79,8 @@ class FollowedProblem {
   std::mutex mutex_;
 };
 
+constexpr py::ssize_t most_turns = 1000000;
+
 /// SI number, text with a unit, or what the package makes one of these of.
 double quantity(const py::handle& value, const Scene& scene, const Dimension& wanted, const char* name) {
   double number = 0.0;
@@ -101,8 +103,7 @@ double quantity(const py::handle& value, const Scene& scene, const Dimension& wa
   return number;
 }
 
-TargetSpec target_of(const py::object& position, const py::object& angle, const std::optional<int>& turns,
-                     const Scene& scene) {
+TargetSpec target_of(const py::object& position, const py::object& angle, const py::object& turns, const Scene& scene) {
   TargetSpec target;
   if (!position.is_none()) {
     if (!py::isinstance<py::sequence>(position) && !py::isinstance<py::array>(position))
@@ -114,7 +115,14 @@ TargetSpec target_of(const py::object& position, const py::object& angle, const 
                            quantity(pair[1], scene, dimension::length, "position[1]")};
   }
   if (!angle.is_none()) target.angle = quantity(angle, scene, dimension::angle, "angle");
-  target.turns = turns;
+  if (!turns.is_none()) {
+    const bool whole = PyIndex_Check(turns.ptr()) != 0 && PyBool_Check(turns.ptr()) == 0;
+    const py::ssize_t count = whole ? PyNumber_AsSsize_t(turns.ptr(), nullptr) : 0;  // clipped where it is too large
+    if (!whole || std::abs(count) > most_turns)
+      throw py::type_error("turns: found " + py::repr(turns).cast<std::string>() +
+                           ", expected a whole number of turns");
+    target.turns = static_cast<int>(count);
+  }
   if (!target.position && !target.angle) throw py::value_error("target: expected a position, an angle, or both");
   return target;
 }
@@ -153,19 +161,15 @@ auto property(Read&& read) {
 
 void add_problem(py::module_& module) {
   py::class_<FollowedProblem>(module, "Problem")
-      .def(py::init([](const std::string& file, const std::string& text, const std::vector<SettingTuple>& settings,
-                       const std::vector<std::string>& plugin_directories,
-                       const std::vector<PythonComponent>& components) {
-        return std::make_unique<FollowedProblem>(source_of(file, text, settings, plugin_directories, components));
-      }))
+      .def(py::init([](const SceneTuple& scene) { return std::make_unique<FollowedProblem>(source_of(scene)); }))
       .def("plan", &FollowedProblem::plan)
       .def("set_target",
-           [](FollowedProblem& problem, const py::object& position, const py::object& angle, std::optional<int> turns) {
+           [](FollowedProblem& problem, const py::object& position, const py::object& angle, const py::object& turns) {
              problem.set_target(target_of(position, angle, turns, problem.file().scene()));
            })
       .def(
           "follow",
-          [](FollowedProblem& problem, const py::object& position, const py::object& angle, std::optional<int> turns) {
+          [](FollowedProblem& problem, const py::object& position, const py::object& angle, const py::object& turns) {
             problem.follow(target_of(position, angle, turns, problem.file().scene()));
           },
           py::arg("position") = py::none(), py::arg("angle") = py::none(), py::arg("turns") = py::none())

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <pybind11/stl.h>
+
 #include <optional>
 #include <string>
 #include <tuple>
@@ -13,13 +15,13 @@ namespace tendril::python {
 /// (key, value, whether the value is text, how messages name the setting)
 using SettingTuple = std::tuple<std::string, std::string, bool, std::string>;
 
-/// What a Scene of the package is made of.
-inline files::SceneSource source_of(const std::string& file, const std::string& text,
-                                    const std::vector<SettingTuple>& settings,
-                                    const std::vector<std::string>& plugin_directories,
-                                    const std::vector<PythonComponent>& components = {}) {
-  files::SceneSource source{
-      file, text, {}, {plugin_directories.begin(), plugin_directories.end()}, together(components)};
+/// What a Scene of the package is made of: (file, text, settings, plugin directories, components)
+using SceneTuple = std::tuple<std::string, std::string, std::vector<SettingTuple>, std::vector<std::string>,
+                              std::vector<PythonComponent>>;
+
+inline files::SceneSource source_of(const SceneTuple& scene) {
+  const auto& [file, text, settings, directories, components] = scene;
+  files::SceneSource source{file, text, {}, {directories.begin(), directories.end()}, together(components)};
   source.settings.reserve(settings.size());
   for (const auto& [key, value, is_text, shown] : settings) source.settings.push_back({key, value, is_text, shown});
   return source;

@@ -13,7 +13,7 @@ Numbers are SI; text has a unit ("2.5 N mm"); quantities of pint and arrays of n
 from __future__ import annotations
 
 from ._batch import Failure, plan_many
-from ._command import plugins
+from ._command import command, plugins
 from ._components import Option, Quantities, check, coordinates, objective, obstacle, unregister
 from ._errors import Error
 from ._native import version as __version__
@@ -24,6 +24,6 @@ from ._scene import Problem, Scene, load
 
 __all__ = [
     "Calibration", "Contact", "Description", "Error", "Estimate", "Execution", "Failure", "Option", "Plan", "Problem", "Quantities",
-    "Result", "Scene", "Sensitivities", "Study", "Tip", "Trajectory", "__version__", "check", "coordinates", "load", "objective",
+    "Result", "Scene", "Sensitivities", "Study", "Tip", "Trajectory", "__version__", "check", "command", "coordinates", "load", "objective",
     "obstacle", "plan_many", "plugins", "unregister",
 ]

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, NoReturn, TypeVar, Union
 
 from . import _native
+from ._values import each, number, whole_number
 
 #: What a quantity is: a plain number, or one that carries derivatives. Arithmetic and numpy's functions take both.
 Number = Any
@@ -108,10 +109,13 @@ def objective(name: str, *, reads: Iterable[str] = (), samples: Iterable[float] 
     """
     def register(function: T) -> T:
         _callable(function, "objective")
-        _register("objective", name, _native.objective(name, _about(function), function, list(reads), [float(s) for s in samples],
-                                                       float(lower_bound), _options(options)))
+        _register("objective", name, _native.objective(name, _about(function), function, names, places, bound, schema))
         return function
 
+    _texts([name], "name")
+    names, schema = _texts(each(reads, "reads"), "reads"), _options(options)
+    places = [number(s, f"samples[{i}]", 0.0, 1.0) for i, s in enumerate(each(samples, "samples"))]
+    bound = number(lower_bound, "lower_bound")
     return register
 
 
@@ -127,9 +131,13 @@ def coordinates(name: str, *, functions: int | Callable[..., int], breaks: Any =
     def register(function: T) -> T:
         _callable(function, "coordinates")
         _register("coordinates", name, _native.coordinates(name, _about(function), function, functions, breaks, subdivision, names,
-                                                           _options(options)))
+                                                           schema))
         return function
 
+    _texts([name], "name")
+    schema = _options(options)
+    if not callable(functions):
+        whole_number(functions, "functions")
     return register
 
 
@@ -152,9 +160,11 @@ def obstacle(name: str, *, options: Options | None = None) -> Callable[[type], t
             raise TypeError(f"obstacle '{name}': {shape.__name__} has no method {missing[0]}()")
         if not hasattr(shape, "convex"):
             shape.convex = True  # type: ignore[attr-defined]
-        _register("obstacle", name, _native.obstacle(name, _about(shape), shape, _options(options)))
+        _register("obstacle", name, _native.obstacle(name, _about(shape), shape, schema))
         return shape
 
+    _texts([name], "name")
+    schema = _options(options)
     return register
 
 
@@ -179,14 +189,6 @@ def components() -> list[Any]:
     return list(_registered.values())
 
 
-def used_in(tables: Mapping[str, Any]) -> list[str]:
-    """Components of this process that a scene names."""
-    named = [("coordinates", tables.get("coordinates", {}).get("plugin"))]
-    named += [("objective", term.get("plugin")) for term in tables.get("objective", [])]
-    named += [("obstacle", shape.get("shape")) for shape in tables.get("obstacle", [])]
-    return [f"{kind} '{name}'" for kind, name in named if (kind, name) in _registered]
-
-
 def _register(kind: str, name: str, component: Any) -> None:
     _registered[kind, name] = component
 
@@ -200,10 +202,22 @@ def _about(given: Any) -> str:
     return (given.__doc__ or "of this process").strip().splitlines()[0]
 
 
+def _texts(values: list[Any], name: str) -> list[str]:
+    for value in values:
+        if not isinstance(value, str):
+            raise TypeError(f"{name}: found {value!r}, expected text")
+    return values
+
+
 def _options(options: Options | None) -> list[tuple[str, Any, str, str, float, float]]:
+    if options is not None and not isinstance(options, Mapping):
+        raise TypeError(f"options: found {options!r}, expected a dictionary")
     all_options = []
     for name, value in (options or {}).items():
+        _texts([name], "options")
         option = value if isinstance(value, Option) else Option(value)
         default = list(option.default) if isinstance(option.default, (list, tuple)) else option.default
-        all_options.append((name, default, option.unit, option.description, float(option.minimum), float(option.maximum)))
+        _texts([option.unit, option.description], f"options['{name}']")
+        all_options.append((name, default, option.unit, option.description, number(option.minimum, f"options['{name}'].minimum"),
+                            number(option.maximum, f"options['{name}'].maximum")))
     return all_options

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ._components import components
 from ._native import drawing
+from ._values import file_path, number
 
 if TYPE_CHECKING:
     from ._results import Result, Trajectory, _Shape
@@ -22,6 +24,10 @@ class _Picture:
 
     def __init__(self, result: Result, ax: Any) -> None:
         self.drawing: dict[str, Any] = json.loads(drawing(result.to_json(), components()))
+        for note in self.drawing["notes"]:
+            warnings.warn(note, stacklevel=4)
+        if ax is not None and not hasattr(ax, "set_aspect"):
+            raise TypeError(f"ax: found {ax!r}, expected axes of matplotlib")
         if ax is None:
             import matplotlib.pyplot as plt
 
@@ -74,6 +80,21 @@ class _Picture:
         if target:
             self.ax.plot(*self.points(target), "+", color="C2", markersize=10, zorder=4)
 
+    def band(self, backbone: Any, shape: Any, color: Any, deviations: float) -> None:
+        """Where the body is to be expected: across it as many standard deviations of its points to either side, and about the
+        tip the ellipse of both directions."""
+        known = np.array(shape, dtype=float).reshape(-1, 4)
+        x, y, angle = (np.interp(known[:, 0], backbone[:, 0], column) for column in backbone[:, 1:4].T)
+        middle, across = np.stack([x, y], axis=1), np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+        covariances = known[:, [1, 2, 2, 3]].reshape(-1, 2, 2)
+        width = deviations * np.sqrt(np.maximum(np.einsum("ni,nij,nj->n", across, covariances, across), 0.0))[:, None]
+        style = {"facecolor": color, "edgecolor": "none", "alpha": 0.25, "zorder": 2}
+        self.area([np.concatenate([middle + width * across, (middle - width * across)[::-1]])], **style)
+        size, axes = np.linalg.eigh(covariances[-1])
+        turn = np.linspace(0.0, 2.0 * np.pi, 73)
+        round_tip = (axes * (deviations * np.sqrt(np.maximum(size, 0.0)))) @ np.stack([np.cos(turn), np.sin(turn)])
+        self.ax.plot(*self.points(middle[-1] + round_tip.T), color=color, linewidth=1.0, zorder=3)
+
     def cone(self, contact: dict[str, Any]) -> None:
         size = self.per_newton * contact["force"]
         top = np.array(contact["surface"]) + size * np.array(contact["normal"])
@@ -94,11 +115,15 @@ class _Picture:
                 self.ax.quiver(*start, *along, width=0.003, **style)
 
 
-def plot(result: _Shape, ax: Any = None, **style: Any) -> Any:
+def plot(result: _Shape, ax: Any, deviations: float, **style: Any) -> Any:
+    deviations = number(deviations, "deviations", 0.0, 1e6)
     picture = _Picture(result, ax)
     frame = picture.drawing["frames"][-1]
     picture.surroundings(frame)
     picture.frame(frame, **style)
+    uncertainty = result.get("uncertainty") or {}
+    if deviations > 0.0 and "shape" in uncertainty:
+        picture.band(result.backbone, uncertainty["shape"], style.get("color", "C0"), deviations)
     picture.ax.set_title(f"{result.title}" + ("" if result.solved else f" ({result.status})"))
     return picture.ax
 
@@ -119,15 +144,16 @@ def plot_steps(trajectory: Trajectory, ax: Any = None) -> Any:
 
 
 def animate(trajectory: Trajectory, file: str | os.PathLike[str] | None, fps: float, ax: Any) -> Any:
-    from matplotlib.animation import FuncAnimation
+    from matplotlib.animation import FFMpegWriter, FuncAnimation
 
     if not trajectory.steps:
         raise ValueError("trajectory: found no step, so there is nothing to show")
-    if not fps > 0.0:
-        raise ValueError(f"fps: found {fps!r}, expected a number above 0")
-    name = None if file is None else os.fspath(file)
+    fps = number(fps, "fps", 1e-3, 1e3)
+    name = None if file is None else file_path(file, "file")
     if name is not None and not name.endswith((".gif", ".mp4", ".html")):
         raise ValueError(f"file: found {name!r}, expected a name that ends in .gif, .mp4 or .html")
+    if name is not None and name.endswith(".mp4") and not FFMpegWriter.isAvailable():
+        raise ValueError(f"file: found {name!r}, but ffmpeg, which writes .mp4, is not installed; expected it, or .gif or .html")
     picture = _Picture(trajectory, ax)
     frames = picture.drawing["frames"]
     tips = picture.points([rod["line"][-1] for frame in frames for rod in frame["rods"][:1]])

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import html
-import json
+import contextlib
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
@@ -60,6 +59,10 @@ class Result(Mapping[str, Any]):
     @classmethod
     def from_json(cls, text: str) -> Self:
         """The result of a JSON text, as the command writes it with --json. Raises ValueError if it is none."""
+        import json
+
+        if not isinstance(text, str):
+            raise TypeError(f"text: found {type(text).__name__}, expected str")
         try:
             document = json.loads(text)
         except ValueError as error:
@@ -74,10 +77,14 @@ class Result(Mapping[str, Any]):
 
     def to_dict(self) -> dict[str, Any]:
         """The same document as the command's JSON."""
+        import json
+
         return json.loads(self.to_json())
 
     def to_json(self) -> str:
         """The document as text; `json.loads` of it is to_dict()."""
+        import json
+
         return json.dumps(self._document, ensure_ascii=False)
 
     def save(self, file: str | os.PathLike[str]) -> None:
@@ -107,9 +114,18 @@ class Result(Mapping[str, Any]):
         if name not in self._arrays:
             import numpy as np
 
-            self._arrays[name] = np.array(value, dtype=float)
+            with self._part(name):
+                self._arrays[name] = np.array(value, dtype=float)
             self._arrays[name].flags.writeable = False
         return self._arrays[name]
+
+    @contextlib.contextmanager
+    def _part(self, name: str) -> Iterator[None]:
+        """What reads a part of the document says which, where the part is not as results have it."""
+        try:
+            yield
+        except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+            raise ValueError(f"document: '{name}' is not as a result of this version has it: {error}") from None
 
     @property
     def status(self) -> str:
@@ -133,6 +149,19 @@ class Result(Mapping[str, Any]):
     def seconds(self) -> dict[str, float]:
         return self._document.get("seconds", {})
 
+    def view(self, file: str | os.PathLike[str]) -> None:
+        """`tendril view`: writes a page that any browser opens (.html), a picture (.svg, .png, .pdf), or a movie (.gif, .mp4 with
+        ffmpeg), drawn without matplotlib.
+        """
+        import warnings
+
+        from ._components import components
+        from ._native import view
+        from ._values import file_path
+
+        for note in view(self.to_json(), os.path.abspath(file_path(file, "file")), components()):
+            warnings.warn(note, stacklevel=2)
+
     def row(self) -> dict[str, Any]:
         """The numbers of this result on one line, as pandas.DataFrame takes them."""
         return {"title": self.title, "status": self.status, "message": self.message}
@@ -141,6 +170,8 @@ class Result(Mapping[str, Any]):
         return f"<tendril.{type(self).__name__}: {', '.join(f'{k} {_shown(v)}' for k, v in self.row().items() if v not in ('', None))}>"
 
     def _repr_html_(self) -> str:
+        import html
+
         rows = "".join(
             f"<tr><th style='text-align:left'>{html.escape(key)}</th><td style='text-align:left'>{html.escape(_shown(value))}</td></tr>"
             for key, value in self.row().items() if value not in ("", None)
@@ -158,7 +189,8 @@ class _Shape(Result):
     @property
     def backbone(self) -> Array:
         """One row per point: arc length, x, y, angle, curvature."""
-        return self._array("backbone", self._document["backbone"] or []).reshape(-1, 5)
+        with self._part("backbone"):
+            return self._array("backbone", self._document["backbone"] or []).reshape(-1, 5)
 
     @property
     def x(self) -> Array:
@@ -172,8 +204,9 @@ class _Shape(Result):
 
     @property
     def tip(self) -> Tip:
-        tip = self._document["tip"]
-        return Tip(tip["x"], tip["y"], tip["angle"])
+        with self._part("tip"):
+            tip = self._document["tip"]
+            return Tip(tip["x"], tip["y"], tip["angle"])
 
     @property
     def moments(self) -> Array:
@@ -182,17 +215,22 @@ class _Shape(Result):
 
     @property
     def contacts(self) -> list[Contact]:
-        return [
-            Contact(c.get("obstacle", ""), c["arc_length"], _pair(c.get("point")), _pair(c.get("normal")), c["force"],
-                    c.get("gap"), c.get("at_tip", False), c.get("finger", ""))
-            for c in self._document["contacts"]
-        ]
+        with self._part("contacts"):
+            return [
+                Contact(c.get("obstacle", ""), c["arc_length"], _pair(c.get("point")), _pair(c.get("normal")), c["force"],
+                        c.get("gap"), c.get("at_tip", False), c.get("finger", ""))
+                for c in self._document["contacts"]
+            ]
 
-    def plot(self, ax: Any = None, **style: Any) -> Any:
-        """The body, the obstacles, the target and the contact forces, drawn with matplotlib. Returns the axes."""
+    def plot(self, ax: Any = None, *, deviations: float = 2.0, **style: Any) -> Any:
+        """The body, the obstacles, the target and the contact forces, drawn with matplotlib. Returns the axes.
+
+        Where the scene has error bars, a band shows where the body is to be expected, so many standard `deviations` to
+        either side, with an ellipse at the tip. `style`: of the body's line.
+        """
         from ._plot import plot
 
-        return plot(self, ax, **style)
+        return plot(self, ax, deviations, **style)
 
     def row(self) -> dict[str, Any]:
         row = super().row()
@@ -288,9 +326,7 @@ class Execution(Plan):
     _needs: ClassVar[Sequence[str]] = (*Plan._needs, "load", "snaps")
 
     def _differentiated(self, scene: Scene, keys: tuple[str, ...], held: bool) -> Sensitivities:
-        from ._command import sensitivity
-
-        return sensitivity(scene, keys, True, self._document["moments"])
+        return scene.sensitivity(*keys, moments=self._document["moments"])
 
     @property
     def snaps(self) -> list[dict[str, Any]]:

@@ -6,14 +6,16 @@ import os
 import re
 import sys
 import warnings as _warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, Union
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, Union, overload
 
 from . import _native
 from ._components import components
+from ._pool import Progress
 from ._results import Calibration, Description, Estimate, Execution, Plan, Result, Sensitivities, Study, Trajectory
-from ._values import inline, is_list, key_text, plain
+from ._values import each, file_path, inline, is_list, key_text, plain
 
+File = Union[str, "os.PathLike[str]"]
 Earlier = Union[Result, str, "os.PathLike[str]", Mapping[str, Any]]
 _STEP = re.compile(r"\.|\[(\d+)\]")
 
@@ -23,7 +25,7 @@ def load(file: str | os.PathLike[str], *, plugin_directories: Sequence[str | os.
 
     Raises OSError if it cannot be read, and Error, with file, line and column, if it is no scene.
     """
-    path = os.fspath(file)
+    path = file_path(file, "file")
     with open(path, encoding="utf-8", newline="") as stream:
         try:
             text = stream.read()
@@ -47,9 +49,9 @@ class Scene:
         self._file = "scene"
         self._text = ""
         self._settings: list[tuple[str, str, bool, str]] = []
-        self._plugin_directories = [os.fspath(d) for d in plugin_directories]
+        self._plugin_directories = [file_path(d, "plugin_directories") for d in each(plugin_directories, "plugin_directories")]
         self._table: dict[str, Any] | None = None
-        content = {**(tables or {}), **keys}
+        content = {**_mapping(tables, "tables"), **keys}
         if content:
             lines = [(key_text(key, "Scene"), inline(value, str(key))) for key, value in content.items()]
             # Written out by the library, so that messages tell a line of what to_toml() shows.
@@ -62,7 +64,7 @@ class Scene:
         if not isinstance(text, str):
             raise TypeError(f"text: found {type(text).__name__}, expected str")
         scene = cls(plugin_directories=plugin_directories)
-        scene._file, scene._text = os.fspath(file), text
+        scene._file, scene._text = file_path(file, "file"), text
         return scene
 
     # Keys
@@ -134,7 +136,7 @@ class Scene:
         """
         other = Scene.__new__(Scene)
         other.__setstate__(self.__getstate__())
-        for key, value in {**(changes or {}), **keys}.items():
+        for key, value in {**_mapping(changes, "changes"), **keys}.items():
             for path, leaf in _leaves(key, value):
                 other[path] = leaf
         return other
@@ -156,11 +158,17 @@ class Scene:
 
     # What the command does
 
-    def _open(self, native: Any = _native.SceneFile) -> Any:
-        opened = native(self._file, self._text, self._settings, self._plugin_directories, components())
-        for warning in opened.warnings if native is _native.SceneFile else ():
-            _warnings.warn(warning, stacklevel=3)
+    def _source(self) -> Any:
+        return self._file, self._text, self._settings, self._plugin_directories, components()
+
+    def _open(self) -> Any:
+        opened = _native.SceneFile(self._source())
+        self._warn(opened.warnings)
         return opened
+
+    def _warn(self, warnings: Iterable[str]) -> None:
+        for warning in warnings:
+            _warnings.warn(warning, stacklevel=4)
 
     def plan(self, *, start: Earlier | None = None, verify: bool = False) -> Plan | Trajectory | Estimate:
         """`tendril plan`: a pose, a grasp, a trajectory or an estimate, whatever the scene asks for.
@@ -229,31 +237,65 @@ class Scene:
         """`tendril describe`: the assembled program, and what was left out of it and why. Plans nothing."""
         return Description.from_json(self._open().describe())
 
-    def study(self, *, jobs: int = 1, output: str | os.PathLike[str] | None = None) -> Study:
-        """`tendril study`: the sweeps that the scene declares, by `jobs` processes. With `output`, a directory, finished
-        cases are kept there and an interrupted study goes on.
+    @overload
+    def study(self, *, jobs: int = 1, output: File | None = None, figure: File | None = None, movie: File | None = None,
+              shard: None = None, merge: bool = False, progress: Progress = False,
+              start_method: str | None = None) -> Study: ...
+
+    @overload
+    def study(self, *, jobs: int = 1, output: File, shard: tuple[int, int], progress: Progress = False,
+              start_method: str | None = None) -> Study | None: ...
+
+    def study(self, *, jobs: int = 1, output: File | None = None, figure: File | None = None, movie: File | None = None,
+              shard: tuple[int, int] | None = None, merge: bool = False, progress: Progress = False,
+              start_method: str | None = None) -> Study | None:
+        """`tendril study`: the sweeps that the scene declares; here, or with jobs above 1 in so many processes. With `output`, a
+        directory, finished cases are kept there, tables and figures are written, and an interrupted study goes on.
+
+        `figure`, `movie`: files of their own. `shard`: (i, n), only the i-th of n parts, which gives no Study unless n is 1;
+        `merge` joins the parts in `output`. `progress`, `start_method`: as for plan_many().
         """
-        from ._command import study
+        from ._study import run_study
 
-        return study(self, jobs, output)
+        text = run_study(self, jobs, (path_of(output, "output"), path_of(figure, "figure"), path_of(movie, "movie")), shard, merge, progress, start_method)
+        return None if text is None else Study.from_json(text)
 
-    def sensitivity(self, *keys: str, held: bool = False) -> Sensitivities:
+    def sensitivity(self, *keys: str, held: bool = False, moments: Iterable[Any] | None = None) -> Sensitivities:
         """`tendril sensitivity`: derivatives of the scene's plan by its numbers, SI, by default all of them.
 
         `held`: of what the robot does under the plan's moments, instead of another plan; "moments[0]" is a key then.
-        Raises ValueError where there are none, in words.
+        `moments` (N m): of what it does under these, instead. Raises ValueError where there are none, in words.
         """
-        from ._command import sensitivity
+        for key in keys:
+            if not isinstance(key, str):
+                raise TypeError(f"keys: found {key!r}, expected the path of a number such as 'obstacle[0].radius'")
+        _refuse(held and moments is not None, "held", "moments that are given are held anyway, expected one of both")
+        text = "" if moments is None else _inputs_text(moments, "moments")
+        result = Sensitivities.from_json(self._open().sensitivity(keys, bool(held), text))
+        if "trouble" in result:
+            raise ValueError(f"there are no derivatives: {result['trouble']}")
+        return result
 
-        return sensitivity(self, keys, held)
-
-    def calibrate(self, *, output: str | os.PathLike[str] | None = None) -> Calibration:
+    def calibrate(self, *, output: File | None = None, figure: File | None = None) -> Calibration:
         """`tendril calibrate`: numbers of the rod from the measured shapes that the scene names. With `output`, a
-        directory, figures and a fragment that scenes include are written there.
+        directory, figures and a fragment that scenes include are written there; `figure` is a file of its own.
         """
-        from ._command import calibrate
+        text, notes = self._open().calibrate(path_of(output, "output"), path_of(figure, "figure"))
+        self._warn(notes)
+        return Calibration.from_json(text)
 
-        return calibrate(self, output)
+    def live(self, *, port: int = 0, browser: bool = True, ready: Callable[[str], Any] | None = None) -> None:
+        """`tendril live`: a page on this machine where target, obstacles and base can be dragged. Ends with Ctrl-C.
+
+        `port`: of the loopback interface, 0 for any that is free. `browser`: opens the page where there is a display.
+        `ready`: called with the address, instead of printing it.
+        """
+        if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port < 65536:
+            raise ValueError(f"port: found {port!r}, expected a whole number from 0 to 65535")
+        try:
+            _native.live(self._source(), port, bool(browser), ready or (lambda address: print(f"live at {address}", flush=True)))
+        except KeyboardInterrupt:
+            pass
 
     def problem(self) -> Problem:
         """The assembled problem, for loops: `problem.follow((0.097, 0.01))`."""
@@ -269,7 +311,7 @@ class Problem:
     """
 
     def __init__(self, scene: Scene) -> None:
-        self._native = scene._open(_native.Problem)
+        self._native = _native.Problem(scene._source())
         #: Leads the tip on: `follow(position=None, angle=None, turns=None)`. Newton from the plan before where that
         #: does, else a full plan; the first call plans.
         self.follow = self._native.follow
@@ -308,6 +350,16 @@ def _leaves(key: str, value: Any) -> Iterator[tuple[str, Any]]:
             yield from _leaves(f"{key}.{inner}", item)
     else:
         yield key, value
+
+
+def path_of(file: File | None, name: str) -> str | None:
+    return None if file is None else os.path.abspath(file_path(file, name))
+
+
+def _mapping(value: Mapping[str, Any] | None, name: str) -> Mapping[str, Any]:
+    if value is not None and not isinstance(value, Mapping):
+        raise TypeError(f"{name}: found {value!r}, expected a dictionary")
+    return value or {}
 
 
 def _refuse(condition: bool, name: str, why: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -27,6 +28,38 @@ def plain(value: Any, name: str) -> float | str:
     if not math.isfinite(number):
         raise ValueError(f"{name}: found {number}, expected a finite number")
     return number
+
+
+def number(value: Any, name: str, least: float = -math.inf, most: float = math.inf) -> float:
+    """A plain number within bounds; infinity only where a bound is infinite."""
+    if isinstance(value, (bool, str)) or not hasattr(value, "__float__"):
+        raise TypeError(f"{name}: found {value!r}, expected a number")
+    found = float(value)
+    if not least <= found <= most:
+        raise ValueError(f"{name}: found {found}, expected a number from {least:g} to {most:g}")
+    return found
+
+
+def whole_number(value: Any, name: str) -> int:
+    """`value`, which has to be a whole number from 1 on."""
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise ValueError(f"{name}: found {value!r}, expected a whole number from 1 on")
+    return value
+
+
+def file_path(value: Any, name: str) -> str:
+    """The name of a file or directory, as text."""
+    path = os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
+    if not isinstance(path, str):
+        raise TypeError(f"{name}: found {value!r}, expected the name of a file")
+    return path
+
+
+def each(values: Any, name: str) -> list[Any]:
+    """The entries of what has to be a list or the like, and no text."""
+    if isinstance(values, (str, bytes, Mapping)) or not hasattr(values, "__iter__"):
+        raise TypeError(f"{name}: found {values!r}, expected a list")
+    return list(values)
 
 
 def _quantity(value: Any, name: str) -> float | str:

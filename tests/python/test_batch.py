@@ -52,12 +52,28 @@ def test_a_process_that_dies_is_one_failure(scenes):
     assert run.stdout.strip() == str(["solved", died, "solved", "out of memory", "solved", died, "solved"])
 
 
+@pytest.mark.parametrize("there", [True, False])
+def test_a_bar_needs_no_tqdm(brace, capsys, monkeypatch, there):
+    if not there:
+        monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    assert all(plan.solved for plan in tendril.plan_many([brace] * 3, jobs=2, progress=True))
+    shown = capsys.readouterr().err
+    assert ("3/3" if there else "3 of 3") in shown
+
+
 def test_nothing_and_wrong_things(brace):
     assert tendril.plan_many([]) == []
     with pytest.raises(TypeError, match=r"scenes\[1\]"):
         tendril.plan_many([brace, "brace.toml"])
-    with pytest.raises(ValueError, match="jobs"):
-        tendril.plan_many([brace], jobs=0)
+    for jobs in (0, 1.5, "2", True):
+        with pytest.raises(ValueError, match="jobs"):
+            tendril.plan_many([brace], jobs=jobs)
+    with pytest.raises(TypeError, match="scenes"):
+        tendril.plan_many(brace["title"])
+    with pytest.raises(TypeError, match="progress"):
+        tendril.plan_many([brace], progress=3)
+    with pytest.raises(ValueError, match="start_method"):
+        tendril.plan_many([brace], start_method="thread")
 
 
 def test_an_exception_in_the_report_ends_the_processes(brace):

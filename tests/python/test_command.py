@@ -90,6 +90,21 @@ def test_describe(scenes, name):
     same(tendril.load(file).describe(), command("describe", file))
 
 
+@pytest.mark.parametrize("options, arguments", [
+    ({}, []), ({"held": True}, ["--held"]), ({"moments": ["2.4 N mm", ]}, ["--moments", "2.4 N mm"]),
+])
+def test_sensitivity(scenes, options, arguments):
+    file = scenes / "brace.toml"
+    same(tendril.load(file).sensitivity(**options), command("sensitivity", file, *arguments))
+    same(tendril.load(file).sensitivity("rod.length", "gravity[1]", **options),
+         command("sensitivity", file, "rod.length", "gravity[1]", *arguments))
+
+
+def test_calibrate(scenes):
+    file = scenes / "calibrate.toml"
+    same(tendril.load(file).calibrate(), command("calibrate", file))
+
+
 def test_study(scenes):
     file = scenes / "paradigms.toml"
     targets = '[["97 mm", "20 mm"]]'

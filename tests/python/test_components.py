@@ -121,6 +121,8 @@ def test_options_have_units_and_defaults(brace):
     ("text", "found 'text', expected a number"),
     ([None], "found None, expected a number"),
     ({}, "found {}, expected a number"),
+    (1j, "found 1j, expected a number"),
+    (np.zeros((2, 2)), r"found array\(\[0., 0.\]\), expected a number"),
 ])
 def test_what_is_no_number_is_refused(brace, returned, message):
     @tendril.objective("wrong", reads=["tip_position"])
@@ -130,6 +132,64 @@ def test_what_is_no_number_is_refused(brace, returned, message):
     with pytest.raises(tendril.Error, match=message) as error:
         with_term(brace, "wrong").plan()
     assert "objective 'wrong' of this program" in str(error.value)
+
+
+@pytest.mark.parametrize("factor", [math.nan, math.inf])
+def test_what_is_not_finite_is_no_plan(brace, factor):
+    tendril.objective("wild", reads=["tip_position"])(lambda x: (2.0 + x.tip.x) * factor)
+    plan = with_term(brace, "wild").plan()
+    assert plan.status == "failed" and "objective 'wild'" in plan.message
+
+
+def test_other_numbers_of_residuals_are_refused(brace):
+    calls = []
+
+    @tendril.objective("ragged", reads=["tip_position"])
+    def ragged(x):
+        calls.append(1)
+        return [x.tip.x] * (1 + len(calls) % 2)
+
+    with pytest.raises(tendril.Error, match="objective 'ragged' changed its number of residuals"):
+        with_term(brace, "ragged").plan()
+
+
+@pytest.mark.parametrize("raised, told", [(SystemExit(3), "SystemExit: 3"), (RecursionError("deep"), "RecursionError: deep"),
+                                          (MemoryError(), "MemoryError")])
+def test_no_exception_ends_the_interpreter(brace, raised, told):
+    @tendril.objective("throws", reads=["tip_position"])
+    def throws(x):
+        raise raised
+
+    with pytest.raises(tendril.Error, match=told):
+        with_term(brace, "throws").plan()
+
+
+@pytest.mark.parametrize("make, kind, name", [
+    (lambda: tendril.objective(3), TypeError, "name"),
+    (lambda: tendril.objective("x")(3), TypeError, "objective"),
+    (lambda: tendril.objective("x", reads=3), TypeError, "reads"),
+    (lambda: tendril.objective("x", reads="tip_angle"), TypeError, "reads"),
+    (lambda: tendril.objective("x", reads=[3]), TypeError, "reads"),
+    (lambda: tendril.objective("x", samples=0.5), TypeError, "samples"),
+    (lambda: tendril.objective("x", samples=[math.nan]), ValueError, r"samples\[0\]"),
+    (lambda: tendril.objective("x", samples=[0.5, 2.0]), ValueError, r"samples\[1\]"),
+    (lambda: tendril.objective("x", samples=["x"]), TypeError, r"samples\[0\]"),
+    (lambda: tendril.objective("x", lower_bound=None), TypeError, "lower_bound"),
+    (lambda: tendril.objective("x", lower_bound=math.nan), ValueError, "lower_bound"),
+    (lambda: tendril.objective("x", options=3), TypeError, "options"),
+    (lambda: tendril.objective("x", options={"r": tendril.Option(1.0, unit="kg")})(lambda x: x), ValueError, r"options\['r'\].unit"),
+    (lambda: tendril.objective("x", options={"r": tendril.Option(1.0, minimum="x")}), TypeError, r"options\['r'\].minimum"),
+    (lambda: tendril.objective("x", options={"r": object()})(lambda x: x), ValueError, "default of 'r'"),
+    (lambda: tendril.coordinates("x", functions=None), ValueError, "functions"),
+    (lambda: tendril.coordinates("x", functions=2.5), ValueError, "functions"),
+    (lambda: tendril.coordinates(3, functions=2), TypeError, "name"),
+    (lambda: tendril.obstacle(3), TypeError, "name"),
+    (lambda: tendril.obstacle("x")(3), TypeError, "obstacle"),
+    (lambda: tendril.check(3), ValueError, "name"),
+])
+def test_wrong_declarations_name_the_argument(make, kind, name):
+    with pytest.raises(kind, match=name):
+        make()
 
 
 def test_what_it_raises_is_told_with_its_place(brace):
@@ -216,6 +276,29 @@ def test_coordinates_plan_what_the_plugin_plans(brace):
     assert own.describe().variables == brace.describe().variables
 
 
+def zeros(sigma):
+    return (np.zeros((len(sigma), 2)),) * 3
+
+
+@pytest.mark.parametrize("basis, declared, told", [
+    (lambda sigma: None, {}, "the basis: found None, expected three arrays"),
+    (lambda sigma: zeros(sigma)[:2], {}, "expected three arrays"),
+    (lambda sigma: ("a", "b", "c"), {}, "the values: found 'a', expected an array"),
+    (lambda sigma: [part * math.nan for part in zeros(sigma)], {}, "not finite"),
+    (lambda sigma: [][1], {}, "IndexError"),
+    (zeros, {"functions": lambda: math.nan}, "functions: found nan, expected a whole number"),
+    (zeros, {"functions": lambda: 10**30}, "functions: found 1000.*, expected a whole number"),
+    (zeros, {"functions": lambda: None}, "functions: found None"),
+    (zeros, {"breaks": 3}, "breaks: found 3, expected a list"),
+    (zeros, {"breaks": [math.nan]}, "breaks"),
+    (zeros, {"subdivision": [-1.0]}, "subdivision"),
+])
+def test_wrong_bases_are_refused(brace, basis, declared, told):
+    tendril.coordinates("wrong", **{"functions": 2, **declared})(basis)
+    with pytest.raises(tendril.Error, match=told):
+        brace.copy({"coordinates": {"plugin": "wrong"}}).plan()
+
+
 def test_wrong_arrays_are_refused(brace):
     @tendril.coordinates("short", functions=2)
     def short(sigma):
@@ -266,6 +349,34 @@ def test_an_obstacle_plans_what_the_circle_plans(brace):
     assert plan.plot() is not None
 
 
+@pytest.mark.parametrize("wrong, told", [
+    ({"at": lambda self, x, y: None}, r"at\(\): found None"),
+    ({"at": lambda self, x, y: (math.nan, (1.0, 0.0), 0.0, 0.0)}, "not finite"),
+    ({"at": lambda self, x, y: (1.0, (1.0, 0.0, 0.0), 0.0, 0.0)}, "the normal: found"),
+    ({"at": lambda self, x, y: (1.0, (3.0, 0.0), 0.0, 0.0)}, "no unit vector"),
+    ({"at": lambda self, x, y: 1 / 0}, "ZeroDivisionError"),
+    ({"core_distance": lambda self, x, y: None}, r"core_distance\(\): found None"),
+    ({"convex": "yes"}, "convex: found 'yes', expected True or False"),
+    ({"convex": None}, "convex: found None"),
+    ({"reference_point": property(lambda self: 3)}, "reference_point"),
+    ({"rounding": property(lambda self: None)}, "rounding: found None"),
+    ({"bounding_box": property(lambda self: [1])}, "bounding_box"),
+])
+def test_wrong_obstacles_are_refused(brace, wrong, told):
+    settable = {name: property(value.fget, lambda self, given: None) if isinstance(value, property) else value
+                for name, value in wrong.items()}
+    tendril.obstacle("wrong", options=DISC)(type("Wrong", (Disc,), settable))
+    with pytest.raises(tendril.Error, match=told):
+        brace.copy({"obstacle": [{"shape": "wrong", "radius": "8 mm", "x": "60 mm", "y": "0 mm"}]}).plan()
+
+
+def test_a_wrong_outline_is_no_picture(brace):
+    tendril.obstacle("wrong", options=DISC)(type("Wrong", (Disc,), {"outline": lambda self, count, low, high: np.zeros((2, 2))}))
+    plan = brace.copy({"obstacle": [{"shape": "wrong", "radius": "8 mm", "x": "60 mm", "y": "0 mm"}]}).plan()
+    with pytest.warns(UserWarning, match=r"outline\(\) of shape: found \(2, 2\)"):
+        plan.plot()
+
+
 def test_an_obstacle_without_a_method_is_refused():
     with pytest.raises(TypeError, match=r"has no method core_distance\(\)"):
         tendril.obstacle("half")(type("Half", (), {"at": lambda self, x, y: None}))
@@ -278,8 +389,6 @@ def test_processes_that_are_forked_know_components(brace):
 
     scene = with_term(brace, "square_tip")
     assert [r.solved for r in tendril.plan_many([scene, brace], jobs=2, start_method="fork")] == [True, True]
-    with pytest.raises(ValueError, match="objective 'square_tip' of this process"):
-        scene.study()
 
 
 def test_loops_and_threads_use_components(brace):

@@ -1,11 +1,12 @@
 """Pictures: what is drawn, and files that are what their names say."""
 
+import matplotlib
+import matplotlib.pyplot
 import numpy as np
 import pytest
 
 import tendril
 
-matplotlib = pytest.importorskip("matplotlib")
 matplotlib.use("Agg")
 
 
@@ -38,6 +39,51 @@ def test_forces_have_their_own_direction(brace):
     matplotlib.pyplot.close("all")
 
 
+def test_a_band_is_as_wide_as_the_shape_is_uncertain(scenes):
+    """Of a free rod whose stiffness is known to 5 %: the tip's two standard deviations are those of two executions."""
+    scene = tendril.load(scenes / "free.toml").copy({"rod.bending_stiffness": "4.9e-4 N m^2 +- 5 %"})
+    plan = scene.plan()
+    ax = plan.plot(deviations=2.0)
+    band = ax.patches[-1].get_path().vertices[:-1]
+    one, other = band[len(band) // 2 - 1], band[len(band) // 2]
+    across = np.array([-np.sin(plan.tip.angle), np.cos(plan.tip.angle)])
+    tips = np.array([scene.copy({"rod.bending_stiffness": 4.9e-4 * (1 + side * 1e-3)}).execute(plan.moments).tip[:2] for side in (-1, 1)])
+    deviation = 1e3 * abs((tips[1] - tips[0]) @ across) / 2e-3 * 0.05
+    assert np.linalg.norm(one - other) == pytest.approx(4.0 * deviation, rel=1e-3)
+    assert 0.5 * (one + other) == pytest.approx(1e3 * np.array(plan.tip[:2]))
+    before = len(ax.patches)
+    assert len(plan.plot(deviations=0.0).patches) == before - 1
+    for deviations in (-1.0, float("nan"), "two", None):
+        with pytest.raises((TypeError, ValueError), match="deviations"):
+            plan.plot(deviations=deviations)
+    with pytest.raises(TypeError, match="ax"):
+        plan.plot(3)
+    matplotlib.pyplot.close("all")
+
+
+FFMPEG = """#!/usr/bin/python3
+# Stands for ffmpeg: keeps how many bytes of pictures of which size it is given.
+import sys
+size = sys.argv[sys.argv.index("-s") + 1] if "-s" in sys.argv else ""
+open(sys.argv[-1], "w").write(f"{size} {len(sys.stdin.buffer.read())}")
+"""
+
+
+def test_a_film_goes_through_ffmpeg(scenes, tmp_path, monkeypatch):
+    document = tendril.load(scenes / "trajectory.toml").trajectory().to_dict()
+    few = tendril.Trajectory({**document, "steps": document["steps"][:3]})
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(ValueError, match="file: found .*a.mp4.*ffmpeg"):
+        few.animate(tmp_path / "a.mp4")
+    (tmp_path / "ffmpeg").write_text(FFMPEG)
+    (tmp_path / "ffmpeg").chmod(0o755)
+    few.animate(tmp_path / "a.mp4")
+    size, count = (tmp_path / "a.mp4").read_text().split()
+    width, height = map(int, size.split("x"))
+    assert int(count) == 3 * 4 * width * height
+    matplotlib.pyplot.close("all")
+
+
 def test_animations(scenes, tmp_path):
     trajectory = tendril.load(scenes / "trajectory.toml").trajectory()
     few = tendril.Trajectory({**trajectory.to_dict(), "steps": trajectory.to_dict()["steps"][:3]})
@@ -48,6 +94,9 @@ def test_animations(scenes, tmp_path):
     few.plot()
     with pytest.raises(ValueError, match="file"):
         few.animate(tmp_path / "a.xyz")
-    with pytest.raises(ValueError, match="fps"):
-        few.animate(fps=0.0)
+    for fps in (0.0, float("nan"), "fast"):
+        with pytest.raises((TypeError, ValueError), match="fps"):
+            few.animate(fps=fps)
+    with pytest.raises(TypeError, match="file"):
+        few.animate(3)
     matplotlib.pyplot.close("all")

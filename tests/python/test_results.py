@@ -66,6 +66,30 @@ def test_no_results(text, why):
         tendril.Plan.from_json(text)
 
 
+@pytest.mark.parametrize("key, value, read", [
+    ("backbone", [["a"]], lambda p: p.backbone), ("backbone", [[1, 2]], lambda p: p.backbone), ("tip", None, lambda p: p.tip),
+    ("tip", {"x": 1}, lambda p: p.tip), ("contacts", "abc", lambda p: p.contacts), ("contacts", [{}], lambda p: p.contacts),
+    ("moments", {}, lambda p: p.moments),
+])
+def test_parts_of_another_version_are_named(plan, key, value, read):
+    with pytest.raises(ValueError, match=f"document: '{key}' is not as a result of this version has it"):
+        read(tendril.Plan({**plan.to_dict(), key: value}))
+
+
+def test_a_pickle_of_another_version_is_refused(plan):
+    text = pickle.dumps(plan, protocol=0).replace(b'"schema": 1', b'"schema": 2')
+    with pytest.raises(ValueError, match="schema 2"):
+        pickle.loads(text)
+    with pytest.raises(TypeError, match="text"):
+        tendril.Plan.from_json(3)
+
+
+def test_rows_are_plain_values(plan, scenes):
+    others = [tendril.load(scenes / "trajectory.toml").trajectory(), tendril.load(scenes / "estimate.toml").estimate()]
+    for result in (plan, *others, tendril.Failure({"message": "why"})):
+        assert all(value is None or isinstance(value, (str, float, int)) for value in result.row().values())
+
+
 def test_results_of_another_kind(plan, brace, scenes):
     with pytest.raises(ValueError, match="trajectory"):
         tendril.Trajectory(plan.to_dict())

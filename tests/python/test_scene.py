@@ -70,7 +70,8 @@ def test_quantities(brace):
 
 
 def test_quantities_of_pint(brace):
-    pint = pytest.importorskip("pint")
+    import pint
+
     unit = pint.UnitRegistry()
     limit = brace.copy({"contact.max_force": 50 * unit.millinewton}).plan()
     assert limit.tip == brace.copy({"contact.max_force": 0.05}).plan().tip
@@ -130,6 +131,15 @@ def test_wrong_calls(brace, tmp_path):
         brace["obstacle[7].nosuch"] = 1
     with pytest.raises(FileNotFoundError):
         tendril.load(tmp_path / "nosuch.toml")
+    with pytest.raises(TypeError, match="file"):
+        tendril.load(3.5)
+    for directories in ("plugins", 3, [3]):
+        with pytest.raises(TypeError, match="plugin_directories"):
+            tendril.Scene(TABLES, plugin_directories=directories)
+    with pytest.raises(TypeError, match="tables"):
+        tendril.Scene(3)
+    with pytest.raises(TypeError, match="changes"):
+        brace.copy(3)
     (tmp_path / "bytes.toml").write_bytes(b"title = '\xff'")
     with pytest.raises(ValueError, match="UTF-8"):
         tendril.load(tmp_path / "bytes.toml")

@@ -8,6 +8,12 @@ import pytest
 import tendril
 
 
+def slope(values, step):
+    """Of values at -2, -1, 1, 2 steps."""
+    far_before, before, behind, far_behind = values
+    return (8.0 * (behind - before) - (far_behind - far_before)) / (12.0 * step)
+
+
 def test_the_jacobian_has_named_rows_and_columns(scenes):
     scene = tendril.load(scenes / "brace.toml")
     all_numbers = scene.sensitivity(held=True)
@@ -23,30 +29,49 @@ def test_a_derivative_is_that_of_other_executions(scenes):
     scene = tendril.load(scenes / "brace.toml")
     plan = scene.plan()
     exact = plan.sensitivity("obstacle[0].radius", held=True)["tip.y"]
-    step = 1e-5
-    tips = [scene.copy({"obstacle[0].radius": 8e-3 + side * step}).execute(plan.moments, start=plan).tip.y
-            for side in (-1, 1)]
-    assert exact == pytest.approx((tips[1] - tips[0]) / (2 * step), rel=1e-4)
+    tips = [scene.copy({"obstacle[0].radius": 8e-3 + side * 1e-5}).execute(plan.moments, start=plan).tip.y for side in (-2, -1, 1, 2)]
+    assert exact == pytest.approx(slope(tips, 1e-5), rel=1e-6)
 
 
 def test_an_execution_is_differentiated_under_its_own_moments(scenes):
     scene = tendril.load(scenes / "brace.toml")
     exact = scene.execute(["2.4 N mm"]).sensitivity("moments[0]")["tip.y"]
-    step = 1e-7
-    tips = [scene.execute([2.4e-3 + side * step]).tip.y for side in (-1, 1)]
-    assert exact == pytest.approx((tips[1] - tips[0]) / (2 * step), rel=1e-4)
+    tips = [scene.execute([2.4e-3 + side * 2e-6]).tip.y for side in (-2, -1, 1, 2)]
+    assert exact == pytest.approx(slope(tips, 2e-6), rel=1e-6)
     with pytest.raises(TypeError, match="from another start"):
         scene.execute(["2.4 N mm"], start=scene.plan()).sensitivity("moments[0]")
 
 
-def test_components_of_this_process_are_refused(scenes):
-    scene = tendril.load(scenes / "brace.toml")
-    tendril.objective("own_term", reads=["tip_angle"])(lambda x: [x.tip.angle])
+def test_derivatives_of_the_plan_are_those_of_other_plans(scenes):
+    """The Jacobian of the planned moment and tip, with a term of this process, against plans of scenes on either side."""
+
+    @tendril.objective("own_term", reads=["tip_angle"])
+    def own_term(x):
+        return [x.tip.angle - 0.3]
+
+    scene = tendril.load(scenes / "brace.toml").copy({"solver": {"plugin": "ipopt"}})
+    scene = scene.copy({"objective": [*scene["objective"], {"plugin": "own_term", "weight": 0.1}]})
+    keys = {"obstacle[0].radius": 8e-3, "rod.bending_stiffness": 4.9e-4, "target.position[1]": 0.02}
     try:
-        with pytest.raises(ValueError, match="sensitivity: the scene names objective 'own_term' of this process"):
-            scene.copy({"objective": [{"plugin": "own_term"}]}).sensitivity("rod.length")
+        exact = scene.sensitivity(*keys)
+        for key, value in keys.items():
+            step = 1e-3 * value
+            either = [scene.copy({key: value + side * step}).plan() for side in (-2, -1, 1, 2)]
+            for quantity, of in (("tip.y", lambda p: p.tip.y), ("tip.angle", lambda p: p.tip.angle), ("moments[0]", lambda p: p.moments[0])):
+                difference = slope(list(map(of, either)), step)
+                assert exact[key][quantity] == pytest.approx(difference, rel=1e-6, abs=1e-6 * abs(of(either[0]) / value))
     finally:
         tendril.unregister("own_term")
+
+
+def test_given_moments_are_held(scenes):
+    scene = tendril.load(scenes / "brace.toml")
+    assert scene.sensitivity("moments[0]", moments=["2.4 N mm"])["moments[0]"] == scene.execute([2.4e-3]).sensitivity("moments[0]")
+    for moments, kind in (([float("nan")], ValueError), ([None], TypeError), (["3 kg"], tendril.Error), ([1.0, 2.0], tendril.Error)):
+        with pytest.raises(kind, match="moments"):
+            scene.sensitivity(moments=moments)
+    with pytest.raises(ValueError, match="held"):
+        scene.sensitivity(moments=[1e-3], held=True)
 
 
 def test_error_bars_are_in_results(scenes):
@@ -76,7 +101,13 @@ def test_sensitivities_are_pickled(scenes):
     assert np.array_equal(pickle.loads(pickle.dumps(some)).matrix, some.matrix)
 
 
-def test_calibration(scenes):
-    calibration = tendril.load(scenes / "calibrate.toml").calibrate()
+def test_calibration(scenes, tmp_path):
+    with pytest.raises(tendril.Error, match="calibrate.xyz"):
+        tendril.load(scenes / "calibrate.toml").calibrate(figure=tmp_path / "calibrate.xyz")
+    with pytest.raises(TypeError, match="output"):
+        tendril.load(scenes / "calibrate.toml").calibrate(output=3)
+    calibration = tendril.load(scenes / "calibrate.toml").calibrate(output=tmp_path, figure=tmp_path / "own.svg")
+    assert tendril.Calibration.from_file(tmp_path / "result.json")["numbers"] == calibration["numbers"]
+    assert {"own.svg", "figure.svg", "rod.toml"} <= {file.name for file in tmp_path.iterdir()}
     assert calibration.identifiable
     assert all(number["error"] > 0 for number in calibration.numbers)

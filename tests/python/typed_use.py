@@ -18,6 +18,12 @@ steps: list[tendril.Plan] = scene.trajectory().steps
 problem: tendril.Problem = scene.problem()
 problem.follow((0.097, 0.02))
 angle: float = problem.tip[2]
+study: tendril.Study = scene.study(jobs=2, output="sizes", progress=True)
+part: tendril.Study | None = scene.study(output="sizes", shard=(1, 2))
+matrix: npt.NDArray[np.float64] = scene.sensitivity("rod.length", moments=["2 N mm"]).matrix
+study.view("study.html")
+scene.live(port=8000, ready=lambda address: None)
+keys: str = tendril.command("reference", "keys")
 results: list[tendril.Result] = tendril.plan_many([scene, changed], jobs=2)
 try:
     scene.estimate()
