@@ -50,7 +50,7 @@ class _Picture:
             self.area(shape["outlines"], **(_OBSTACLE if not shape.get("ignored") else {"facecolor": "none", "edgecolor": "0.5", "linestyle": "--"}))
         # Obstacles may go on for ever; the rod says what is looked at.
         near = 0.35 * self.drawing["length"] * self.per_metre
-        lines = [self.points(line) for frame in frames for rod in frame["rods"] for line in (rod["line"], rod.get("body", []))]
+        lines = [self.points(line) for frame in frames for rod in frame["rods"] for line in (rod["line"], rod.get("body", []), rod.get("band", []))]
         if lines:
             points = np.hstack(lines)
             self.ax.set_xlim(points[0].min() - near, points[0].max() + near)
@@ -70,6 +70,8 @@ class _Picture:
                 self.cone(contact)
         style = {"color": "C0", "linewidth": 2.5, "solid_capstyle": "round", "zorder": 3, **style}
         for rod in frame["rods"]:
+            if "band" in rod:
+                self.area([rod["band"]], facecolor="C1", edgecolor="none", alpha=0.3, zorder=1)
             if "body" in rod:
                 self.area([rod["body"]], facecolor=style["color"], edgecolor="none", alpha=0.3, zorder=2)
             self.ax.plot(*self.points(rod["line"]), **style)

@@ -66,6 +66,9 @@ TEST(Calibrate, WritesAFragmentThatOtherScenesInclude) {
   EXPECT_TRUE(contains_text(fragment, " +- ")) << fragment;
   EXPECT_GT(result["uncertainty"]["tip"]["y"].get<double>(), 0.0) << result["uncertainty"];
   EXPECT_EQ(result["uncertainty"]["shares"].size(), fitted["numbers"].size());
+  // They go together: the moments that a pressure gives are known from how far a rod bends, as its stiffness is.
+  EXPECT_TRUE(contains_text(fragment, "between = [\"rod.bending_stiffness\", \"rod.actuator[0].moment_per_pressure\"]"))
+      << fragment;
 }
 
 TEST(Calibrate, TellsWhereInTheFilesSomethingIsWrong) {

@@ -109,6 +109,23 @@ TEST(Page, ABodyIsAsWideAsItIs) {
   EXPECT_LT(depth, 0.5 * result["thickness"][0].get<double>());
 }
 
+TEST(Page, ABandIsAsWideAsFourStandardDeviations) {
+  const Arguments plan{"plan", scene_path("brace.toml"), "--set", "rod.bending_stiffness=4.9e-4 N m^2 +- 5 %"};
+  const json result = json_of(plan);
+  const json drawing = drawn(page_of(plan));
+  const json& band = drawing["frames"][0]["rods"][0]["band"];
+  const std::size_t count = result["backbone"].size();
+  ASSERT_EQ(band.size(), 2 * count);
+  EXPECT_EQ(band.front(), band.back());
+  const json& at_tip = result["uncertainty"]["shape"].back();
+  const double angle = result["tip"]["angle"];
+  const double x = -std::sin(angle), y = std::cos(angle);
+  const double variance =
+      x * x * at_tip[1].get<double>() + 2.0 * x * y * at_tip[2].get<double>() + y * y * at_tip[3].get<double>();
+  EXPECT_NEAR(apart(band[count - 1], band[count]), 4.0 * std::sqrt(variance), 3e-7);
+  EXPECT_GT(variance, 0.0);
+}
+
 TEST(Page, ShowsBothFingersOfAGrasp) {
   const json frame = drawn(page_of({"plan", scene_path("grasp_60mm.toml")}))["frames"][0];
   ASSERT_EQ(frame["rods"].size(), 2U);

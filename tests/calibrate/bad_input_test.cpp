@@ -57,11 +57,24 @@ TEST(Refused, IsAStiffnessThatNothingBends) {
   expect_refused(spec, "nothing bends the rod in any recording", weightless);
 }
 
-TEST(Refused, AreRodsThatStretch) {
-  Scene stretches = MeasuredArm{}.scene();
-  stretches.rod.segments[0].axial_stiffness = 50.0;
-  stretches.coordinates.stretch_order = 1;
-  expect_refused(good(), "rods are calibrated at fixed length, expected a rod that does not stretch", stretches);
+TEST(Refused, AreStretchesOfRodsOfFixedLength) {
+  CalibrationSpec spec = good();
+  spec.unknowns.push_back(unknown(CalibrationUnknown::axial_stiffness));
+  expect_refused(spec,
+                 "found \"axial_stiffness\" of a rod that does not stretch, expected [coordinates] stretch_order");
+  spec.unknowns[1].kind = CalibrationUnknown::force;
+  expect_refused(spec, "found \"force\" of a rod that does not stretch");
+  spec.unknowns[1].kind = CalibrationUnknown::modulus;
+  expect_refused(spec, "found \"modulus\" beside \"stiffness\", expected each number to be looked for once");
+}
+
+TEST(Refused, AreShapesThatLeaveTheirPlane) {
+  CalibrationSpec spec = good();
+  spec.recordings[1].markers[2].out_of_plane = -0.006;
+  expect_refused(spec, "found a point -0.006 m out of the plane, 6 % of the rod's length, expected a planar shape");
+  spec.recordings[1].markers[2].out_of_plane = 0.002;
+  EXPECT_TRUE(
+      contains_text(calibrate(MeasuredArm{}.scene(), spec).warnings.at(0), "points lie up to 2 % of the length"));
 }
 
 TEST(Refused, AreMoreUnknownsThanMeasurements) {

@@ -8,8 +8,8 @@ namespace tendril {
 namespace {
 
 /// Two segments, one of them tapered and bent at rest; a tendon that comes nearer to the backbone; loads at a point and
-/// at the tip; a base that is turned and moved.
-SoughtNumbers everything() {
+/// at the tip; a base that is turned and moved. Where it stretches the tendon pulls along it, too.
+SoughtNumbers everything(bool stretches) {
   SoughtNumbers problem;
   Rod::Segment first{0.0, 0.4, 1.0, 3.0, 0.2};
   Rod::Segment second{0.4, 1.0, 0.7, 2.0, -0.3};
@@ -18,6 +18,13 @@ SoughtNumbers everything() {
   problem.rod.segments = {first, second};
   problem.rod.actuators = {{0.0, 0.9}};
   problem.rod.actuators[0].profile = {{0.0, 0.9, {1.0, -0.4}}};
+  if (stretches) {
+    problem.rod.stretch_order = Rod::stretch_as_fine;
+    problem.rod.segments[0].axial = 20.0;
+    problem.rod.segments[1].axial = 15.0;
+    problem.rod.segments[1].more_axial = {-3.0};
+    problem.rod.actuators[0].thrust = -2.0;
+  }
   problem.rod.loads = {{0.6, 0.6}};
   problem.rod.base = {0.1, -0.2};
   problem.rod.base_angle = 0.3;
@@ -39,15 +46,23 @@ SoughtNumbers everything() {
   problem.unknowns = {{U::stiffness, 0},      {U::stiffness, 1}, {U::density, -1},  {U::rest_curvature, 0},
                       {U::rest_curvature, 1}, {U::moment, 0, 1}, {U::moment, 0, 3}, {U::base_angle, -1},
                       {U::base_x, -1},        {U::base_y, -1}};
+  if (stretches) {
+    // A modulus of one segment, and of the other the two stiffnesses that it is.
+    problem.unknowns[0].kind = U::modulus;
+    problem.unknowns.insert(problem.unknowns.end(), {{U::axial_stiffness, 1}, {U::force, 0, 1}, {U::force, 0, 2}});
+  }
   return problem;
 }
 
-TEST(RatesOfShapes, AreThoseOfDifferences) {
-  const SoughtNumbers problem = everything();
+class RatesOfShapes : public testing::TestWithParam<bool> {};
+
+TEST_P(RatesOfShapes, AreThoseOfDifferences) {
+  const SoughtNumbers problem = everything(GetParam());
   const Deadline deadline(nullptr, 60.0);
   CalibrationFit fit(problem, 10, 3.0, deadline);
-  Eigen::VectorXd values(10);
-  values << 1.1, 0.9, 1.2, 0.25, -0.2, 0.5, 0.3, 0.35, 0.12, -0.18;
+  Eigen::VectorXd values(13);
+  values << 1.1, 0.9, 1.2, 0.25, -0.2, 0.5, 0.3, 0.35, 0.12, -0.18, 1.3, 0.8, -0.6;
+  values.conservativeResize(static_cast<Eigen::Index>(problem.unknowns.size()));
   const std::vector<int> both{0, 1};
   const FittedPoint point = fit.at(values, both, nullptr);
   ASSERT_TRUE(point.found);
@@ -66,6 +81,8 @@ TEST(RatesOfShapes, AreThoseOfDifferences) {
     }
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(OfFixedLengthAndStretching, RatesOfShapes, testing::Bool());
 
 }  // namespace
 }  // namespace tendril

@@ -55,12 +55,16 @@ TEST(LoadedRod, DerivativesAreThoseOfCentralDifferences) {
   const auto uniform = [&](double a, double b) { return a + (b - a) * static_cast<double>(random() >> 11U) * 0x1p-53; };
   const Rod plain = rod_of(test::braced_arm());
   const Rod stepped = rod_of(test::stepped_finger());
+  Rod stretching = stepped;
+  stretching.stretch_order = Rod::stretch_as_fine;
+  for (Rod::Segment& s : stretching.segments) s.axial = 30.0;
+  stretching.actuators.back().thrust = -2.0;
   const std::vector<double> places = equal_arc_lengths(13);
   for (int trial = 0; trial < 12; ++trial) {
     const bool two_spans = trial % 2 == 1;
     std::vector<double> moments{uniform(-2.0, 2.0)};
     if (two_spans) moments.push_back(uniform(-2.0, 2.0));
-    const LoadedRod rod(two_spans ? stepped : plain, moments, 10, 4.0);
+    const LoadedRod rod(trial % 4 == 3 ? stretching : two_spans ? stepped : plain, moments, 10, 4.0);
     std::vector<NormalForce> forces{{uniform(-4.0, 4.0), uniform(0.1, 0.45)}, {uniform(-2.0, 2.0), uniform(0.5, 0.95)}};
     if (trial % 3 == 0) forces.pop_back();
     const LoadedRod::Shape shape = rod.solve(forces, [](double) { return 0.3; });

@@ -194,6 +194,33 @@ class Draft {
     add_contacts(frame, state, backbone, radius);
   }
 
+  /// Adds where the first rod is by two standard deviations, across it.
+  void add_band(Json& frame, const Reader& plan) const {
+    const auto uncertainty = plan.optional("uncertainty");
+    const auto shape = uncertainty ? uncertainty->optional("shape") : std::nullopt;
+    if (!shape || frame["rods"].empty()) return;
+    const std::vector<BackbonePoint> backbone = backbone_of(plan);
+    const BodyRadius body = radius_of(plan);
+    std::vector<Vec2> widths{{}};  // arc lengths and what lies beside the rod there
+    for (const Reader& entry : shape->list()) {
+      const std::vector<double> p = entry.reals();
+      if (p.size() != 4) entry.fail("an arc length and three variances");
+      const auto at = std::find_if(backbone.begin(), backbone.end(), [&](const auto& b) { return b.s >= p[0]; });
+      const double angle = at == backbone.end() ? backbone.back().angle : at->angle;
+      const Vec2 n{-std::sin(angle), std::cos(angle)};
+      widths.push_back(
+          {p[0], 2.0 * std::sqrt(std::max(0.0, n.x * (n.x * p[1] + 2.0 * n.y * p[2]) + n.y * n.y * p[3]))});
+    }
+    const BodyRadius band = [&](double s) {
+      std::size_t i = 1;
+      while (i + 1 < widths.size() && widths[i].x < s) ++i;
+      if (i == widths.size()) return 0.0;
+      const double share = std::clamp((s - widths[i - 1].x) / (widths[i].x - widths[i - 1].x), 0.0, 1.0);
+      return (body ? body(s) : 0.0) + widths[i - 1].y + share * (widths[i].y - widths[i - 1].y);
+    };
+    frame["rods"][0]["band"] = shorter_.points(line_of(body_outline(backbone, band)));
+  }
+
   /// Adds the contacts of a state that have a place.
   void add_contacts(Json& frame, const Reader& state, const std::vector<BackbonePoint>& backbone,
                     const BodyRadius& radius) const {
@@ -253,6 +280,7 @@ class Draft {
       }
     } else {
       add_rod(frame, plan.has("grasp") ? "finger" : "rod", plan, radius_of(plan));
+      add_band(frame, plan);
     }
     if (const auto grasp = plan.optional("grasp")) add_grasp_to(frame, plan, *grasp);
     if (const auto measured = plan.optional("measured")) frame["measured"] = shorter_.points(points_in(*measured));

@@ -36,9 +36,10 @@ void FrameFigure::add_frame(DataFile& data, std::size_t index) const {
     const Json& rod = one["rods"][r];
     block(fmt::format("rod {}", r + 1));
     add_points(data, rod["line"]);
-    if (rod.contains("body")) {
-      block(fmt::format("body {}", r + 1));
-      add_points(data, rod["body"]);
+    for (const char* outline : {"body", "band"}) {
+      if (!rod.contains(outline)) continue;
+      block(fmt::format("{} {}", outline, r + 1));
+      add_points(data, rod[outline]);
     }
     const auto [base, angle] = clamp_of(rod);
     add_clamp(data, base, angle, length_, block_of(index, fmt::format("clamp {}", r + 1)));

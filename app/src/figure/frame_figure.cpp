@@ -136,7 +136,7 @@ void FrameFigure::collect() {
   for (const std::size_t i : frames_) {
     const Json& one = frame(i);
     for (const Json& rod : one["rods"]) {
-      for (const char* list : {"line", "body"}) add_all(rod, list);
+      for (const char* list : {"line", "body", "band"}) add_all(rod, list);
     }
     for (const char* list : {"measured", "tips", "path", "palm"}) add_all(one, list);
     if (has_target(one)) drawn_.push_back(point(one["target"]["position"]));
@@ -249,6 +249,9 @@ void FrameFigure::add_rods(PlotCommand& plot, std::size_t index) const {
   const std::size_t count = one["rods"].size();
   const auto own = [&](const char* name, std::size_t r) { return block_of(index, fmt::format("{} {}", name, r + 1)); };
   for (std::size_t r = 0; r < count; ++r) {
+    if (one["rods"][r].contains("band")) {
+      plot.add(own("band", r), "with filledcurves closed fillcolor rgb '#f6d3bd' title 'two standard deviations'");
+    }
     if (one["rods"][r].contains("body")) {
       plot.add(own("body", r), "with filledcurves closed fillcolor rgb '#c3d4ea' notitle");
       plot.add(own("body", r), "with lines linewidth 0.7 linecolor rgb '#6b86a8' notitle");

@@ -26,7 +26,7 @@ Json number_json(const CalibratedNumber& number) {
   json["name"] = number.name;
   json["unit"] = number.unit;
   json["segment"] = number.spec.segment;
-  json["actuator"] = number.spec.kind == CalibrationUnknown::moment ? number.spec.actuator : 0;
+  json["actuator"] = is_law(number.spec.kind) ? number.spec.actuator : 0;
   json["power"] = number.power;
   json["value"] = number.identifiable ? tendril::app::number(number.value) : Json(nullptr);
   json["error"] = number.identifiable ? tendril::app::number(number.error) : Json(nullptr);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <optional>
+#include <regex>
 #include <utility>
 #include <vector>
 
@@ -24,17 +25,53 @@ class Settings {
   /// A number with its standard deviation, both in `unit`.
   void set(const std::string& path, double value, double error, std::string_view unit) {
     set(path, fmt::format("{:.12g} {} +- {:.4g} {}", value, unit, error, unit));
+    barred_.push_back({path, owner_, 1.0});
   }
-  /// Multiplies one of two keys that say the same in different ways; false: neither is there.
-  bool multiply(const std::string& table, const std::pair<std::string, Dimension>& one,
-                const std::pair<std::string, Dimension>& other, double factor, double error);
+  /// What is set from here on follows this number of the calibration.
+  void follow(std::size_t number) { owner_ = number; }
+  /// How the keys that were set go together.
+  std::string correlations(const Calibration& calibration) const;
+  /// Multiplies a key by a factor; false: it is not there.
+  bool multiply(const std::string& table, const std::string& key, const Dimension& dimension,
+                const CalibratedNumber& factor);
   const std::vector<Override>& all() const { return all_; }
 
  private:
   const Document& document_;
   const Units& units_;
   std::vector<Override> all_;
+  std::size_t owner_ = 0;
+  /// A key with an error bar, the number that it follows, and whether it grows or falls with that.
+  struct Barred {
+    std::string path;
+    std::size_t number;
+    double sign;
+  };
+  std::vector<Barred> barred_;
 };
+
+/// "rod.segment.0.density" as results name it, "rod.segment[0].density".
+std::string named(const std::string& path) {
+  static const std::regex index(R"(\.([0-9]+)(?=\.|$))");
+  return std::regex_replace(path, index, "[$1]");
+}
+
+std::string Settings::correlations(const Calibration& calibration) const {
+  constexpr double least = 1e-3;
+  std::string out;
+  for (std::size_t i = 0; i < barred_.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const auto a = static_cast<Eigen::Index>(barred_[i].number);
+      const auto b = static_cast<Eigen::Index>(barred_[k].number);
+      const Eigen::MatrixXd& c = calibration.covariance;
+      const double value = barred_[i].sign * barred_[k].sign * c(a, b) / std::sqrt(c(a, a) * c(b, b));
+      if (!(std::abs(value) >= least)) continue;
+      out += fmt::format("\n[[correlation]]\nbetween = [\"{}\", \"{}\"]\nvalue = {:.6f}\n", named(barred_[k].path),
+                         named(barred_[i].path), value);
+    }
+  }
+  return out;
+}
 
 const Node* Settings::at(const std::string& path) const {
   const Node* node = &document_.root();
@@ -62,16 +99,13 @@ std::optional<double> Settings::number(const Node* table, const std::string& key
   return std::nullopt;
 }
 
-bool Settings::multiply(const std::string& table, const std::pair<std::string, Dimension>& one,
-                        const std::pair<std::string, Dimension>& other, double factor, double error) {
-  bool any = false;
-  for (const auto& [key, dimension] : {one, other}) {
-    if (const auto value = number(at(table), key, dimension)) {
-      set(table + '.' + key, *value * factor, std::abs(*value) * error, dimension.unit);
-      any = true;
-    }
-  }
-  return any;
+bool Settings::multiply(const std::string& table, const std::string& key, const Dimension& dimension,
+                        const CalibratedNumber& factor) {
+  const auto value = number(at(table), key, dimension);
+  if (!value) return false;
+  set(table + '.' + key, *value * factor.value, std::abs(*value) * factor.error, dimension.unit);
+  if (*value < 0.0) barred_.back().sign = -1.0;
+  return true;
 }
 
 /// The tables that describe a rod's segments: itself, or one for each.
@@ -94,15 +128,26 @@ bool put(Settings& settings, const CalibratedNumber& number) {
   if (spec.segment > 0 && whole) tables = {tables[static_cast<std::size_t>(spec.segment - 1)]};
   switch (spec.kind) {
     case CalibrationUnknown::stiffness:
+    case CalibrationUnknown::axial_stiffness:
+    case CalibrationUnknown::modulus: {
+      const bool bends = spec.kind != CalibrationUnknown::axial_stiffness;
+      const bool axial = spec.kind != CalibrationUnknown::stiffness;
+      // A modulus is both: it may follow one of them alone only where the rod does not stretch.
+      const bool fixed_length =
+          settings.number(settings.at("coordinates"), "stretch_order", dimension::none).value_or(0.0) == 0.0;
+      const bool both = axial == bends || (bends && fixed_length);
       for (const std::string& table : tables) {
-        whole = whole && settings.multiply(table, {"bending_stiffness", dimension::stiffness},
-                                           {"youngs_modulus", dimension::pressure}, number.value, number.error);
+        bool found = both && settings.multiply(table, "youngs_modulus", dimension::pressure, number);
+        if (bends) found = settings.multiply(table, "bending_stiffness", dimension::stiffness, number) || found;
+        if (axial) found = settings.multiply(table, "axial_stiffness", dimension::force, number) || found;
+        whole = whole && found;
       }
       return whole;
+    }
     case CalibrationUnknown::density:
       for (const std::string& table : tables) {
-        whole = whole && settings.multiply(table, {"linear_density", dimension::linear_density},
-                                           {"density", dimension::density}, number.value, number.error);
+        const bool of_line = settings.multiply(table, "linear_density", dimension::linear_density, number);
+        whole = whole && (settings.multiply(table, "density", dimension::density, number) || of_line);
       }
       return whole;
     case CalibrationUnknown::rest_curvature:
@@ -119,6 +164,7 @@ bool put(Settings& settings, const CalibratedNumber& number) {
       if (spec.per == CalibrationScope::all)
         settings.set("rod.base.angle", number.value, number.error, dimension::angle.unit);
       return spec.per == CalibrationScope::all;
+    case CalibrationUnknown::force:
     case CalibrationUnknown::base_x:
     case CalibrationUnknown::base_y:
       break;
@@ -131,7 +177,9 @@ bool put(Settings& settings, const CalibratedNumber& number) {
 std::string calibrated_rod(const Document& document, const Units& units, const Calibration& calibration) {
   std::string told = "# Calibrated; standard deviations behind +-.\n";
   Settings settings(document, units);
-  for (const CalibratedNumber& number : calibration.numbers) {
+  for (std::size_t i = 0; i < calibration.numbers.size(); ++i) {
+    const CalibratedNumber& number = calibration.numbers[i];
+    settings.follow(i);
     if (!number.identifiable) {
       told += fmt::format("# {}: not identifiable\n", number.name);
       continue;
@@ -145,7 +193,7 @@ std::string calibrated_rod(const Document& document, const Units& units, const C
   for (const std::string& range : calibration.ranges) told += "#   " + range + '\n';
   Document changed = document;
   changed.apply(settings.all());
-  return told + '\n' + text_of(changed, "rod");
+  return told + '\n' + text_of(changed, "rod") + settings.correlations(calibration);
 }
 
 }  // namespace tendril::app

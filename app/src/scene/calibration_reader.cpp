@@ -17,18 +17,20 @@ namespace {
 /// No file may have more rows: the time limit of a scene is meant for fewer.
 constexpr std::size_t most_rows = 100'000;
 
-constexpr CalibrationUnknown all_unknowns[] = {CalibrationUnknown::stiffness,      CalibrationUnknown::density,
+constexpr CalibrationUnknown all_unknowns[] = {CalibrationUnknown::stiffness,      CalibrationUnknown::axial_stiffness,
+                                               CalibrationUnknown::modulus,        CalibrationUnknown::density,
                                                CalibrationUnknown::rest_curvature, CalibrationUnknown::moment,
-                                               CalibrationUnknown::base_angle,     CalibrationUnknown::base_x,
-                                               CalibrationUnknown::base_y};
+                                               CalibrationUnknown::force,          CalibrationUnknown::base_angle,
+                                               CalibrationUnknown::base_x,         CalibrationUnknown::base_y};
+constexpr Dimension force_per_pressure{0, 0, "N/Pa"};
 const std::vector<std::string> scope_names{"all", "group", "recording"};
 
 /// A key whose value is kept as it stands, if it is a number of what an unknown may be.
 Key<UnknownDraft> kept(std::string name, std::string description, std::optional<Node> UnknownDraft::*member) {
   KeySpec spec{std::move(name), KeyType::quantity, none, "", std::move(description)};
   return {spec, [spec, member](const Context& context, const Node& node, UnknownDraft& t) {
-            for (const Dimension& d :
-                 {none, dimension::length, dimension::curvature, dimension::angle, dimension::moment_per_pressure}) {
+            for (const Dimension& d : {none, dimension::length, dimension::curvature, dimension::angle,
+                                       dimension::moment_per_pressure, force_per_pressure}) {
               KeySpec one = spec;
               one.dimension = d;
               try {
@@ -50,16 +52,17 @@ Table<UnknownDraft> unknown_table() {
   return {
       {text<T>(
            "name", "",
-           "What is looked for: a factor on the bending stiffness or on the density, a rest curvature, a moment per "
-           "power of what an actuator is told, or a coordinate of the base.",
+           "What is looked for: a factor on the bending stiffness, on the axial stiffness, on both (modulus) or on the "
+           "density, a rest curvature, a moment or an axial force per power of what an actuator is told, or a "
+           "coordinate of the base.",
            [names](T& t, const std::string& v) {
              t.spec.kind = all_unknowns[std::find(names.begin(), names.end(), v) - names.begin()];
            },
            names, Need::required),
-       integer<T>("segment", 1, "all of the stiffness", "Of which segment, counted from the base.",
+       integer<T>("segment", 1, "all of a stiffness", "Of which segment, counted from the base.",
                   [](T& t, int v) { t.spec.segment = v; }),
        integer<T>("actuator", 1, "1", "Of which actuator.", [](T& t, int v) { t.spec.actuator = v; }),
-       integer<T>("degree", 1, "1", "Of a moment as a polynomial of the input, without a constant.",
+       integer<T>("degree", 1, "1", "Of a moment or a force as a polynomial of the input, without a constant.",
                   [](T& t, int v) { t.spec.degree = v; }),
        text<T>(
            "per", "all", "Whether each group or recording has a base of its own.",
@@ -143,6 +146,9 @@ std::vector<Column> columns_of(const RodSpec& rod) {
       {{"angle", dimension::angle, {"tip_angle"}}, [](R&, M& m, double v) { m.angle = v; }, true},
       {{"stalk_normal", dimension::length}, [](R&, M& m, double v) { m.along_normal = v; }, true},
       {{"stalk_axial", dimension::length}, [](R&, M& m, double v) { m.along_tangent = v; }, true},
+      {{"out_of_plane", dimension::length, {"z", "tip_out_of_plane"}},
+       [](R&, M& m, double v) { m.out_of_plane = v; },
+       true},
       {{"gravity_x", dimension::acceleration, {"g_x"}}, [gravity](R& r, M&, double v) { gravity(r).x = v; }},
       {{"gravity_y", dimension::acceleration, {"g_y"}}, [gravity](R& r, M&, double v) { gravity(r).y = v; }},
       {{"tip_fx", dimension::force}, [](R& r, M&, double v) { r.tip_force.x = v; }},
@@ -244,6 +250,8 @@ std::vector<Recording> Recordings::take() {
 Dimension dimension_of(const CalibrationUnknownSpec& unknown, const std::vector<Recording>& recordings) {
   switch (unknown.kind) {
     case CalibrationUnknown::stiffness:
+    case CalibrationUnknown::axial_stiffness:
+    case CalibrationUnknown::modulus:
     case CalibrationUnknown::density:
       return none;
     case CalibrationUnknown::rest_curvature:
@@ -254,11 +262,17 @@ Dimension dimension_of(const CalibrationUnknownSpec& unknown, const std::vector<
     case CalibrationUnknown::base_y:
       return dimension::length;
     case CalibrationUnknown::moment:
+    case CalibrationUnknown::force:
       break;
   }
   const auto a = static_cast<std::size_t>(unknown.actuator - 1);
   const bool told = !recordings.empty() && a < recordings.front().input_kinds.size();
   const ActuatorKind kind = told ? recordings.front().input_kinds[a] : ActuatorKind::moment;
+  if (unknown.kind == CalibrationUnknown::force) {
+    return kind == ActuatorKind::pressure ? force_per_pressure
+           : kind == ActuatorKind::moment ? dimension::curvature
+                                          : none;
+  }
   return kind == ActuatorKind::pressure ? dimension::moment_per_pressure
          : kind == ActuatorKind::tendon ? dimension::length
                                         : none;
@@ -291,7 +305,8 @@ Table<CalibrationDraft> calibration_table() {
   return {
       {files("files",
              "CSV files with measured points and with what was known of each recording, beside the scene. Columns: "
-             "case, group; s, x, y, angle, stalk_normal, stalk_axial; moment_1, tension_1 or pressure_1 of the first "
+             "case, group; s, x, y, angle, stalk_normal, stalk_axial, out_of_plane; moment_1, tension_1 or pressure_1 "
+             "of the first "
              "actuator, ...; gravity_x, gravity_y; tip_fx, tip_fy, tip_moment; load_1_fx, load_1_fy, load_1_moment of "
              "the first [[rod.load]], ... A point without s is the tip; without a case each row is a recording.",
              &T::files),

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -143,6 +144,51 @@ double deviation_of(const Document& document, const Node& node, std::string_view
   return deviation;
 }
 
+/// Correlations that the document states, of numbers with error bars.
+void read_correlations(const Document& document, std::vector<Spread>& spreads) {
+  const Node* list = document.root().find("correlation");
+  if (list == nullptr) return;
+  for (const Node& entry : std::get<Node::List>(list->value)) {
+    const Node* between = entry.find("between");
+    std::vector<std::string> keys;
+    for (const Node& key : between != nullptr ? std::get<Node::List>(between->value) : Node::List{}) {
+      keys.push_back(std::get<std::string>(key.value));
+      if (node_at(document, keys.back()) == nullptr) {
+        document.fail(key.position, "found " + describe_value(key) + ", expected the key of a number" +
+                                        did_you_mean(keys.back(), number_keys(document)));
+      }
+    }
+    if (keys.size() != 2 || keys[0] == keys[1]) {
+      document.fail(entry.position, "found a correlation of other than two numbers, expected 'between' with two keys");
+    }
+    const Node& value = *entry.find("value");
+    const double correlation = read_number(value)->value;
+    if (std::abs(correlation) > 1.0) {
+      document.fail(value.position, "found " + describe_value(value) + ", expected a correlation from -1 to 1");
+    }
+    const auto spread = [&](const std::string& key) {
+      return std::find_if(spreads.begin(), spreads.end(), [&](const Spread& s) { return s.key == key; });
+    };
+    // A number that has no error bar any more goes with nothing.
+    const auto one = spread(keys[0]), other = spread(keys[1]);
+    if (one == spreads.end() || other == spreads.end()) continue;
+    one->correlations[other->key] = other->correlations[one->key] = correlation;
+  }
+  const auto count = static_cast<Eigen::Index>(spreads.size());
+  Eigen::MatrixXd all = Eigen::MatrixXd::Identity(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const auto& known = spreads[static_cast<std::size_t>(i)].correlations;
+      const auto found = known.find(spreads[static_cast<std::size_t>(k)].key);
+      if (found != known.end()) all(i, k) = found->second;
+    }
+  }
+  constexpr double rounding = 1e-4;  // of correlations as they are written
+  if (Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(all, Eigen::EigenvaluesOnly).eigenvalues()[0] < -rounding) {
+    document.fail(list->position, "found correlations that no numbers have, expected those of one distribution");
+  }
+}
+
 }  // namespace
 
 std::optional<std::pair<std::string_view, std::string_view>> split_error_bar(std::string_view text) {
@@ -177,6 +223,8 @@ Spread spread_of(const Document& document, const Scene& scene, const std::string
     return n.key.starts_with("rod.") && n.key.find(".more_") != std::string::npos;
   });
   if (same != numbers.end() && more == numbers.end()) return {key, 0.0, {{own, 1.0}}};
+  // Rods that stretch are not differentiated at all, and others do not read it.
+  if (key.ends_with(".axial_stiffness")) return {key};
   if (node == nullptr) {
     std::vector<std::string> known = number_keys(document);
     throw InputError("the scene has no number '" + key + "'" + did_you_mean(key, known));
@@ -224,6 +272,7 @@ std::vector<Spread> error_bars(const Document& document, const Scene& scene) {
     spread.deviation = deviation;
     spreads.push_back(std::move(spread));
   });
+  read_correlations(document, spreads);
   return spreads;
 }
 

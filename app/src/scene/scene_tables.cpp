@@ -251,6 +251,15 @@ Table<TargetSpec> target_table() {
                                 [](TargetSpec& t, double v) { t.angle_tolerance = v; })}};
 }
 
+Table<CorrelationDraft> correlation_table() {
+  using T = CorrelationDraft;
+  return {{texts<T>("between", "Two keys, such as \"rod.bending_stiffness\".", {},
+                    [](T& t, const std::vector<std::string>& v) { t.between = v; }),
+           quantity<T>(
+               "value", none, Range{-1.0}, "", "Their correlation, from -1 to 1.", [](T& t, double v) { t.value = v; },
+               Need::required)}};
+}
+
 }  // namespace
 
 Table<SceneDraft> scene_table() {
@@ -316,6 +325,9 @@ Table<SceneDraft> scene_table() {
       table<T>(
           "measurement", "measurement", "What was measured of the rod; for the problem kind \"estimate\".",
           measurement_table(), [](T & t) -> auto& { return t.measurement; }),
+      tables<T>(
+          "correlation", "correlation", "How two numbers with error bars go together, as a calibration finds them.",
+          correlation_table(), [](T & t) -> auto& { return t.correlations; }),
       table<T>(
           "study", "study", "Sweeps for 'tendril study': every combination is one case.", study_table(),
           [](T & t) -> auto& { return t.study.emplace(); }),

@@ -24,11 +24,18 @@ struct TrajectoryDraft {
   std::string file;
 };
 
+/// [[correlation]] as written; error_bars() reads it.
+struct CorrelationDraft {
+  std::vector<std::string> between;
+  double value = 0.0;
+};
+
 /// What a scene says before defaults that depend on other keys are filled in.
 struct SceneDraft {
   Scene scene;
   RodDraft rod;
   std::vector<ObstacleDraft> obstacles;
+  std::vector<CorrelationDraft> correlations;
   std::vector<FingerDraft> fingers;
   MeasurementDraft measurement;
   TrajectoryDraft trajectory;

@@ -29,7 +29,7 @@ struct Named {
   double largest;
 };
 
-constexpr std::array<Named, 15> names{{{"m", "a length", "60 mm", 1e-6, 1e3},
+constexpr std::array<Named, 16> names{{{"m", "a length", "60 mm", 1e-6, 1e3},
                                        {"rad", "an angle", "30 deg", 1e-9, 10.0},
                                        {"1/m", "a curvature", "5 1/m", 1e-5, 1e6},
                                        {"N", "a force", "0.5 N", 1e-9, 1e4},
@@ -42,6 +42,7 @@ constexpr std::array<Named, 15> names{{{"m", "a length", "60 mm", 1e-6, 1e3},
                                        {"kg", "a mass", "20 g", 1e-15, 1e2},
                                        {"s", "a time", "10 s", 1e-6, 1e5},
                                        {"N m/Pa", "a moment per pressure", "2e-6 N m/Pa", 1e-24, 1e3},
+                                       {"N/Pa", "a force per pressure", "2e-4 N/Pa", 1e-18, 1e3},
                                        {"Pa", "a pressure", "50 kPa", 1.0, 1e9},
                                        {"", "a pure number", "0.5", 0.0, 0.0}}};
 

@@ -22,9 +22,9 @@ enum class CalibrationScope { all, group, recording };
 /// A number that is looked for.
 struct CalibrationUnknownSpec {
   CalibrationUnknown kind = CalibrationUnknown::stiffness;  ///< what it is
-  int segment = 0;                                          ///< 1 is the first one; 0: all (stiffness), the only one
+  int segment = 0;                                          ///< 1 is the first one; 0: all (factors), the only one
   int actuator = 1;                                         ///< 1 is the first one
-  int degree = 1;                                           ///< of a moment as a polynomial without a constant
+  int degree = 1;                                           ///< of a law as a polynomial without a constant
   CalibrationScope per = CalibrationScope::all;  ///< of a base: one for all, for each group, for each recording
   std::optional<double> start{};                 ///< where the search begins; absent: the scene's value
   double minimum = -infinity;                    ///< likewise of a polynomial's first power only
@@ -40,6 +40,7 @@ struct CalibrationMarker {
   std::optional<double> angle;   ///< rad
   double along_normal = 0.0;     ///< m, how far beside the backbone it stands, positive: to the left
   double along_tangent = 0.0;    ///< m, how far ahead of its arc length
+  double out_of_plane = 0.0;     ///< m, what its place has across the plane, as far as it is known
 };
 
 /// A shape that was measured, and what was known of it.
@@ -73,7 +74,7 @@ struct CalibrationSpec {
 /// A number that was looked for.
 struct CalibratedNumber {
   CalibrationUnknownSpec spec;  ///< whose number
-  int power = 1;                ///< of a moment's polynomial
+  int power = 1;                ///< of a law's polynomial
   std::string name;             ///< in words
   std::string unit;             ///< SI; empty: a factor
   double value = 0.0;           ///< SI

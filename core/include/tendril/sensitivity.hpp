@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -63,6 +65,8 @@ struct Spread {
     double rate = 1.0;  ///< of that number by this one, SI
   };
   std::vector<Part> parts{};  ///< most often one
+  /// Its correlations with others, by their keys, said of both of them; of those that are not named 0.
+  std::map<std::string, double, std::less<>> correlations{};
 };
 
 /// What inputs of these deviations make of results with these derivatives.

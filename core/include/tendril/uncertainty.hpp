@@ -22,14 +22,14 @@ struct ResultQuantity {
   double value = 0.0;  ///< in it
 };
 
-/// Standard deviations of a result where inputs are independent and the result linear in them.
+/// Standard deviations of a result that is linear in its inputs.
 struct Uncertainty {
   SensitivityKind kind = SensitivityKind::held;  ///< whose derivatives were taken
   std::string trouble{};                         ///< why there is none; empty: there is
   /// Why the numbers below should not be relied on: a state that may be lost within them. Empty: nothing is known.
   std::string warning{};
   std::vector<ResultQuantity> deviations{};  ///< standard deviations of what a sensitivity tells
-  /// What comes of one input.
+  /// What comes of one input, with its part in what it shares with others that go along with it.
   struct Share {
     std::string key;             ///< of the input
     double tip = 0.0;            ///< share of the variance of the tip's place, 0..1

@@ -25,7 +25,18 @@ constexpr double noise_tolerance = 1e-4;
 
 Vec2 rotated(Vec2 v, double angle) { return std::cos(angle) * v + std::sin(angle) * turned(v); }
 
+/// A factor on the stiffness in bending, or on that of the stretch.
+bool bends(CalibrationUnknown u) { return u == CalibrationUnknown::stiffness || u == CalibrationUnknown::modulus; }
+bool stretches(CalibrationUnknown u) {
+  return u == CalibrationUnknown::axial_stiffness || u == CalibrationUnknown::modulus;
+}
+
 int count_of(const SeenMarker& m) { return (m.has_position ? 2 : 0) + (m.has_angle ? 1 : 0); }
+
+Rod at_origin(Rod rod) {
+  rod.base = {};
+  return rod;
+}
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
@@ -37,7 +48,9 @@ double median(std::vector<double> values) {
 }  // namespace
 
 CalibrationFit::CalibrationFit(const SoughtNumbers& problem, int order, double turn, const Deadline& deadline)
-    : problem_(problem), rod_(problem.rod, order, turn), deadline_(deadline) {
+    : problem_(problem),
+      rod_(at_origin(problem.rod), std::vector<double>(problem.rod.actuators.size()), order, turn),
+      deadline_(deadline) {
   columns_.reserve(problem.shapes.size());
   for (const SeenShape& shape : problem.shapes) {
     std::vector<int>& columns = columns_.emplace_back();
@@ -56,15 +69,18 @@ int CalibrationFit::count(const SoughtNumbers& problem, const std::vector<int>& 
   return count;
 }
 
-HeldRod::Properties CalibrationFit::properties(const Eigen::VectorXd& values) const {
-  HeldRod::Properties out{Eigen::VectorXd::Ones(rod_.segments()), Eigen::VectorXd::Zero(rod_.segments()), 1.0};
+LoadedRod::Properties CalibrationFit::properties(const Eigen::VectorXd& values) const {
+  const auto segments = static_cast<int>(problem_.rod.segments.size());
+  LoadedRod::Properties out{Eigen::VectorXd::Ones(segments), Eigen::VectorXd::Ones(segments),
+                            Eigen::VectorXd::Zero(segments)};
   for (std::size_t i = 0; i < problem_.unknowns.size(); ++i) {
     const Sought& u = problem_.unknowns[i];
     const double value = values[static_cast<Eigen::Index>(i)];
-    if (u.kind == CalibrationUnknown::stiffness) {
-      const int first = std::max(0, u.index);
-      out.stiffness.segment(first, u.index < 0 ? rod_.segments() : 1) *= value;
-    } else if (u.kind == CalibrationUnknown::density) {
+    const int first = std::max(0, u.index);
+    const int count = u.index < 0 ? segments : 1;
+    if (bends(u.kind)) out.stiffness.segment(first, count) *= value;
+    if (stretches(u.kind)) out.axial.segment(first, count) *= value;
+    if (u.kind == CalibrationUnknown::density) {
       out.density *= value;
     } else if (u.kind == CalibrationUnknown::rest_curvature) {
       const Rod::Segment& segment = problem_.rod.segments[static_cast<std::size_t>(u.index)];
@@ -85,13 +101,15 @@ CalibrationFit::Pose CalibrationFit::pose(const Eigen::VectorXd& values, int sha
   return pose;
 }
 
-HeldRod::Loads CalibrationFit::loads(const Eigen::VectorXd& values, const SeenShape& shape, const Pose& pose) const {
-  HeldRod::Loads out = shape.loads;
+LoadedRod::Loads CalibrationFit::loads(const Eigen::VectorXd& values, const SeenShape& shape, const Pose& pose) const {
+  LoadedRod::Loads out = shape.loads;
   out.moments = shape.moments;
+  out.thrusts.setZero(shape.moments.size());
   for (std::size_t i = 0; i < problem_.unknowns.size(); ++i) {
     const Sought& u = problem_.unknowns[i];
-    if (u.kind != CalibrationUnknown::moment) continue;
-    out.moments[u.index] += values[static_cast<Eigen::Index>(i)] * std::pow(shape.inputs[u.index], u.power);
+    if (!is_law(u.kind)) continue;
+    (u.kind == CalibrationUnknown::moment ? out.moments : out.thrusts)[u.index] +=
+        values[static_cast<Eigen::Index>(i)] * std::pow(shape.inputs[u.index], u.power);
   }
   if (pose.angle == 0.0) return out;
   out.gravity = rotated(out.gravity, -pose.angle);
@@ -100,27 +118,21 @@ HeldRod::Loads CalibrationFit::loads(const Eigen::VectorXd& values, const SeenSh
   return out;
 }
 
-Eigen::VectorXd CalibrationFit::force_by(const Sought& unknown, const SeenShape& shape) {
-  switch (unknown.kind) {
-    case CalibrationUnknown::stiffness: {
-      if (unknown.index >= 0) return rod_.by_stiffness(unknown.index);
-      Eigen::VectorXd sum = rod_.by_stiffness(0);
-      for (int s = 1; s < rod_.segments(); ++s) sum += rod_.by_stiffness(s);
-      return sum;
-    }
-    case CalibrationUnknown::density:
-      return rod_.by_density();
-    case CalibrationUnknown::rest_curvature:
-      return rod_.by_rest_curvature(unknown.index);
-    case CalibrationUnknown::moment:
-      return std::pow(shape.inputs[unknown.index], unknown.power) * rod_.by_moment(unknown.index);
-    case CalibrationUnknown::base_angle:
-      return rod_.by_base_angle();
-    case CalibrationUnknown::base_x:
-    case CalibrationUnknown::base_y:
-      break;
+Eigen::VectorXd CalibrationFit::force_by(const Sought& unknown, const SeenShape& shape) const {
+  using Number = LoadedRod::Number;
+  Eigen::VectorXd out = Eigen::VectorXd::Zero(rod_.size());
+  const int first = std::max(0, unknown.index);
+  const int end = unknown.index < 0 ? static_cast<int>(problem_.rod.segments.size()) : first + 1;
+  for (int s = first; s < end && bends(unknown.kind); ++s) out += rod_.force_by(Number::stiffness, s);
+  for (int s = first; s < end && stretches(unknown.kind); ++s) out += rod_.force_by(Number::axial_stiffness, s);
+  if (is_law(unknown.kind)) {
+    const Number number = unknown.kind == CalibrationUnknown::moment ? Number::moment : Number::thrust;
+    out = std::pow(shape.inputs[unknown.index], unknown.power) * rod_.force_by(number, unknown.index);
   }
-  return Eigen::VectorXd::Zero(rod_.size());
+  if (unknown.kind == CalibrationUnknown::density) out = rod_.force_by(Number::density, 0);
+  if (unknown.kind == CalibrationUnknown::rest_curvature) out = rod_.force_by(Number::rest_curvature, unknown.index);
+  if (unknown.kind == CalibrationUnknown::base_angle) out = rod_.force_by(Number::base_angle, 0);
+  return out;
 }
 
 Places& CalibrationFit::places_at(const std::vector<SeenMarker>& markers) {
@@ -129,9 +141,7 @@ Places& CalibrationFit::places_at(const std::vector<SeenMarker>& markers) {
   for (const SeenMarker& m : markers) arc_lengths.push_back(m.arc_length);
   std::unique_ptr<Places>& places = places_[arc_lengths];
   if (!places) {
-    Rod at_origin = problem_.rod;
-    at_origin.base = {};
-    places = std::make_unique<Places>(at_origin, rod_.chain(), 0);
+    places = std::make_unique<Places>(rod_.rod(), rod_.chain(), 0);
     for (const double s : arc_lengths) places->add_fixed(s);
   }
   return *places;
@@ -199,12 +209,12 @@ FittedPoint CalibrationFit::at(const Eigen::VectorXd& values, const std::vector<
   point.residuals.resize(count);
   point.jacobians.resize(count);
   if (near != nullptr) point.weights = near->weights;
-  const HeldRod::Properties properties_here = properties(values);
+  const LoadedRod::Properties properties_here = properties(values);
   for (const int s : shapes) {
     const auto i = static_cast<std::size_t>(s);
     const SeenShape& shape = problem_.shapes[i];
     const Pose pose_here = pose(values, s);
-    const HeldRod::Loads loads_here = loads(values, shape, pose_here);
+    rod_.set(properties_here, loads(values, shape, pose_here));
     const std::vector<int>& columns = unknowns_of(s);
     Eigen::VectorXd& q = point.coordinates[i];
     ++solves_;
@@ -215,10 +225,10 @@ FittedPoint CalibrationFit::at(const Eigen::VectorXd& values, const std::vector<
         const double step = values[columns[c]] - near->values[columns[c]];
         q += step * near->rates[i].col(static_cast<Eigen::Index>(c));
       }
-      found = rod_.solve(properties_here, loads_here, q);
+      found = rod_.settle(q);
     }
-    if (!found) found = rod_.load_up(properties_here, loads_here, q);
-    if (!found || !rod_.stand(properties_here, loads_here, q)) return point;
+    if (!found) found = rod_.load_up(q);
+    if (!found || !rod_.stand(q)) return point;
     point.rates[i].resize(rod_.size(), static_cast<Eigen::Index>(columns.size()));
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const Sought& unknown = problem_.unknowns[static_cast<std::size_t>(columns[c])];

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/deadline.hpp"
-#include "calibrate/held_rod.hpp"
+#include "estimate/loaded_rod.hpp"
 #include "nlp/levenberg.hpp"
 #include "tendril/calibration_unknown.hpp"
 
@@ -28,7 +28,7 @@ struct SeenShape {
   /// comparable.
   Eigen::VectorXd inputs;
   Eigen::VectorXd moments;  ///< as far as they are known
-  HeldRod::Loads loads;     ///< moments apart, with the base at its nominal angle
+  LoadedRod::Loads loads;   ///< moments apart, with the base at its nominal angle
   int group = 0;            ///< recordings with a base pose in common
 };
 
@@ -101,10 +101,10 @@ class TENDRIL_API CalibrationFit {
     Vec2 position{};
     double angle = 0.0;
   };
-  HeldRod::Properties properties(const Eigen::VectorXd& values) const;
-  HeldRod::Loads loads(const Eigen::VectorXd& values, const SeenShape& shape, const Pose& pose) const;
+  LoadedRod::Properties properties(const Eigen::VectorXd& values) const;
+  LoadedRod::Loads loads(const Eigen::VectorXd& values, const SeenShape& shape, const Pose& pose) const;
   Pose pose(const Eigen::VectorXd& values, int shape) const;
-  Eigen::VectorXd force_by(const Sought& unknown, const SeenShape& shape);
+  Eigen::VectorXd force_by(const Sought& unknown, const SeenShape& shape) const;
   Places& places_at(const std::vector<SeenMarker>& markers);
   void see(FittedPoint& point, int shape, const Pose& pose);
   double priors(const Eigen::VectorXd& values, double noise) const;
@@ -115,7 +115,7 @@ class TENDRIL_API CalibrationFit {
   void hold_at_bounds(const FittedPoint& point, NormalEquations& at) const;
 
   const SoughtNumbers& problem_;
-  HeldRod rod_;
+  LoadedRod rod_;
   const Deadline& deadline_;
   std::vector<std::vector<int>> columns_;
   std::map<std::vector<double>, std::unique_ptr<Places>> places_;

@@ -1,137 +1,336 @@
 #include "estimate/loaded_rod.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
 #include "nlp/newton.hpp"
-#include "program/equations.hpp"
-#include "rod/places.hpp"
 #include "tendril/error.hpp"
 
 namespace tendril {
 namespace {
 
 /// Newton ends when no coordinate moves by more than this (radians), after one step more.
-constexpr double newton_tolerance = 1e-11;
+constexpr double newton_tolerance = 1e-9;
 constexpr int most_newton_steps = 40;
 /// A coordinate never moves by more than this in one step (radians): beyond it the linearization means nothing.
-constexpr double longest_newton_step = 1.0;
+constexpr double longest_newton_step = 0.5;
+/// Loads grow by this share at a time, and by no less than the other one.
+constexpr double first_share = 0.25;
+constexpr double least_share = 1.0 / 128.0;
+constexpr std::span<const NormalForce> nothing;
 constexpr Vec2 axes[] = {{1.0, 0.0}, {0.0, 1.0}};
+
+/// Whatever bends or stretches it by a generalized force that is constant where no knot moves is an actuator: those of
+/// the rod, the axial force alone of each of them, and each segment's rest curvature, whose moment is EI. Its point
+/// loads only say where forces act, not which.
+Rod acted_on(Rod rod) {
+  const std::vector<Rod::Actuator> own = rod.actuators;
+  for (const Rod::Actuator& a : own) {
+    rod.actuators.push_back({.from = a.from, .to = a.to, .thrust = 1.0, .profile = {{a.from, a.to, {0.0}}}});
+  }
+  for (const Rod::Segment& s : rod.segments) {
+    ProfilePart part{s.from, s.to, {s.stiffness}};
+    double power = 1.0;
+    for (const double c : s.more_stiffness) part.coefficients.push_back(c / (power *= s.to - s.from));
+    rod.actuators.push_back({.from = s.from, .to = s.to, .profile = {std::move(part)}});
+  }
+  for (Rod::Load& load : rod.loads) {
+    if (!load.at_point()) continue;
+    load.force = {};
+    load.weight = 0.0;
+  }
+  return rod;
+}
 
 }  // namespace
 
-/// A program whose contacts push along the rod's normal at places and with forces that are given, at one state.
+/// The rod cut at normal forces in given stretches, at one state of it.
 class LoadedRod::Pieces {
  public:
-  Pieces(const Rod& rod, const std::vector<double>& moments, const LegendreBasis& basis,
-         const std::vector<int>& stretches, double turn)
-      : program_(spec(rod, basis, stretches, turn)),
-        equations_(Equations::of_equilibrium(program_)),
-        x_(Eigen::VectorXd::Zero(program_.variable_count())) {
-    for (int k = 0; k < force_count(); ++k) {
-      loads_.push_back(program_.force_variable(k));
-      loads_.push_back(program_.arc_length_variable(k));
+  Pieces(const LoadedRod& owner, const std::vector<int>& stretches)
+      : rod_(acted_on(owner.rod_)),
+        actuators_(static_cast<int>(owner.rod_.actuators.size())),
+        chain_(rod_, owner.basis_, stretches, suggested_nodes(owner.order(), owner.turn_)),
+        places_(rod_, chain_, static_cast<int>(stretches.size())) {
+    const int n = chain_.coordinate_count();
+    for (int k = 0; k < chain_.knot_count(); ++k) knots_.push_back(places_.add_knot(chain_.piece_before_knot(k)));
+    for (const Rod::Load& load : rod_.loads) {
+      if (!load.at_point()) continue;
+      int piece = -1;
+      while (piece + 1 < chain_.piece_count() && begin_of(piece + 1) < load.to - knot_merge_distance) ++piece;
+      loads_.push_back(piece < 0 ? -1 : places_.add_knot(piece));
     }
-    for (std::size_t a = 0; a < moments.size(); ++a) x_[program_.moment_variable(static_cast<int>(a))] = moments[a];
+    tip_ = places_.add_tip();
+    forces_.on.resize(static_cast<std::size_t>(places_.count()));
+    actions_.setZero(n, static_cast<Eigen::Index>(rod_.actuators.size()));
+    strengths_.setZero(actions_.cols());
+    factors_.setOnes(n);
+    energy_.setZero(n);
+    residual_.setZero(n);
+    hessian_.setZero(n, n);
+    arc_lengths_.resize(stretches.size());
+    by_place_.setZero(n, force_count());
+    if (arc_lengths_.empty()) places_.move(residual_, arc_lengths_);
+    if (arc_lengths_.empty()) find_actions();
   }
 
-  const Chain& chain() const { return program_.chain(); }
-  /// Of the state moved to.
-  const Backbone& backbone() {
-    program_.constraints(x_);
-    return program_.backbone();
-  }
-  /// Of the equilibrium, for the coordinates.
-  Equations& equations() { return equations_; }
-  const Eigen::VectorXd& variables() const { return x_; }
-  /// Each force and its place in turn.
-  const std::vector<int>& loads() const { return loads_; }
+  const Chain& chain() const { return chain_; }
+  const Backbone& backbone() const { return places_.backbone(); }
+  int force_count() const { return static_cast<int>(arc_lengths_.size()); }
 
-  void move(std::span<const NormalForce> forces, ConstVectorRef coordinates) {
-    x_.head(coordinates.size()) = coordinates;
-    bool leans = false;
-    for (int k = 0; k < force_count(); ++k) {
-      const NormalForce& f = forces[static_cast<std::size_t>(k)];
-      x_[program_.arc_length_variable(k)] = f.arc_length;
-      x_[program_.force_variable(k)] = f.force;
-      leans = leans || f.lean != 0.0;
+  void move(const Properties& properties, const Loads& loads, std::span<const NormalForce> forces,
+            const Eigen::VectorXd& q) {
+    normal_.assign(forces.begin(), forces.end());
+    for (std::size_t k = 0; k < normal_.size(); ++k) arc_lengths_[k] = normal_[k].arc_length;
+    places_.move(q, arc_lengths_);
+    q_ = q;
+    if (!arc_lengths_.empty()) find_actions();
+    for (std::size_t i = 0; i < loads_.size(); ++i) {
+      if (loads_[i] >= 0) forces_.on[static_cast<std::size_t>(loads_[i])] = loads.at[i];
     }
-    if (!leans && program_.loads().lean.empty()) return;
-    Loads loads = program_.loads();
-    loads.lean.clear();
-    for (const NormalForce& f : forces) loads.lean.push_back(f.lean);
-    program_.set_loads(loads);
+    forces_.on[static_cast<std::size_t>(tip_)] = loads.tip;
+    forces_.gravity = properties.density * loads.gravity;
+    forces_.dead = loads.line;
+    for (int k = 0; k < force_count(); ++k) {
+      const NormalForce& f = normal_[static_cast<std::size_t>(k)];
+      const Push one = unit_push(k);
+      forces_.on[static_cast<std::size_t>(knots_[static_cast<std::size_t>(k)])] = {f.force * one.force,
+                                                                                   f.force * one.moment};
+    }
+    strengths_ << loads.moments, loads.thrusts, properties.stiffness.cwiseProduct(properties.rest_curvature);
+    for (int j = 0; j < chain_.piece_count(); ++j) {
+      const int s = chain_.piece(j).segment;
+      factors_.segment(first(j), chain_.bends()).setConstant(properties.stiffness[s]);
+      factors_.segment(first(j) + chain_.bends(), chain_.stretches()).setConstant(properties.axial[s]);
+    }
   }
-  int force_count() const { return program_.layout().forces; }
 
-  /// K of the bending energy q . K q / 2.
-  Eigen::MatrixXd bending() {
-    Eigen::MatrixXd k = Eigen::MatrixXd::Zero(equations_.size(), equations_.size());
-    Eigen::MatrixXd mixed = Eigen::MatrixXd::Zero(equations_.size(), force_count());
-    at({}).add_energy_second(1.0, nullptr, {k, mixed, mixed.topRows(0)});
-    return k;
+  const Eigen::VectorXd& residual() {
+    energy_.setZero();
+    places_.add_energy_row(-1.0, {energy_.data(), nullptr});
+    residual_.noalias() = actions_ * strengths_;
+    residual_ += factors_.cwiseProduct(energy_);
+    places_.pull_back(forces_, residual_.data());
+    return residual_;
+  }
+
+  /// Factors the rate at which a displacement is resisted; false: something is no number, or, where it is asked to be
+  /// `stable`, that is not positive definite (model.md section 7).
+  bool factor(bool stable) {
+    if (!residual_.allFinite()) return false;
+    places_.differentiate();
+    hessian_.setZero();
+    by_place_.setZero();
+    const SecondPart out{hessian_, by_place_, hessian_.topLeftCorner(0, 0)};
+    places_.add_energy_second(-1.0, nullptr, out);
+    hessian_ = factors_.asDiagonal() * hessian_;
+    by_place_ = factors_.asDiagonal() * by_place_;
+    places_.second_pull_back(forces_, nullptr, out);
+    for (Eigen::Index a = 0; a < actions_.cols() && force_count() > 0; ++a) {
+      if (strengths_[a] != 0.0) places_.add_moment_rates(static_cast<int>(a), strengths_[a], by_place_);
+    }
+    for (int k = 0; k < force_count(); ++k) {
+      const int place = knots_[static_cast<std::size_t>(k)];
+      const NormalForce& f = normal_[static_cast<std::size_t>(k)];
+      const Eigen::VectorXd turning = angle_row(places_, place);
+      hessian_ += row(places_, place, turned(forces_.on[static_cast<std::size_t>(place)].force)) * turning.transpose();
+      if (f.lean != 0.0) by_place_.col(k) += f.force * f.lean * side(f) * places_.radius(place).slope * turning;
+    }
+    hessian_ = -hessian_;
+    stable_ = stable;
+    if (stable) {
+      cholesky_.compute(hessian_);
+      return cholesky_.info() == Eigen::Success;
+    }
+    lu_.compute(hessian_);
+    return true;
+  }
+  Eigen::MatrixXd follow(const Eigen::MatrixXd& forces) const {
+    return stable_ ? Eigen::MatrixXd(cholesky_.solve(forces)) : Eigen::MatrixXd(lu_.solve(forces));
+  }
+
+  /// Generalized forces by each normal force and its place in turn, after factor().
+  Eigen::MatrixXd by_forces() const {
+    Eigen::MatrixXd out(q_.size(), 2 * force_count());
+    for (int k = 0; k < force_count(); ++k) {
+      const Push one = unit_push(k);
+      const int place = knots_[static_cast<std::size_t>(k)];
+      out.col(2 * k) = row(places_, place, one.force) + one.moment * angle_row(places_, place);
+      out.col(2 * k + 1) = by_place_.col(k);
+    }
+    return out;
   }
 
   /// Places at arc lengths of the state, ready for their rows. They stay as long as the same ones are asked for.
   const Places& at(std::span<const double> arc_lengths) {
-    if (!places_ || !std::equal(arc_lengths.begin(), arc_lengths.end(), asked_.begin(), asked_.end())) {
+    if (!seen_ || !std::equal(arc_lengths.begin(), arc_lengths.end(), asked_.begin(), asked_.end())) {
       asked_.assign(arc_lengths.begin(), arc_lengths.end());
-      places_.emplace(*program_.spec().rod, chain(), force_count());
-      for (const double s : asked_) places_->add_fixed(s);
+      seen_.emplace(rod_, chain_, force_count());
+      for (const double s : asked_) seen_->add_fixed(s);
     }
-    places_->move(x_.head(equations_.size()),
-                  {x_.data() + program_.layout().first_arc_length, static_cast<std::size_t>(force_count())});
-    places_->differentiate();
-    return *places_;
+    seen_->move(q_, arc_lengths_);
+    seen_->differentiate();
+    return *seen_;
   }
-  /// n . dP of a place: by the coordinates, and at frozen ones by the arc length of each force.
-  std::pair<Eigen::RowVectorXd, Eigen::RowVectorXd> row(int place, Vec2 n) const {
-    std::pair<Eigen::RowVectorXd, Eigen::RowVectorXd> out;
-    out.first.setZero(equations_.size());
-    out.second.setZero(force_count());
-    places_->row(place, n, {out.first.data(), out.second.data()});
+  /// How places move along x and y in turn, by columns of rates of the coordinates; `by_place`: and at frozen ones with
+  /// the arc length of each force, which is every second column.
+  Eigen::MatrixXd seen(const Places& at, const Eigen::MatrixXd& rates, bool by_place) const {
+    Eigen::MatrixXd out(2 * at.count(), rates.cols());
+    Eigen::VectorXd along(force_count());
+    for (int m = 0; m < at.count(); ++m) {
+      for (const int axis : {0, 1}) {
+        Eigen::VectorXd r = Eigen::VectorXd::Zero(q_.size());
+        at.row(m, axes[axis], {r.data(), along.data()});
+        out.row(2 * m + axis) = r.transpose() * rates;
+        for (int k = 0; by_place && k < force_count(); ++k) out(2 * m + axis, 2 * k + 1) += along[k];
+      }
+    }
     return out;
   }
-  /// Of its angle, by the coordinates.
-  Eigen::RowVectorXd angle_row(int place) const {
-    Eigen::RowVectorXd out = Eigen::RowVectorXd::Zero(equations_.size());
-    Eigen::RowVectorXd along = Eigen::RowVectorXd::Zero(force_count());
-    places_->angle_row(place, {out.data(), along.data()});
+  /// What forces at places do to the coordinates, one column each: of `normal` along N and, on the side that the
+  /// place's force pushes from, its lean along T.
+  Eigen::MatrixXd unit_forces(std::span<const NormalForce> forces, double normal) {
+    std::vector<double> arc_lengths;
+    arc_lengths.reserve(forces.size());
+    for (const NormalForce& f : forces) arc_lengths.push_back(f.arc_length);
+    const Places& places = at(arc_lengths);
+    Eigen::MatrixXd columns(q_.size(), places.count());
+    for (int i = 0; i < places.count(); ++i) {
+      const NormalForce& f = forces[static_cast<std::size_t>(i)];
+      const Vec2 t = places.tangent(i);
+      columns.col(i) = row(places, i, normal * turned(t) + f.lean * t);
+      if (f.lean != 0.0) columns.col(i) += f.lean * side(f) * places.radius(i).value * angle_row(places, i);
+    }
+    return columns;
+  }
+
+  /// K of the elastic energy q . K q / 2.
+  Eigen::MatrixXd elastic() const {
+    const auto n = q_.size();
+    Eigen::MatrixXd k = Eigen::MatrixXd::Zero(n, n);
+    Eigen::MatrixXd mixed = Eigen::MatrixXd::Zero(n, force_count());
+    places_.add_energy_second(1.0, nullptr, {k, mixed, mixed.topRows(0)});
+    return k;
+  }
+  /// Generalized forces at factors and additions of `properties`, per unit of a number; after residual().
+  Eigen::VectorXd by(Number number, int index, const Properties& properties) {
+    Eigen::VectorXd out = Eigen::VectorXd::Zero(q_.size());
+    Forces forces;
+    switch (number) {
+      case Number::moment:
+        return actions_.col(index);
+      case Number::thrust:
+        return actions_.col(actuators_ + index);
+      case Number::rest_curvature:
+        return properties.stiffness[index] * actions_.col(2 * actuators_ + index);
+      case Number::stiffness:
+        out = properties.rest_curvature[index] * actions_.col(2 * actuators_ + index);
+        add_elastic(index, 0, chain_.bends(), out);
+        return out;
+      case Number::axial_stiffness:
+        add_elastic(index, chain_.bends(), chain_.stretches(), out);
+        return out;
+      case Number::density:
+        forces.gravity = (1.0 / properties.density) * forces_.gravity;
+        break;
+      case Number::base_angle:
+        // Seen from the base, all fixed forces turn back.
+        for (const Push& push : forces_.on) forces.on.push_back({-turned(push.force)});
+        forces.gravity = -turned(forces_.gravity);
+        break;
+    }
+    places_.pull_back(forces, out.data());
     return out;
   }
 
  private:
-  static PoseProgramSpec spec(const Rod& rod, const LegendreBasis& basis, const std::vector<int>& stretches,
-                              double turn) {
-    PoseProgramSpec out;
-    out.rod = &rod;
-    out.model = &basis;
-    out.nodes = suggested_nodes(basis.function_count(), turn);
-    for (const int stretch : stretches) out.contacts.push_back({ContactSetup::along_normal, false, stretch});
-    return out;
+  int first(int piece) const { return piece * chain_.functions(); }
+  /// The fixed knot before a piece.
+  double begin_of(int piece) const {
+    return chain_.fixed_knots()[static_cast<std::size_t>(chain_.piece(piece).stretch)];
   }
-  PoseProgram program_;
-  Equations equations_;
-  Eigen::VectorXd x_;
-  std::vector<int> loads_;
+  /// The elastic forces of a segment at factors of 1, on `count` coordinates of each piece.
+  void add_elastic(int segment, int from, int count, Eigen::VectorXd& out) const {
+    for (int j = 0; j < chain_.piece_count(); ++j) {
+      if (chain_.piece(j).segment == segment) {
+        out.segment(first(j) + from, count) += energy_.segment(first(j) + from, count);
+      }
+    }
+  }
+  void find_actions() {
+    if (actions_known_ && !chain_.has_moving_work()) return;
+    actions_.setZero();
+    for (Eigen::Index a = 0; a < actions_.cols(); ++a) {
+      places_.pull_back_moment(static_cast<int>(a), 1.0, actions_.col(a).data());
+    }
+    actions_known_ = true;
+  }
+  Eigen::VectorXd row(const Places& places, int place, Vec2 n) const {
+    Eigen::VectorXd q = Eigen::VectorXd::Zero(q_.size()), s(force_count());
+    places.row(place, n, {q.data(), s.data()});
+    return q;
+  }
+  Eigen::VectorXd angle_row(const Places& places, int place) const {
+    Eigen::VectorXd q = Eigen::VectorXd::Zero(q_.size()), s(force_count());
+    places.angle_row(place, {q.data(), s.data()});
+    return q;
+  }
+  /// The side of the body that it pushes from.
+  static double side(const NormalForce& f) { return f.force < 0.0 ? -1.0 : 1.0; }
+  /// Of a normal force of 1, on the surface of the body.
+  Push unit_push(int k) const {
+    const int place = knots_[static_cast<std::size_t>(k)];
+    const NormalForce& f = normal_[static_cast<std::size_t>(k)];
+    const Vec2 t = places_.tangent(place);
+    return {turned(t) + f.lean * t, f.lean * side(f) * places_.radius(place).value};
+  }
+
+  Rod rod_;
+  int actuators_;
+  Chain chain_;
+  Places places_;
+  std::vector<int> knots_;
+  std::vector<int> loads_;  ///< place of each point load; -1: it acts on the base
+  int tip_ = 0;
+  bool actions_known_ = false;
+  Eigen::MatrixXd actions_;  ///< generalized forces per unit of each action
+  Eigen::VectorXd strengths_, factors_, energy_, residual_, q_;
+  std::vector<NormalForce> normal_;
+  std::vector<double> arc_lengths_;
+  Forces forces_;
+  Eigen::MatrixXd hessian_, by_place_;
+  bool stable_ = false;
+  Eigen::LLT<Eigen::MatrixXd> cholesky_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
   std::vector<double> asked_;
-  std::optional<Places> places_;
+  std::optional<Places> seen_;
 };
 
-LoadedRod::LoadedRod(const Rod& rod, std::vector<double> moments, int order, double turn)
-    : rod_(rod), moments_(std::move(moments)), basis_(order), turn_(turn), knots_(rod.fixed_knots()) {
-  if (moments_.size() != rod_.actuators.size()) throw Error("one moment per actuator is needed");
-  // Moments are given: no limit applies, and a limit of zero must not remove an actuator.
-  for (Rod::Actuator& a : rod_.actuators) {
-    a.minimum = -infinity;
-    a.maximum = infinity;
+LoadedRod::LoadedRod(const Rod& rod, const std::vector<double>& moments, int order, double turn)
+    : rod_(rod), basis_(order), turn_(turn), knots_(rod.fixed_knots()) {
+  const auto actuators = static_cast<Eigen::Index>(rod.actuators.size());
+  const auto segments = static_cast<Eigen::Index>(rod.segments.size());
+  if (static_cast<Eigen::Index>(moments.size()) != actuators) throw Error("one moment per actuator is needed");
+  properties_ = {Eigen::VectorXd::Ones(segments), Eigen::VectorXd::Ones(segments), Eigen::VectorXd::Zero(segments)};
+  loads_.moments = Eigen::Map<const Eigen::VectorXd>(moments.data(), actuators);
+  loads_.thrusts.setZero(actuators);
+  loads_.gravity = rod.gravity;
+  for (const Rod::Load& l : rod.loads) {
+    if (l.at_point()) loads_.at.push_back({l.force + l.weight * rod.gravity});
   }
+  loads_.tip = {rod.tip_force + rod.payload * rod.gravity};
 }
 
 LoadedRod::~LoadedRod() = default;
+
+void LoadedRod::set(const Properties& properties, const Loads& loads) {
+  properties_ = properties;
+  loads_ = loads;
+}
 
 void LoadedRod::move_apart(std::vector<NormalForce>& forces) const {
   double least = knot_clearance;
@@ -159,9 +358,17 @@ std::vector<int> LoadedRod::stretches(std::span<const NormalForce> forces) const
 LoadedRod::Pieces& LoadedRod::pieces(std::span<const NormalForce> forces) const {
   const std::vector<int> key = stretches(forces);
   std::unique_ptr<Pieces>& entry = pieces_[key];
-  if (!entry) entry = std::make_unique<Pieces>(rod_, moments_, basis_, key, turn_);
+  if (!entry) entry = std::make_unique<Pieces>(*this, key);
   return *entry;
 }
+
+LoadedRod::Pieces& LoadedRod::pieces(const Shape& shape) const {
+  Pieces& p = pieces(shape.forces);
+  p.move(properties_, loads_, shape.forces, shape.coordinates);
+  return p;
+}
+
+const Chain& LoadedRod::chain() const { return pieces(nothing).chain(); }
 
 Eigen::VectorXd LoadedRod::coordinates(std::span<const NormalForce> forces, const Curvature& curvature) const {
   std::vector<double> places;
@@ -185,28 +392,29 @@ LoadedRod::Shape LoadedRod::solve(std::vector<NormalForce> forces, const Shape& 
 }
 
 LoadedRod::Curvature LoadedRod::curvature(const Shape& shape) const {
-  Pieces& p = pieces(shape.forces);
-  p.move(shape.forces, shape.coordinates);
-  return [backbone = p.backbone()](double s) { return backbone.at(s).curvature; };
+  return [backbone = pieces(shape).backbone()](double s) { return backbone.at(s).curvature; };
 }
 
-LoadedRod::Shape LoadedRod::newton(std::vector<NormalForce> forces, Eigen::VectorXd coordinates) const {
+LoadedRod::Shape LoadedRod::newton(std::vector<NormalForce> forces, Eigen::VectorXd coordinates, bool stable) const {
   ++solves_;
   Pieces& p = pieces(forces);
   Shape shape{std::move(forces), std::move(coordinates)};
+  const auto residual = [&](const Eigen::VectorXd& q) -> const Eigen::VectorXd& {
+    p.move(properties_, loads_, shape.forces, q);
+    return p.residual();
+  };
   const auto correct = [&](const Eigen::VectorXd& q, Eigen::VectorXd& step) {
-    p.move(shape.forces, q);
-    if (!p.equations().evaluate(p.variables())) return infinity;
-    step = -p.equations().factor().solve(p.equations().residual());
+    residual(q);
+    if (!p.factor(stable)) return infinity;
+    step = p.follow(p.residual());
     return step.lpNorm<Eigen::Infinity>();
   };
   // The simplified next step tells whether this one helps (natural level function).
   const auto share = [&](const Eigen::VectorXd& q, const Eigen::VectorXd& step, double size) {
     for (double part = std::min(1.0, longest_newton_step / size); part >= 1e-4; part *= 0.5) {
-      p.move(shape.forces, q + part * step);
-      const Eigen::VectorXd& residual = p.equations().residual_at(p.variables());
-      const double next = p.equations().factors().solve(residual).lpNorm<Eigen::Infinity>();
-      if (size <= 1e-8 || (std::isfinite(next) && next <= (1.0 - 0.25 * part) * size)) return part;
+      if (size <= 1e-8) return part;
+      const double next = p.follow(residual(q + part * step)).lpNorm<Eigen::Infinity>();
+      if (std::isfinite(next) && next <= (1.0 - 0.25 * part) * size) return part;
     }
     return 0.0;
   };
@@ -218,84 +426,96 @@ LoadedRod::Shape LoadedRod::newton(std::vector<NormalForce> forces, Eigen::Vecto
   return shape;
 }
 
-LoadedRod::Response LoadedRod::response(const Shape& shape, std::span<const double> arc_lengths) const {
-  Pieces& p = pieces(shape.forces);
-  p.move(shape.forces, shape.coordinates);
-  Response out;
-  p.equations().evaluate(p.variables());
-  p.equations().factor();
-  p.equations().find_rates(p.variables(), p.loads(), out.coordinate_rates);
-  const Places& at = p.at(arc_lengths);
-  out.points.resize(2 * at.count());
-  out.rates.resize(2 * at.count(), out.coordinate_rates.cols());
-  for (int m = 0; m < at.count(); ++m) {
-    out.points.segment<2>(2 * m) << at.point(m).x, at.point(m).y;
-    for (const int axis : {0, 1}) {
-      const auto [row, slide] = p.row(m, axes[axis]);
-      out.rates.row(2 * m + axis) = row * out.coordinate_rates;
-      for (int k = 0; k < p.force_count(); ++k) out.rates(2 * m + axis, 2 * k + 1) += slide[k];
+bool LoadedRod::settle(Eigen::VectorXd& q) const {
+  Shape shape = newton({}, q, true);
+  if (shape.converged) q = std::move(shape.coordinates);
+  return shape.converged;
+}
+
+bool LoadedRod::load_up(Eigen::VectorXd& q) {
+  const Loads whole = loads_;
+  const auto carry = [&](double share) {
+    loads_.moments = share * whole.moments;
+    loads_.thrusts = share * whole.thrusts;
+    loads_.gravity = share * whole.gravity;
+    loads_.line = share * whole.line;
+    const auto part = [share](const Push& push) { return Push{share * push.force, share * push.moment}; };
+    std::transform(whole.at.begin(), whole.at.end(), loads_.at.begin(), part);
+    loads_.tip = part(whole.tip);
+  };
+  // Without loads the equations are linear.
+  carry(0.0);
+  q.setZero(size());
+  if (stand(q)) q = follow(pieces(Shape{{}, q}).residual());
+  double reached = 0.0;
+  double share = first_share;
+  while (reached < 1.0 && share >= least_share) {
+    const double next = std::min(1.0, reached + share);
+    carry(next);
+    if (settle(q)) {
+      reached = next;
+    } else {
+      share *= 0.5;
     }
   }
-  return out;
+  loads_ = whole;
+  return reached == 1.0;
 }
 
-Eigen::MatrixXd LoadedRod::unit_forces(Pieces& p, std::span<const NormalForce> places, double normal) {
-  std::vector<double> arc_lengths;
-  arc_lengths.reserve(places.size());
-  for (const NormalForce& f : places) arc_lengths.push_back(f.arc_length);
-  const Places& at = p.at(arc_lengths);
-  Eigen::MatrixXd columns(p.chain().coordinate_count(), at.count());
-  for (int i = 0; i < at.count(); ++i) {
-    const NormalForce& f = places[static_cast<std::size_t>(i)];
-    const Vec2 t = at.tangent(i);
-    columns.col(i) = p.row(i, normal * turned(t) + f.lean * t).first.transpose();
-    if (f.lean == 0.0 || !p.chain().is_thick()) continue;
-    // It acts on the surface of the body.
-    const double arm = f.force < 0.0 ? -at.radius(i).value : at.radius(i).value;
-    columns.col(i) += arm * f.lean * p.angle_row(i).transpose();
-  }
-  return columns;
+bool LoadedRod::stand(const Eigen::VectorXd& q) const {
+  Pieces& p = pieces(Shape{{}, q});
+  p.residual();
+  return p.factor(true);
 }
 
-Eigen::MatrixXd LoadedRod::answer(Pieces& p, const Eigen::MatrixXd& forces, std::span<const double> arc_lengths) {
-  const Eigen::MatrixXd rates = -p.equations().factor().solve(forces);
+LoadedRod::Pieces& LoadedRod::factored(const Shape& shape) const {
+  Pieces& p = pieces(shape);
+  p.residual();
+  p.factor(false);
+  return p;
+}
+
+Eigen::VectorXd LoadedRod::force_by(Number number, int index) const {
+  return pieces(nothing).by(number, index, properties_);
+}
+
+Eigen::VectorXd LoadedRod::follow(const Eigen::VectorXd& force) const { return pieces(nothing).follow(force); }
+
+LoadedRod::Response LoadedRod::response(const Shape& shape, std::span<const double> arc_lengths) const {
+  Pieces& p = factored(shape);
+  Response out;
+  out.coordinate_rates = p.follow(p.by_forces());
   const Places& at = p.at(arc_lengths);
-  Eigen::MatrixXd out(2 * at.count(), rates.cols());
-  for (int m = 0; m < at.count(); ++m) {
-    for (const int axis : {0, 1}) out.row(2 * m + axis) = p.row(m, axes[axis]).first * rates;
-  }
+  out.points.resize(2 * at.count());
+  for (int m = 0; m < at.count(); ++m) out.points.segment<2>(2 * m) << at.point(m).x, at.point(m).y;
+  out.rates = p.seen(at, out.coordinate_rates, true);
   return out;
 }
 
 Eigen::MatrixXd LoadedRod::influence(const Shape& shape, std::span<const double> arc_lengths,
                                      std::span<const NormalForce> places) const {
-  Pieces& p = pieces(shape.forces);
-  p.move(shape.forces, shape.coordinates);
-  p.equations().evaluate(p.variables());
-  return answer(p, unit_forces(p, places), arc_lengths);
+  Pieces& p = factored(shape);
+  const Eigen::MatrixXd rates = p.follow(p.unit_forces(places, 1.0));
+  return p.seen(p.at(arc_lengths), rates, false);
 }
 
 Eigen::MatrixXd LoadedRod::lean_rates(const Shape& shape, std::span<const double> arc_lengths) const {
-  Pieces& p = pieces(shape.forces);
-  p.move(shape.forces, shape.coordinates);
-  p.equations().evaluate(p.variables());
+  Pieces& p = factored(shape);
   std::vector<NormalForce> along = shape.forces;
   for (NormalForce& f : along) f.lean = f.force;
-  return answer(p, unit_forces(p, along, 0.0), arc_lengths);
+  const Eigen::MatrixXd rates = p.follow(p.unit_forces(along, 0.0));
+  return p.seen(p.at(arc_lengths), rates, false);
 }
 
 LoadedRod::Imbalance LoadedRod::imbalance(const Curvature& curvature, std::span<const NormalForce> places) const {
-  Pieces& p = pieces({});
-  p.move({}, coordinates({}, curvature));
-  const Eigen::VectorXd missing = -p.equations().residual_at(p.variables());
-  const Eigen::LLT<Eigen::MatrixXd> bending(p.bending());
-  return {bending.matrixL().solve(missing), bending.matrixL().solve(unit_forces(p, places))};
+  Pieces& p = pieces(Shape{{}, coordinates({}, curvature)});
+  const Eigen::LLT<Eigen::MatrixXd> elastic(p.elastic());
+  const Eigen::VectorXd missing = -p.residual();
+  return {elastic.matrixL().solve(missing), elastic.matrixL().solve(p.unit_forces(places, 1.0))};
 }
 
 std::vector<LoadedRod::Point> LoadedRod::points(const Shape& shape, std::span<const double> arc_lengths) const {
-  Pieces& p = pieces(shape.forces);
-  p.move(shape.forces, shape.coordinates);
-  const Places& at = p.at(arc_lengths);
+  const Places& at = pieces(shape).at(arc_lengths);
   std::vector<Point> out;
   out.reserve(arc_lengths.size());
   for (int i = 0; i < at.count(); ++i) out.push_back({at.point(i), at.angle(i), at.side(i, 0).curvature});

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "rod/places.hpp"
 #include "rod/rod.hpp"
 #include "tendril/coordinate_model.hpp"
 #include "tendril/geometry.hpp"
@@ -23,23 +24,45 @@ struct NormalForce {
   double lean = 0.0;        ///< force along T for each unit of `force`
 };
 
-/// A rod in equilibrium under given moments, its own loads, and normal forces, each of which has a knot of its own
-/// (model.md sections 2 and 3). Integrated Legendre functions of one order on every piece. Everything dimensionless.
+/// A rod in equilibrium under known loads and under normal forces, each of which has a knot of its own (model.md
+/// sections 2 and 3), as a function of its properties, its loads, and these forces. Integrated Legendre functions of
+/// one order on every piece. Everything dimensionless, in units of the rod that it is made of.
 ///
 /// Normal forces turn with the rod, so the equilibrium equations are no gradient: their Jacobian is not symmetric.
 class TENDRIL_API LoadedRod {
  public:
-  /// `moments`: one per actuator of the rod. `order` in 1..LegendreBasis::maximum_order. `turn`: angle that one piece
-  /// may turn by, for the number of nodes.
-  LoadedRod(const Rod& rod, std::vector<double> moments, int order, double turn);
+  /// Factors on the rod's properties, and what is added to them.
+  struct Properties {
+    Eigen::VectorXd stiffness;       ///< factor on EI, one per segment
+    Eigen::VectorXd axial;           ///< factor on EA, one per segment
+    Eigen::VectorXd rest_curvature;  ///< added, one per segment
+    double density = 1.0;            ///< factor
+  };
+  /// What pulls at it and bends it.
+  struct Loads {
+    Eigen::VectorXd moments;  ///< one per actuator, with the axial force that goes with each
+    Eigen::VectorXd thrusts;  ///< further axial force along the span of each actuator; counts where the rod stretches
+    Vec2 gravity{};           ///< per weight of the rod itself
+    std::vector<Push> at{};   ///< force and moment, one for each of the rod's loads that acts at a point
+    Push tip{};               ///< at its end, what hangs there included
+    double line = 1.0;        ///< share of the rod's dead forces per length
+  };
+
+  /// Under `moments`, one per actuator of the rod, and the rod's own loads, until set() says otherwise. `order` in
+  /// 1..LegendreBasis::maximum_order. `turn`: angle that one piece may turn by, for the number of nodes.
+  LoadedRod(const Rod& rod, const std::vector<double>& moments, int order, double turn);
   ~LoadedRod();
   LoadedRod(const LoadedRod&) = delete;
   LoadedRod& operator=(const LoadedRod&) = delete;
 
+  /// Of what all that follows is.
+  void set(const Properties& properties, const Loads& loads);
+  const Properties& properties() const { return properties_; }
+
   /// An equilibrium, and with it the start of another one.
   struct Shape {
     std::vector<NormalForce> forces;  ///< ascending in arc length
-    Eigen::VectorXd coordinates;      ///< order() per piece, piece after piece
+    Eigen::VectorXd coordinates;      ///< piece after piece
     bool converged = false;           ///< Whether this is an equilibrium.
     int iterations = 0;               ///< Newton steps
   };
@@ -54,6 +77,24 @@ class TENDRIL_API LoadedRod {
   Shape solve(std::vector<NormalForce> forces, const Curvature& start) const;
   /// Newton from a shape of this rod.
   Shape solve(std::vector<NormalForce> forces, const Shape& start) const;
+
+  ///@{
+  /// Without normal forces, by coordinates on chain().
+  const Chain& chain() const;
+  int size() const { return chain().coordinate_count(); }
+  /// The stable equilibrium next to `q`; false: none was found.
+  bool settle(Eigen::VectorXd& q) const;
+  /// The one that loads which grow from nothing lead to.
+  bool load_up(Eigen::VectorXd& q);
+  /// Prepares rates at an equilibrium; false: it is at its limit of stability.
+  bool stand(const Eigen::VectorXd& q) const;
+  /// What it is a function of: `index` is the segment or the actuator.
+  enum class Number { stiffness, axial_stiffness, rest_curvature, density, moment, thrust, base_angle };
+  /// Generalized forces there per unit of a number.
+  Eigen::VectorXd force_by(Number number, int index) const;
+  /// How the coordinates follow generalized forces (implicit function theorem).
+  Eigen::VectorXd follow(const Eigen::VectorXd& force) const;
+  ///@}
 
   /// Backbone points of a shape at given arc lengths, and how they move with the forces and their places along the
   /// equilibrium (implicit function theorem).
@@ -106,21 +147,20 @@ class TENDRIL_API LoadedRod {
   class Pieces;
   /// The pieces for forces in these stretches between fixed knots; made once each.
   Pieces& pieces(std::span<const NormalForce> forces) const;
+  /// The same, moved to a shape.
+  Pieces& pieces(const Shape& shape) const;
+  Pieces& factored(const Shape& shape) const;  ///< Likewise, ready for rates.
   Eigen::VectorXd coordinates(std::span<const NormalForce> forces, const Curvature& curvature) const;
-  /// What forces at places do to the coordinates of a state, one column each: of `normal` along N and, on the side that
-  /// the place's force pushes from, its lean along T.
-  static Eigen::MatrixXd unit_forces(Pieces& pieces, std::span<const NormalForce> places, double normal = 1.0);
-  /// How the points at `arc_lengths` move with generalized forces, one column each.
-  static Eigen::MatrixXd answer(Pieces& pieces, const Eigen::MatrixXd& forces, std::span<const double> arc_lengths);
-  Shape newton(std::vector<NormalForce> forces, Eigen::VectorXd coordinates) const;
+  Shape newton(std::vector<NormalForce> forces, Eigen::VectorXd coordinates, bool stable = false) const;
   void move_apart(std::vector<NormalForce>& forces) const;
   std::vector<int> stretches(std::span<const NormalForce> forces) const;
 
   Rod rod_;
-  std::vector<double> moments_;
   LegendreBasis basis_;
   double turn_;
   std::vector<double> knots_;
+  Properties properties_;
+  Loads loads_;
   mutable std::map<std::vector<int>, std::unique_ptr<Pieces>> pieces_;
   mutable int solves_ = 0;
 };

@@ -13,8 +13,12 @@ namespace {
 
 /// The weights of a rod whose scene has no gravity are made with that of the earth.
 constexpr double standard_gravity = 9.80665;
-/// Markers may lie this much further from the base than the rod reaches, in L.
+/// Markers may lie this much further from the base than the rod reaches, in L, and by its own length where it
+/// stretches.
 constexpr double reach_tolerance = 0.1;
+/// Shapes may leave their plane by this much, and are told from the other one on, in L.
+constexpr double most_out_of_plane = 0.05;
+constexpr double told_out_of_plane = 0.01;
 
 std::string text(double value) { return shown(value, 4); }
 
@@ -57,19 +61,15 @@ std::string input_unit(ActuatorKind kind) {
   return kind == ActuatorKind::tendon ? "N" : kind == ActuatorKind::pressure ? "Pa" : "N m";
 }
 
-/// N m per power of an input.
-std::string moment_unit(ActuatorKind kind, int power) {
-  if (kind == ActuatorKind::moment && power == 1) return "";
+std::string law_unit(CalibrationUnknown law, ActuatorKind kind, int power) {
+  const std::string of = law == CalibrationUnknown::moment ? "N m" : "N";
+  if (of == input_unit(kind) && power == 1) return "";
   const std::string unit = kind == ActuatorKind::moment ? "(N m)" : input_unit(kind);
-  return "N m/" + unit + (power == 1 ? "" : "^" + std::to_string(power));
+  return of + '/' + unit + (power == 1 ? "" : "^" + std::to_string(power));
 }
 
 CalibrationInput::CalibrationInput(const Scene& scene, const CalibrationSpec& spec) {
   validate(scene);
-  if (scene.coordinates.stretch_order > 0) {
-    throw SceneError("coordinates.stretch_order",
-                     "rods are calibrated at fixed length, expected a rod that does not stretch");
-  }
   if (spec.recordings.empty()) throw SceneError("calibrate", "there are no recordings, expected files with some");
   if (spec.unknowns.empty()) throw SceneError("calibrate", "nothing is looked for, expected [[calibrate.unknown]]");
   scale = scale_of(scene);
@@ -77,6 +77,7 @@ CalibrationInput::CalibrationInput(const Scene& scene, const CalibrationSpec& sp
   gravity_ = scene.gravity && norm(*scene.gravity) > 0.0 ? norm(*scene.gravity) : standard_gravity;
   weighed.gravity = Vec2{gravity_, 0.0};
   problem.rod = make_rod(weighed, scale);
+  if (problem.rod.stretches()) problem.rod.stretch_order = Rod::stretch_as_fine;
   // What acts at points and at the tip differs between recordings; here it only says where.
   for (Rod::Load& load : problem.rod.loads) {
     if (!load.at_point()) continue;
@@ -157,6 +158,10 @@ void CalibrationInput::add_shapes(const Scene& scene, const CalibrationSpec& spe
     (r.check_only ? checked : fitted).push_back(static_cast<int>(i));
     problem.shapes.push_back(std::move(shape));
   }
+  if (aside_ > told_out_of_plane) {
+    warnings.push_back("points lie up to " + text(100.0 * aside_) +
+                       " % of the length out of the plane, of which a planar rod knows nothing");
+  }
   if (fitted.empty()) throw SceneError("calibrate", "all recordings are only checked, expected some to be fitted");
 }
 
@@ -208,7 +213,7 @@ void CalibrationInput::add_loads(const Scene& scene, const Recording& r, SeenSha
       pull("at the tip", scene.tip_load.force + scene.tip_load.mass * gravity + r.tip_force, r.tip_moment);
 }
 
-void CalibrationInput::add_markers(const Recording& r, SeenShape& shape) const {
+void CalibrationInput::add_markers(const Recording& r, SeenShape& shape) {
   if (r.markers.empty()) fail(r, "found no points, expected at least one");
   double before = -infinity;
   for (const CalibrationMarker& m : r.markers) {
@@ -234,6 +239,13 @@ void CalibrationInput::add_markers(const Recording& r, SeenShape& shape) const {
     if (!std::isfinite(seen.position.x) || !std::isfinite(seen.position.y) || !std::isfinite(seen.angle)) {
       fail(r, "a measured value is not finite");
     }
+    const double aside = std::abs(m.out_of_plane) / scale.length;
+    if (!(aside <= most_out_of_plane)) {
+      fail(r, "found a point " + text(m.out_of_plane) + " m out of the plane, " + text(100.0 * aside) +
+                  " % of the rod's length, expected a planar shape (at most " + text(100.0 * most_out_of_plane) +
+                  " %)");
+    }
+    aside_ = std::max(aside_, aside);
     if (!seen.has_position && !seen.has_angle) fail(r, "found a point without position and angle, expected either");
     shape.markers.push_back(seen);
   }
@@ -242,13 +254,15 @@ void CalibrationInput::add_markers(const Recording& r, SeenShape& shape) const {
 /// Refuses points that no shape of the rod has.
 void CalibrationInput::require_plausible(const Recording& r, const SeenShape& shape) const {
   const SeenMarker* before = nullptr;
+  const double longest = problem.rod.stretches() ? 2.0 : 1.0;
   for (const SeenMarker& m : shape.markers) {
     if (!m.has_position) continue;
     const auto stalk = [](const SeenMarker& of) { return std::hypot(of.along_normal, of.along_tangent); };
     const double distance = norm(m.position - problem.rod.base);
     const std::string where = "the point at arc length " + text(m.arc_length * scale.length) + " m ";
-    if (distance > m.arc_length + stalk(m) + reach_tolerance) {
-      const bool thousandth = 1e-3 * distance <= m.arc_length + stalk(m) + reach_tolerance && distance > 20.0;
+    const double reach = longest * m.arc_length + stalk(m) + reach_tolerance;
+    if (distance > reach) {
+      const bool thousandth = 1e-3 * distance <= reach && distance > 20.0;
       fail(r, where + "lies " + text(distance * scale.length) +
                   " m from the base, further than the rod reaches there: " +
                   (thousandth ? "is it in mm? A plain number is in m"
@@ -256,7 +270,7 @@ void CalibrationInput::require_plausible(const Recording& r, const SeenShape& sh
     }
     if (before != nullptr) {
       const double chord = norm(m.position - before->position);
-      if (chord > m.arc_length - before->arc_length + stalk(m) + stalk(*before) + reach_tolerance) {
+      if (chord > longest * (m.arc_length - before->arc_length) + stalk(m) + stalk(*before) + reach_tolerance) {
         fail(r, where + "lies " + text(chord * scale.length) +
                     " m from the one before, further than along the rod: " + "are the points in order?");
       }

@@ -9,10 +9,10 @@
 
 namespace tendril {
 
-/// What an actuator is told, in words; its SI unit; N m per power of it (empty: a pure number).
+/// What an actuator is told, in words; its SI unit; that of a law per power of it (empty: a pure number).
 std::string input_name(ActuatorKind kind);
 std::string input_unit(ActuatorKind kind);
-std::string moment_unit(ActuatorKind kind, int power);
+std::string law_unit(CalibrationUnknown law, ActuatorKind kind, int power);
 
 /// A scene and its recordings made dimensionless.
 struct CalibrationInput {
@@ -38,7 +38,7 @@ struct CalibrationInput {
   void add_shapes(const Scene& scene, const CalibrationSpec& spec);
   void add_loads(const Scene& scene, const Recording& recording, SeenShape& shape);
   void add_inputs(const Scene& scene, const CalibrationSpec& spec);
-  void add_markers(const Recording& recording, SeenShape& shape) const;
+  void add_markers(const Recording& recording, SeenShape& shape);
   void require_plausible(const Recording& recording, const SeenShape& shape) const;
   void add_unknowns(const Scene& scene, const CalibrationSpec& spec);
   void add_unknown(const Scene& scene, const CalibrationSpec& spec, const CalibrationUnknownSpec& unknown, int group,
@@ -51,6 +51,7 @@ struct CalibrationInput {
     double spread = 0.0;
   };
   Subject subject_of(const Scene& scene, const CalibrationSpec& spec, const CalibrationUnknownSpec& unknown) const;
+  void require_stretch(const CalibrationUnknownSpec& unknown) const;
   void require_sensible(const CalibrationUnknownSpec& spec, const Sought& one, const CalibratedNumber& number) const;
   void require_one_known_load() const;
   void require_enough(const CalibrationSpec& spec) const;
@@ -58,6 +59,7 @@ struct CalibrationInput {
   bool is_sought(CalibrationUnknown kind, int index) const;
 
   double gravity_ = 0.0;             ///< m/s^2, that the rod's weights are made with
+  double aside_ = 0.0;               ///< L, the largest that a point has out of the plane
   std::vector<double> input_sizes_;  ///< SI, the largest that each actuator was told
 };
 

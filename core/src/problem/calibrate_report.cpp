@@ -27,18 +27,18 @@ struct Asked {
 };
 
 /// Powers of a law, by their places among the unknowns.
-std::vector<Eigen::Index> powers_of(const CalibrationInput& in, int actuator) {
+std::vector<Eigen::Index> powers_of(const CalibrationInput& in, CalibrationUnknown law, int actuator) {
   std::vector<Eigen::Index> out;
   for (std::size_t i = 0; i < in.problem.unknowns.size(); ++i) {
     const Sought& u = in.problem.unknowns[i];
-    if (u.kind == CalibrationUnknown::moment && u.index == actuator) out.push_back(static_cast<Eigen::Index>(i));
+    if (u.kind == law && u.index == actuator) out.push_back(static_cast<Eigen::Index>(i));
   }
   return out;
 }
 
 void ask_for_values(const CalibrationInput& in, const Eigen::VectorXd& found, const std::vector<Eigen::Index>& powers,
                     Asked& out) {
-  constexpr double least = 1e-3;  // EI/L
+  constexpr double least = 1e-3;  // EI/L, EI/L^2
   const auto degree = static_cast<Eigen::Index>(powers.size());
   Eigen::MatrixXd values(degree, degree);
   for (Eigen::Index k = 0; k < degree; ++k) {
@@ -60,11 +60,13 @@ Asked asked(const CalibrationInput& in, const Eigen::VectorXd& found, const std:
     if (is_factor(in.problem.unknowns[static_cast<std::size_t>(i)].kind)) out.basis(i, i) = found[i];
   }
   for (int a = 0; a < static_cast<int>(in.problem.rod.actuators.size()); ++a) {
-    const std::vector<Eigen::Index> powers = powers_of(in, a);
-    // A power that a bound holds is known, and its law is then asked for by the others.
-    const bool all =
-        std::all_of(powers.begin(), powers.end(), [&](Eigen::Index p) { return free[static_cast<std::size_t>(p)]; });
-    if (!powers.empty() && all) ask_for_values(in, found, powers, out);
+    for (const CalibrationUnknown law : {CalibrationUnknown::moment, CalibrationUnknown::force}) {
+      const std::vector<Eigen::Index> powers = powers_of(in, law, a);
+      // A power that a bound holds is known, and its law is then asked for by the others.
+      const bool all =
+          std::all_of(powers.begin(), powers.end(), [&](Eigen::Index p) { return free[static_cast<std::size_t>(p)]; });
+      if (!powers.empty() && all) ask_for_values(in, found, powers, out);
+    }
   }
   return out;
 }
@@ -84,7 +86,8 @@ std::string combination(const Asked& of, const Eigen::VectorXd& direction) {
     out += (out.empty() ? "" : share < 0.0 ? " less " : " with ") + text(std::abs(share)) + " of " + last;
   }
   if (count == 1) return last;
-  return "a change of " + out + " (parts of factors and of the largest moments, radians, lengths of the rod)";
+  return "a change of " + out +
+         " (parts of factors and of the largest moments and forces, radians, lengths of the rod)";
 }
 
 struct Range {

@@ -14,11 +14,25 @@ namespace {
 /// Where other starts lie, about the first one: factors between a quarter and four times it, and differences.
 constexpr double curvature_spread = 1.0;     // 1/L
 constexpr double moment_spread = 1.0;        // EI/L, at the largest input
+constexpr double strain_spread = 0.05;       // of an axial force, at the largest input
 constexpr double angle_spread = 0.2;         // rad
 constexpr double place_spread = 0.02;        // L
-constexpr double higher_power_spread = 0.3;  // of a moment, against its first power
+constexpr double higher_power_spread = 0.3;  // of a law, against its first power
+
+/// One of the two stiffnesses that a modulus is.
+bool is_part(CalibrationUnknown of_modulus, CalibrationUnknown part) {
+  return of_modulus == CalibrationUnknown::modulus &&
+         (part == CalibrationUnknown::stiffness || part == CalibrationUnknown::axial_stiffness);
+}
 
 }  // namespace
+
+void CalibrationInput::require_stretch(const CalibrationUnknownSpec& u) const {
+  if (problem.rod.stretches()) return;
+  throw SceneError("calibrate.unknown.name", "found \"" + std::string(to_string(u.kind)) +
+                                                 "\" of a rod that does not stretch, expected [coordinates] "
+                                                 "stretch_order");
+}
 
 /// What a number belongs to, and how its scene has it.
 CalibrationInput::Subject CalibrationInput::subject_of(const Scene& scene, const CalibrationSpec& spec,
@@ -31,9 +45,14 @@ CalibrationInput::Subject CalibrationInput::subject_of(const Scene& scene, const
   };
   const std::size_t segments = problem.rod.segments.size();
   switch (u.kind) {
-    case CalibrationUnknown::stiffness: {
+    case CalibrationUnknown::stiffness:
+    case CalibrationUnknown::axial_stiffness:
+    case CalibrationUnknown::modulus: {
       const int segment = number_between(u.segment, 0, segments, "segment");
-      return {segment == 0 ? "stiffness" : "stiffness of segment " + std::to_string(segment), "", segment - 1};
+      if (u.kind == CalibrationUnknown::axial_stiffness) require_stretch(u);
+      const std::string name =
+          u.kind == CalibrationUnknown::axial_stiffness ? "axial stiffness" : std::string(to_string(u.kind));
+      return {segment == 0 ? name : name + " of segment " + std::to_string(segment), "", segment - 1};
     }
     case CalibrationUnknown::density:
       return {"density", "", -1};
@@ -46,13 +65,19 @@ CalibrationInput::Subject CalibrationInput::subject_of(const Scene& scene, const
               scene.rod.segments[static_cast<std::size_t>(segment - 1)].rest_curvature,
               curvature_spread};
     }
-    case CalibrationUnknown::moment: {
+    case CalibrationUnknown::moment:
+    case CalibrationUnknown::force: {
       const int actuator = number_between(u.actuator, 1, problem.rod.actuators.size(), "actuator");
       number_between(u.degree, 1, 6, "degree");
       const auto a = static_cast<std::size_t>(actuator - 1);
       if (!(input_sizes_[a] > 0.0)) {
         throw SceneError("calibrate.unknown.actuator", "no recording tells actuator " + std::to_string(actuator) +
                                                            " anything, so that its moment cannot be found");
+      }
+      if (u.kind == CalibrationUnknown::force) {
+        require_stretch(u);
+        return {"axial force of actuator " + std::to_string(actuator), "", actuator - 1, scale.force(), 0.0,
+                strain_spread * problem.rod.segments.front().axial};
       }
       const ActuatorSpec& of = scene.rod.actuators[a];
       const bool same = spec.recordings.front().input_kinds[a] == of.input();
@@ -86,16 +111,16 @@ void CalibrationInput::add_unknown(const Scene& scene, const CalibrationSpec& sp
                      "the base's angle cannot be looked for while a force acts along the "
                      "rod, expected loads at points");
   }
-  const bool moment = u.kind == CalibrationUnknown::moment;
-  for (int power = 1; power <= (moment ? u.degree : 1); ++power) {
+  const bool law = is_law(u.kind);
+  for (int power = 1; power <= (law ? u.degree : 1); ++power) {
     Sought one{u.kind, subject.index, power, group};
     CalibratedNumber number{u, power, subject.name + whose, subject.unit};
     double unit = subject.size;
     one.spread = group < 0 ? subject.spread : 0.0;
-    if (moment) {
+    if (law) {
       const ActuatorKind input = spec.recordings.front().input_kinds[static_cast<std::size_t>(one.index)];
       unit /= std::pow(input_sizes_[static_cast<std::size_t>(one.index)], power);
-      number.unit = moment_unit(input, power);
+      number.unit = law_unit(u.kind, input, power);
       number.name +=
           power == 1 ? " per " + input_name(input) : " per " + input_name(input) + "^" + std::to_string(power);
       if (power > 1) one.spread *= higher_power_spread;
@@ -131,7 +156,8 @@ void CalibrationInput::require_sensible(const CalibrationUnknownSpec& u, const S
     const Sought& other = problem.unknowns[i];
     const bool whole = factor && (other.index < 0 || one.index < 0);
     const bool same_base = other.group == one.group || other.group < 0 || one.group < 0;
-    if (other.kind == one.kind && other.power == one.power && same_base && (other.index == one.index || whole)) {
+    const bool same_kind = other.kind == one.kind || is_part(other.kind, one.kind) || is_part(one.kind, other.kind);
+    if (same_kind && other.power == one.power && same_base && (other.index == one.index || whole)) {
       throw SceneError("calibrate.unknown", "found \"" + number.name + "\" beside \"" + numbers[i].name +
                                                 "\", expected each number to be looked for once");
     }
@@ -147,7 +173,10 @@ void CalibrationInput::require_one_known_load() const {
     });
   };
   for (int s = 0; s < static_cast<int>(problem.rod.segments.size()); ++s) {
-    if (!free(CalibrationUnknown::stiffness, s)) return;
+    const bool modulus = free(CalibrationUnknown::modulus, s);
+    if (!modulus && !free(CalibrationUnknown::stiffness, s)) return;
+    // A known axial stiffness sets the size of whatever stretches the rod.
+    if (problem.rod.stretches() && !modulus && !free(CalibrationUnknown::axial_stiffness, s)) return;
   }
   const bool density = is_sought(CalibrationUnknown::density);
   const auto pulls = [](const Push& push) { return push.force != Vec2{} || push.moment != 0.0; };
@@ -163,11 +192,12 @@ void CalibrationInput::require_one_known_load() const {
     actuated = actuated || !shape.inputs.isZero(0.0);
   }
   if (problem.rod.has_dead_loads() || (weight && !free(CalibrationUnknown::density, 0))) return;
-  std::string names = "the stiffness";
+  std::string names = is_sought(CalibrationUnknown::modulus) ? "the modulus" : "the stiffness";
   for (const Sought& u : problem.unknowns) {
-    if (u.kind != CalibrationUnknown::moment || u.power > 1) continue;
+    if (!is_law(u.kind) || u.power > 1) continue;
     if (std::isfinite(u.prior_error)) return;
-    names += ", the moment of actuator " + std::to_string(u.index + 1);
+    names += u.kind == CalibrationUnknown::moment ? ", the moment" : ", the axial force";
+    names += " of actuator " + std::to_string(u.index + 1);
   }
   if (weight && density) names += ", the density";
   if (!weight && !actuated) {

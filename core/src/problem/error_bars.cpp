@@ -37,6 +37,22 @@ Moved moved_by(const Sensitivity& sensitivity, const Spread& spread) {
   return out;
 }
 
+/// What moves together with each input, itself and what is correlated with it by its correlation.
+std::vector<Moved> together(const std::vector<Moved>& moved, const std::vector<Spread>& spreads) {
+  std::vector<Moved> out = moved;
+  for (std::size_t k = 0; k < moved.size(); ++k) {
+    for (std::size_t j = 0; j < moved.size(); ++j) {
+      const auto found = spreads[k].correlations.find(spreads[j].key);
+      if (j == k || found == spreads[k].correlations.end()) continue;
+      const double part = found->second;
+      for (std::size_t i = 0; i < out[k].rates.size(); ++i) out[k].rates[i] += part * moved[j].rates[i];
+      for (std::size_t i = 0; i < out[k].shape.size(); ++i) out[k].shape[i] += part * moved[j].shape[i];
+      out[k].margin += part * moved[j].margin;
+    }
+  }
+  return out;
+}
+
 double share_of(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
 
 }  // namespace
@@ -54,32 +70,34 @@ Uncertainty uncertainty_of(const Sensitivity& sensitivity, const std::vector<Spr
   }
   std::vector<double> variance(sensitivity.quantities.size());
   double margin = 0.0;
-  for (const Moved& m : moved) {
-    for (std::size_t i = 0; i < variance.size(); ++i) variance[i] += m.rates[i] * m.rates[i];
-    margin += m.margin * m.margin;
+  const std::vector<Moved> with = together(moved, spreads);
+  for (std::size_t k = 0; k < moved.size(); ++k) {
+    for (std::size_t i = 0; i < variance.size(); ++i) variance[i] += moved[k].rates[i] * with[k].rates[i];
+    margin += moved[k].margin * with[k].margin;
   }
+  // Inputs that cancel one another leave rounding.
+  margin = std::max(0.0, margin);
+  for (double& v : variance) v = std::max(0.0, v);
   for (std::size_t i = 0; i < variance.size(); ++i) {
     const ResultQuantity& q = sensitivity.quantities[i];
     out.deviations.push_back({q.name, q.unit, std::sqrt(variance[i])});
   }
   for (std::size_t k = 0; k < moved.size(); ++k) {
-    const std::vector<double>& rates = moved[k].rates;
+    const auto part = [&](std::size_t i) { return moved[k].rates[i] * with[k].rates[i]; };
     Uncertainty::Share share;
     share.key = spreads[k].key;
-    for (std::size_t i = 0; i < rates.size(); ++i) {
-      share.each.push_back(share_of(rates[i] * rates[i], variance[i]));
-    }
+    for (std::size_t i = 0; i < variance.size(); ++i) share.each.push_back(share_of(part(i), variance[i]));
     // The tip's place comes first.
-    share.tip = share_of(rates[0] * rates[0] + rates[1] * rates[1], variance[0] + variance[1]);
+    share.tip = share_of(part(0) + part(1), variance[0] + variance[1]);
     out.shares.push_back(std::move(share));
   }
   for (std::size_t i = 0; i < sensitivity.arc_lengths.size(); ++i) {
     Uncertainty::Point point;
     point.arc_length = sensitivity.arc_lengths[i];
-    for (const Moved& m : moved) {
-      point.xx += m.shape[i].x * m.shape[i].x;
-      point.xy += m.shape[i].x * m.shape[i].y;
-      point.yy += m.shape[i].y * m.shape[i].y;
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      point.xx += moved[k].shape[i].x * with[k].shape[i].x;
+      point.xy += moved[k].shape[i].x * with[k].shape[i].y;
+      point.yy += moved[k].shape[i].y * with[k].shape[i].y;
     }
     out.shape.push_back(point);
   }

@@ -181,6 +181,7 @@ void Differentiator::add_rod_rates(const SceneChange& change, ProgramRates& rate
     spec.rod = &rod;
     PoseProgram changed(spec);
     rates.rows += factor * changed.constraints(p_.x);
+    if (!replanned_) return;
     rates.slope.noalias() += factor * (changed.jacobian(p_.x).transpose() * multipliers_);
     rates.slope += factor * changed.gradient(p_.x);
     rates.cost += factor * changed.cost(p_.x);
@@ -192,6 +193,7 @@ void Differentiator::add_rod_rates(const SceneChange& change, ProgramRates& rate
   }
   add(1.0, 1.0 / change.step);
   rates.rows -= (1.0 / change.step) * p_.program.constraints(p_.x);
+  if (!replanned_) return;
   rates.slope.noalias() -= (1.0 / change.step) * (p_.program.jacobian(p_.x).transpose() * multipliers_);
 }
 
@@ -440,7 +442,8 @@ Sensitivity Problem::sensitivity(const Plan& plan, SensitivityKind kind, const s
   out.trouble = refused(plan, d.rod);
   if (!out.trouble.empty()) return out;
   d.face(plan.tip_angle);
-  const std::optional<FollowedPoint> found = followed_point(d, plan);
+  // What holds a plan back decides nothing where its moments are held.
+  const std::optional<FollowedPoint> found = followed_point(d, plan, kind == SensitivityKind::replanned);
   if (!found) {
     out.trouble = "the plan is not of this scene, or a contact touches without pressing";
     return out;
@@ -503,6 +506,7 @@ Sensitivity sensitivity_of(const Scene& scene, const std::vector<std::unique_ptr
   const LegendreBasis basis(executed.order, std::max(1, static_cast<int>(pieces)));
   spec.model = &basis;
   spec.nodes = suggested_nodes(executed.order, 4.0);
+  spec.tables = std::make_shared<TableStore>();
   PoseProgram program(spec);
   const PoseProgram::Layout& at = program.layout();
   if (at.coordinates != static_cast<int>(executed.coordinates.size())) throw Error("the result is not of this scene");

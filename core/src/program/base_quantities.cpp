@@ -67,8 +67,7 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
   values.surfaces.resize(spec.contacts.size());
   values.radii.resize(spec.contacts.size());
   for (const ContactSetup& c : spec.contacts) {
-    values.references.push_back(
-        c.obstacle < 0 ? Vec2{} : spec.obstacles[static_cast<std::size_t>(c.obstacle)]->reference_point());
+    values.references.push_back(spec.obstacles[static_cast<std::size_t>(c.obstacle)]->reference_point());
   }
   const int variables = layout.first_force + layout.forces + (layout.palm >= 0 ? 1 : 0);
   rows_.setZero(dense_ + 2 * layout.forces, variables);

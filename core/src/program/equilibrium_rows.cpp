@@ -94,18 +94,12 @@ class EquilibriumRows : public RowBlock {
       const PoseProgram::ContactState& c = d_.contacts[static_cast<std::size_t>(k)];
       rows.col(at.first_force + k) = d_.contact_row(k, c.push).head(at.coordinates);
       if (c.lean != 0.0) differentiate_couple(k, rows);
-      // Along a surface it is that which bends the normal, else the rod itself turns it.
-      const bool turns_with_rod = d_.spec.contacts[static_cast<std::size_t>(k)].obstacle < 0;
-      const double factor = turns_with_rod ? c.force : c.force * c.surface.curvature;
+      // The surface bends the normal.
+      const double factor = c.force * c.surface.curvature;
       if (factor == 0.0) continue;
       along_ = d_.contact_row(k, turned(c.push));
-      if (turns_with_rod) {
-        turning_ = d_.base.row(d_.base.index.contacts[static_cast<std::size_t>(k)].point.angle);
-      } else if (c.lean == 0.0) {
-        turning_ = along_;
-      } else {
-        turning_ = d_.contact_row(k, turned(c.surface.normal));
-      }
+      turning_ = along_;
+      if (c.lean != 0.0) turning_ = d_.contact_row(k, turned(c.surface.normal));
       for (int column = 0; column < d_.variables; ++column) {
         const double scaled = factor * turning_[column];
         if (scaled != 0.0) rows.col(column) += scaled * along_.head(at.coordinates);

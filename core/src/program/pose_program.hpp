@@ -22,10 +22,7 @@ class Curve;
 
 /// One contact that a program plans with.
 struct ContactSetup {
-  /// Instead of an obstacle: whatever pushes there pushes along the rod's own normal (-sin phi, cos phi). Gap and
-  /// closest point are then always 0, and there are no second derivatives.
-  static constexpr int along_normal = -1;
-  int obstacle = 0;     ///< index in PoseProgramSpec::obstacles, or along_normal
+  int obstacle = 0;     ///< index in PoseProgramSpec::obstacles
   bool at_tip = false;  ///< at the rod's end; else inside
   /// Interior contacts: the stretch between fixed knots (split) or the piece (not split) in which the contact may
   /// slide.
@@ -49,8 +46,6 @@ struct Loads {
   /// Of each obstacle: the tangential part of its contact forces, along the rod, for each unit of the normal part
   /// (w of model.md section 11). Empty: there is none.
   std::vector<double> friction{};
-  /// The same of each contact that pushes along the rod's own normal. Empty: there is none.
-  std::vector<double> lean{};
 };
 
 /// What is known about a contact's complementarity g f = 0.

@@ -103,17 +103,11 @@ void PoseState::move(ConstVectorRef x) {
     c.tangent = places.tangent(place);
     c.arc_length = spec.contacts[k].at_tip ? 1.0 : x[layout.first_arc_length + variable];
     const int obstacle = spec.contacts[k].obstacle;
-    c.surface = obstacle < 0 ? SurfacePoint{0.0, turned(c.tangent)} : surface(obstacle, c.point);
+    c.surface = surface(obstacle, c.point);
     if (chain.is_thick()) c.radius = places.radius(place);
-    if (obstacle >= 0) {
-      c.surface.distance -= c.radius.value;
-    } else if (c.force < 0.0) {
-      // It pushes from the other side of the body.
-      c.radius = {-c.radius.value, -c.radius.slope, -c.radius.bend, -c.radius.jerk};
-    }
+    c.surface.distance -= c.radius.value;
     const Vec2 tau = turned(c.surface.normal);
-    const std::vector<double>& ratios = obstacle < 0 ? loads.lean : loads.friction;
-    c.lean = ratios.empty() ? 0.0 : ratios[static_cast<std::size_t>(obstacle < 0 ? variable : obstacle)];
+    c.lean = loads.friction.empty() ? 0.0 : loads.friction[static_cast<std::size_t>(obstacle)];
     if (dot(tau, c.tangent) < 0.0) c.lean = -c.lean;
     c.push = c.surface.normal + c.lean * tau;
     Push& push = forces.on[static_cast<std::size_t>(place)];

@@ -29,7 +29,7 @@ StartShape shape_of(const Task& problem, const Plan& plan, const Mode& mode) {
   return shape;
 }
 
-std::optional<FollowedPoint> followed_point(const Task& problem, const Plan& earlier) {
+std::optional<FollowedPoint> followed_point(const Task& problem, const Plan& earlier, bool with_checks) {
   const bool same_coordinates = earlier.status == PlanStatus::solved &&
                                 earlier.coordinates_name == problem.scene.coordinates.plugin &&
                                 earlier.order == problem.components.coordinates->function_count() &&
@@ -63,6 +63,7 @@ std::optional<FollowedPoint> followed_point(const Task& problem, const Plan& ear
   const StartShape shape = shape_of(problem, earlier, mode);
   point.x = program.start_from(shape);
   point.x.head(at.coordinates) = Eigen::Map<const Eigen::VectorXd>(earlier.coordinates.data(), at.coordinates);
+  if (!with_checks) return point;
   point.checks = problem.first_checks(program, point.x, shape);
   for (int k = 0; k < at.forces; ++k) program.set_branch(k, Branch::touching);
   // Where the earlier plan grazes an obstacle, Newton has to know.

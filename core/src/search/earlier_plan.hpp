@@ -24,8 +24,9 @@ struct FollowedPoint {
   std::vector<CheckPoint> checks{};  ///< with those where the plan grazes an obstacle
   Eigen::VectorXd x{};
 };
-/// Nothing where the plan has other coordinates, was not certified, or has a contact that does not press.
-std::optional<FollowedPoint> followed_point(const Task& problem, const Plan& earlier);
+/// Nothing where the plan has other coordinates, was not certified, or has a contact that does not press. Without
+/// `with_checks` nothing is said of where the plan grazes an obstacle.
+std::optional<FollowedPoint> followed_point(const Task& problem, const Plan& earlier, bool with_checks = true);
 
 /// Whether no contact is about to come or go at x of a program whose contacts all touch. If one may, other ways of
 /// being in contact know more about it.

@@ -120,7 +120,7 @@ const Tendril = (() => {
     const add = (p) => { for (const k of [0, 1]) { low[k] = Math.min(low[k], p[k]); high[k] = Math.max(high[k], p[k]); } };
     const arrow = arrow_size(drawing);
     for (const frame of drawing.frames) {
-      for (const rod of frame.rods) { rod.line.forEach(add); (rod.body || []).forEach(add); }
+      for (const rod of frame.rods) { rod.line.forEach(add); (rod.body || []).forEach(add); (rod.band || []).forEach(add); }
       if (frame.target && frame.target.position) add(frame.target.position);
       for (const c of pressed(frame)) add(plus(c.surface, times(c.normal, 1.25 * arrow * c.force)));
       for (const list of ["palm", "measured", "tips", "path"]) (frame[list] || []).forEach(add);
@@ -160,6 +160,7 @@ const Tendril = (() => {
     if (drawing.ordered) paint_tips(pen, drawing, index, at, colors);
     if (frame.palm) pen.path(frame.palm.map(at), { stroke: colors.edge, width: 4 });
     for (const c of pressed(frame)) paint_cone(pen, scene, c, at);
+    frame.rods.forEach((rod) => { if (rod.band) pen.path(rod.band.map(at), { fill: colors.cone, closed: true }); });
     frame.rods.forEach((rod) => { if (rod.body) pen.path(rod.body.map(at), { fill: colors.body, stroke: colors.edge, width: 0.7, closed: true }); });
     frame.rods.forEach((rod, i) => {
       paint_clamp(pen, rod, at, colors);
