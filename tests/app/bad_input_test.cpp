@@ -60,6 +60,27 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"\"tip_pose\"", "\"../tip_pose\"", "s.toml:34:10: "},
         BadScene{"limit = \"2.5 N mm\"", "min = 1\nmax = -1", "s.toml:11:7: found min"},
         BadScene{"\"pose\"", "\"grasp\"", "problem \"grasp\" needs a [gripper]"},
+                    BadScene{"[coordinates]", "[rod.insertion]\nvalue = \"120 mm\"\n[coordinates]",
+                             "s.toml:14:9: the rod is 0.1 m long, but 0.12 m of it are to be out of its port"},
+                    BadScene{"[coordinates]", "[rod.insertion]\nmin = \"90 mm\"\nmax = \"80 mm\"\n[coordinates]",
+                             "s.toml:14:7: found min 0.09 m above max 0.08 m"},
+                    BadScene{"[coordinates]", "[rod.insertion]\nmin = \"90 mm\"\n[coordinates]",
+                             "found 'min' alone, expected 'min' and 'max', or 'value' alone"},
+                    BadScene{"[[rod.actuator]]", "[rod.insertion]\nvalue = \"30 mm\"\n[[rod.actuator]]\nto = \"60 mm\"",
+                             "s.toml:12:1: the actuator ends at 0.06 m, inside the port"},
+                    BadScene{"[[rod.actuator]]",
+                             "[rod.insertion]\nmin = \"30 mm\"\nmax = \"90 mm\"\n[[rod.actuator]]\nfrom = \"40 mm\"",
+                             "found an insertion of 0.03 m, expected more than 0.06 m"},
+                    BadScene{"[coordinates]", "[rod.base]\nangle_range = [1]\n[coordinates]",
+                             "s.toml:14:15: found 1 angles, expected two"},
+                    BadScene{"[coordinates]", "[rod.base]\nangle_range = [0.2, 0.1]\n[coordinates]",
+                             "s.toml:14:15: the limits contradict each other"},
+                    BadScene{"[coordinates]",
+                             "[rod.base]\nposition = [0, 0]\nposition_range = [[0.01, 0], [0.02, 0]]\n[coordinates]",
+                             "s.toml:15:18: the x coordinate of the base, 0, lies outside of 0.01 to 0.02"},
+                    BadScene{"split_at_contact = true",
+                             "split_at_contact = false\n[rod.insertion]\nmin = \"60 mm\"\nmax = \"90 mm\"",
+                             "a rod whose insertion is chosen has knots that move with it"},
         BadScene{"[target]\nposition = [\"97 mm\", \"20 mm\"]", "", "target"}));
 
 TEST(BadFile, IsRefused) {
@@ -107,6 +128,13 @@ TEST(BadMoments, AreRefused) {
   expect_refused(execute_brace({"--moments", "0", "--plan", "r.json"}), "excludes");
   expect_refused(execute_brace({"--plan", ""}), "--plan: found an empty name");
   expect_refused(execute_brace({"--moments", "0", "--start", ""}), "--start: found an empty name");
+  expect_refused(execute_brace({"--moments", "0", "--insertion", "120 mm"}),
+                 "found an insertion of 0.12 m, expected more than 0 and at most what there is of the rod (0.1 m)");
+  expect_refused(execute_brace({"--moments", "0", "--insertion", "1 N"}), "--insertion: ");
+  expect_refused(execute_brace({"--moments", "0", "--base", "0, 0"}),
+                 "--base: found 2 numbers, expected three: x, y, angle");
+  expect_refused(execute_brace({"--moments", "0; 1", "--insertion", "0.1; 0.09; 0.08"}),
+                 "--moments: found 2 way points, expected 3, or one for all");
 }
 
 TEST(BadExecution, IsRefused) {

@@ -19,9 +19,9 @@ namespace {
 /// slides.
 struct Posed {
   struct Kind {
-    bool split, varies = false, stretches = false;
+    bool split, varies = false, stretches = false, moves = false;
   };
-  explicit Posed(Kind kind) : split(kind.split) {
+  explicit Posed(Kind kind) : split(kind.split), moves(kind.moves) {
     const bool varies = kind.varies;
     rod.segments = {{0.0, 0.4, 1.0, 1.7, 0.3}, {0.4, 1.0, 0.6, 0.9, -0.2}};
     if (varies) {
@@ -43,6 +43,10 @@ struct Posed {
     }
     rod.base = {0.1, -0.2};
     rod.base_angle = 0.3;
+    if (moves) {
+      using Move = Rod::Move;
+      rod.moves = {{Move::Kind::shift, {0.8, -0.6}}, {Move::Kind::turn}, {Move::Kind::draw}};
+    }
     const std::vector<int> stretches = split ? std::vector<int>{0, 1} : std::vector<int>{};
     chain = std::make_unique<Chain>(rod, model, stretches, 40);
     places = std::make_unique<Places>(rod, *chain, split ? 2 : 1);
@@ -64,7 +68,7 @@ struct Posed {
       f->tip = {d(random), d(random)};
       f->gravity = {d(random), d(random)};
       f->payload = 0.4;
-      f->dead = f == &forces ? 0.7 : 1.3;
+      f->dead = f == &forces ? Vec2{0.7, 0.2} : Vec2{1.3, -0.4};
       for (Push& push : f->on) push.force = {d(random), d(random)};
     }
     for (int k = 0; k < places->count(); ++k) {
@@ -80,8 +84,10 @@ struct Posed {
       at[i] = 0.5 * d(random) / (1.0 + static_cast<double>(i % chain->functions()));
       lambda[i] = d(random) / (1.0 + static_cast<double>(i % chain->functions()));
     }
-    at[lambda.size()] = split ? 0.23 : 0.71;
-    if (split) at[lambda.size() + 1] = 0.77;
+    const Eigen::Index contacts = at.size() - (split ? 2 : 1);
+    at[contacts] = split ? 0.23 : 0.71;
+    if (split) at[contacts + 1] = 0.77;
+    if (moves) at.segment(lambda.size(), 3) << 0.3, -0.4, 0.12;
     move(at);
   }
 
@@ -112,13 +118,13 @@ struct Posed {
         const double s = shape.start(j) + chain->table().sigma[g] * shape.length(j);
         Vec2 load = rod.segment_at(s).weight_at(s).value * f.gravity;
         for (const Rod::Load& l : rod.loads) {
-          if (s > l.from && s < l.to) load += f.dead * l.force;
+          if (s > l.from && s < l.to) load += f.dead_load(l.force);
         }
         sum += shape.length(j) * chain->table().weight[g] * dot(load, curve.position(j, chain->table().sigma[g]));
       }
     }
     for (const Rod::Load& l : rod.loads) {
-      if (l.at_point()) sum += dot(f.dead * l.force + l.weight * f.gravity, shape.at(l.from).position);
+      if (l.at_point()) sum += dot(f.dead_load(l.force) + l.weight * f.gravity, shape.at(l.from).position);
     }
     return sum;
   }
@@ -144,7 +150,7 @@ struct Posed {
     return all;
   }
 
-  bool split;
+  bool split, moves;
   LegendreBasis model{5, 1};
   Rod rod;
   std::unique_ptr<Chain> chain;
@@ -206,7 +212,8 @@ TEST_P(PlacesOn, SecondPullBackIsTheSecondDerivativeOfTheWork) {
   const Eigen::MatrixXd expected = differences(p.at, [&](const Eigen::VectorXd& z) { return p.pulled(p.forces, z); });
   const Eigen::MatrixXd found = p.second(p.forces, nullptr);
   expect_near("the second pull-back", found.topRows(q), expected, number, number, 1e-8);
-  // By arc lengths twice only the work itself can tell.
+  // By arc lengths twice only the work itself can tell, of a base that turns that of forces on places.
+  if (p.moves) p.forces = {p.forces.on};
   const Eigen::Index arcs = p.at.size() - q;
   const auto work_at = [&](const Eigen::VectorXd& s) {
     Eigen::VectorXd z = p.at;
@@ -217,7 +224,8 @@ TEST_P(PlacesOn, SecondPullBackIsTheSecondDerivativeOfTheWork) {
   const Eigen::MatrixXd bends = differences(
       p.at.tail(arcs),
       [&](const Eigen::VectorXd& s) { return Eigen::VectorXd(differences(s, work_at, wide).transpose()); }, wide);
-  expect_near("the second pull-back", found.bottomRightCorner(arcs, arcs), bends, number, number, 1e-8);
+  expect_near("the second pull-back", p.second(p.forces, nullptr).bottomRightCorner(arcs, arcs), bends, number, number,
+              1e-8);
 }
 
 TEST_P(PlacesOn, SecondPullBackAlongIsTheSecondDerivativeOfTheVirtualWork) {
@@ -278,10 +286,12 @@ INSTANTIATE_TEST_SUITE_P(Rods, PlacesOn,
                          testing::Values(Posed::Kind{false}, Posed::Kind{true}, Posed::Kind{false, true},
                                          Posed::Kind{true, true}, Posed::Kind{false, false, true},
                                          Posed::Kind{true, false, true}, Posed::Kind{false, true, true},
-                                         Posed::Kind{true, true, true}),
+                                         Posed::Kind{true, true, true}, Posed::Kind{false, false, false, true},
+                                         Posed::Kind{true, true, false, true}, Posed::Kind{true, true, true, true}),
                          [](const auto& kind) {
                            return std::string(kind.param.split ? "split" : "unsplit") +
-                                  (kind.param.varies ? "_varied" : "") + (kind.param.stretches ? "_stretched" : "");
+                                  (kind.param.varies ? "_varied" : "") + (kind.param.stretches ? "_stretched" : "") +
+                                  (kind.param.moves ? "_moved" : "");
                          });
 
 }  // namespace

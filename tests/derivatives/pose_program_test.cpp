@@ -73,6 +73,7 @@ struct Case {
   const char* rod = "uniform";
   bool profiles = false;
   bool stretches = false;
+  bool moves = false;
 };
 
 std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name; }
@@ -85,7 +86,8 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
   }
 
   static support::SamplePose::Setup setup_of(const Case& c) {
-    return {c.model, c.split, c.tip_contact, c.interior_contacts, c.shapes, c.palm, c.rod, c.profiles, c.stretches};
+    return {c.model, c.split, c.tip_contact, c.interior_contacts, c.shapes,
+            c.palm,  c.rod,   c.profiles,    c.stretches,         c.moves};
   }
 
   Eigen::VectorXd random_point(std::mt19937& random) {
@@ -97,8 +99,9 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
       // Shapes that the basis resolves: coefficients fall with their order.
       const int n = program->chain().functions();
       for (int i = 0; i < at.coordinates; ++i) x[i] /= std::pow(1.0 + i % n, 1.5);
+      if (at.moves > 0) x[at.first_arc_length - 1] = 0.1 + 0.2 * d(random);
       for (int k = 0; k < at.arc_lengths; ++k) {
-        const double low = program->lower()[at.first_arc_length + k];
+        const double low = program->lower()[at.first_arc_length + k] + (at.moves > 0 ? 0.2 : 0.0);
         const double high = program->upper()[at.first_arc_length + k];
         x[at.first_arc_length + k] = low + (high - low) * (k + 1.0 + 0.5 * d(random)) / (at.arc_lengths + 1.0);
       }
@@ -133,9 +136,8 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
 
   /// The curvature at a fixed arc length jumps when a knot passes: no derivative there.
   bool a_knot_meets_a_sample(const Eigen::VectorXd& x) const {
-    const PoseProgram::Layout& at = program->layout();
     const Chain& chain = program->chain();
-    const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));
+    const std::span<const double> knots = program->knots(x);
     for (int j = 0; j < chain.piece_count(); ++j) {
       for (const double s : sample.everything->reads().samples) {
         if (std::abs(chain.start(j, knots) - s) < 5.0 * step) return true;
@@ -283,6 +285,18 @@ std::vector<Case> cases() {
       const char* large = split ? "legendre14_split_stretch" : "legendre14_stretch";
       all.push_back({large, legendre(14), split, false, 1, "walls", false, rod, false, true});
     }
+  }
+  for (const char* rod : {"uniform", "varied"}) {
+    const bool varied = std::string(rod) == "varied";
+    const auto add = [&](const char* name, std::shared_ptr<CoordinateModel> model, bool tip, int contacts,
+                         const char* shapes, bool palm) {
+      all.push_back({name, std::move(model), true, tip, contacts, shapes, palm, rod, varied, varied && palm, true});
+    };
+    add("legendre6_split_moves", legendre(6), false, 0, "circles", false);
+    add("legendre6_split_moves", legendre(6), true, 2, "hulls", true);
+    add("legendre5x2_split_moves", legendre(5, 2), false, 2, "circles", false);
+    add("sines_split_moves", std::make_shared<Sines>(), true, 1, "walls", false);
+    add("pcc3_split_moves", std::make_shared<Linear>(3), true, 2, "circles", false);
   }
   return all;
 }

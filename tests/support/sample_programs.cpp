@@ -72,6 +72,13 @@ SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
   rod.tip_force = {0.3, -0.2};
   rod.base = {0.05, -0.02};
   rod.base_angle = 0.2;
+  if (setup.moves) {
+    using Kind = Rod::Move::Kind;
+    rod.moves = {{Kind::shift, {1.0, 0.0}, -0.5, 0.5},
+                 {Kind::shift, {0.0, 1.0}, -0.5, 0.5},
+                 {Kind::turn, {}, -0.6, 0.7, 0.2},
+                 {Kind::draw, {}, 0.0, 0.2, 0.1}};
+  }
   spec.rod = &rod;
   spec.model = model.get();
   std::tie(upper, lower) = obstacles_of(setup.shapes);
@@ -84,7 +91,8 @@ SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
   spec.terms = {{everything.get(), 1.3, "everything"}};
   spec.target = {{0.9, 0.2}, 0.0, true, false};
   spec.split = setup.split;
-  for (int k = 0; k < setup.interior_contacts; ++k) spec.contacts.push_back({k % 2, false, 1});
+  // One of a rod that is drawn in is beside the knot that moves at its port.
+  for (int k = 0; k < setup.interior_contacts; ++k) spec.contacts.push_back({k % 2, false, setup.moves ? k : 1});
   if (setup.tip_contact) spec.contacts.push_back({0, true, 0});
   spec.nodes = 34;
   spec.checks = {{0, 0.5, 0}, {0, 0.5, 1}, {1, 0.31, 1}, {1, 0.8, 0}};

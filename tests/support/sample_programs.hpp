@@ -62,6 +62,7 @@ struct SamplePose {
     std::string rod = "uniform";     ///< "uniform" by segments, "tapered", "loaded", "thick", or "varied": all of these
     bool profiles = false;           ///< moments of actuators vary along the rod
     bool stretches = false;          ///< the rod stretches, and actuators pull along it
+    bool moves = false;              ///< the base is shifted and turned, and the rod drawn in
   };
   explicit SamplePose(const Setup& setup);
   SamplePose(const SamplePose&) = delete;

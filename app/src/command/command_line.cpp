@@ -242,7 +242,8 @@ Command execute_command(CLI::App& app) {
     CLI::Option* option = execute->add_option_function<std::string>(
         option_of(kind),
         [parsed, kind](const std::string& text) {
-          parsed->inputs = {kind, text};
+          parsed->inputs.kind = kind;
+          parsed->inputs.text = text;
         },
         what);
     option->type_name(type);
@@ -255,6 +256,13 @@ Command execute_command(CLI::App& app) {
   inputs(files::InputKind::each, "\"V, ...\"",
          "One per actuator, in the unit of its kind: a moment, a pressure where the scene has moment_per_pressure, a "
          "tension");
+  execute
+      ->add_option("--insertion", parsed->inputs.insertion,
+                   "Length of the rod that is out of its port, in m or with a unit; moments are those of --start where "
+                   "none are given")
+      ->type_name("\"L\"");
+  execute->add_option("--base", parsed->inputs.base, "Where the rod is clamped, in m and rad or with units; likewise")
+      ->type_name("\"X, Y, ANGLE\"");
   return {execute, [execute, parsed] {
             const ResultOptions& result = parsed->result;
             result.check(*execute);

@@ -66,11 +66,12 @@ int run_execute(const ExecuteArguments& arguments) {
   std::variant<Execution, Trajectory> executed;
   if (arguments.plan) {
     const files::ResultText earlier{read_input(*arguments.plan, "plan"), arguments.plan->string()};
-    executed = execute_result(session, earlier, start);
+    executed = execute_result(session, earlier, start, place_of(arguments.inputs, session));
   } else if (are_way_points(arguments.inputs)) {
-    executed = session.execute(way_points_of(arguments.inputs, session), start);
+    executed = session.execute(way_points_of(arguments.inputs, session, start), start);
   } else {
-    executed = session.execute(moments_of(arguments.inputs, session), start);
+    const Plan held = held_of(arguments.inputs, session, start);
+    executed = session.execute(held.moments, start, std::nullopt, held.place);
   }
   if (const auto* trajectory = std::get_if<Trajectory>(&executed)) {
     return give_trajectory(session, *trajectory, arguments.places);

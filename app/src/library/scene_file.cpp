@@ -110,12 +110,15 @@ Calibration SceneFile::calibrate(const Run& run, const CalibrationPlaces& places
 
 Execution SceneFile::execute(const Inputs& inputs, const Run& run) {
   opened_->begin(run);
-  return opened_->session.execute(app::moments_of(inputs, opened_->session), opened_->start_of(run));
+  const std::optional<Plan> start = opened_->start_of(run);
+  const Plan held = app::held_of(inputs, opened_->session, start);
+  return opened_->session.execute(held.moments, start, std::nullopt, held.place);
 }
 
 Trajectory SceneFile::execute_along(const Inputs& inputs, const Run& run) {
   opened_->begin(run);
-  return opened_->session.execute(app::way_points_of(inputs, opened_->session), opened_->start_of(run));
+  const std::optional<Plan> start = opened_->start_of(run);
+  return opened_->session.execute(app::way_points_of(inputs, opened_->session, start), start);
 }
 
 std::variant<Execution, Trajectory> SceneFile::execute(const ResultText& earlier, const Run& run) {

@@ -144,6 +144,14 @@ Json contacts_json(const std::vector<PlannedContact>& contacts, const std::strin
   return array;
 }
 
+/// What may be moved of the rod.
+void add_place(Json& json, const RodPlace& place) {
+  if (place.insertion) json["insertion"] = number(*place.insertion);
+  if (!place.base) return;
+  const auto& [position, angle] = *place.base;
+  json["base"] = {{"x", number(position.x)}, {"y", number(position.y)}, {"angle", number(angle)}};
+}
+
 Json friction_json(const std::vector<FrictionRange>& states) {
   Json array = Json::array();
   for (const FrictionRange& state : states) {
@@ -246,6 +254,7 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   if (Json target = target_json(scene.target); !target.empty()) json["target"] = std::move(target);
   json["target_error"] = plan.target_error ? number(*plan.target_error) : Json(nullptr);
   json["moments"] = numbers(all_moments(plan));
+  add_place(json, plan.place);
   json["contacts"] = Json::array();
   for (const ShownFinger& finger : fingers_of(scene, plan)) {
     for (Json& contact : contacts_json(finger.state.contacts, finger.name))

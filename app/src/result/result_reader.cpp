@@ -45,7 +45,19 @@ std::vector<PlannedContact> read_contacts(const Reader& root, const Scene& scene
   return contacts;
 }
 
-std::vector<BackbonePoint> read_backbone(const Reader& root, double length) {
+/// What may be moved of a rod, absent where it may not.
+RodPlace read_place(const Reader& root) {
+  RodPlace place;
+  if (root.has("insertion")) place.insertion = root.member("insertion").real();
+  if (root.has("base")) {
+    const Reader base = root.member("base");
+    place.base = {{base.member("x").real(), base.member("y").real()}, base.member("angle").real()};
+  }
+  return place;
+}
+
+/// `length`: of the rod, m; `insertion`: of it that is out of its port.
+std::vector<BackbonePoint> read_backbone(const Reader& root, double length, std::optional<double> insertion = {}) {
   std::vector<BackbonePoint> backbone;
   for (const Reader& entry : root.member("backbone").list()) {
     const std::vector<double> values = entry.reals();
@@ -54,9 +66,12 @@ std::vector<BackbonePoint> read_backbone(const Reader& root, double length) {
     backbone.push_back({values[0], values[1], values[2], values[3], values[4]});
   }
   // A plan for another rod is no start: its shape would have to be stretched.
-  const bool spans = backbone.size() >= 2 && std::abs(backbone.front().s) <= 1e-9 * length &&
+  const double first = insertion ? length - *insertion : 0.0;
+  const bool spans = backbone.size() >= 2 && std::abs(backbone.front().s - first) <= 1e-9 * length &&
                      std::abs(backbone.back().s - length) <= 1e-9 * length;
-  if (!spans) root.member("backbone").fail(fmt::format("a backbone from 0 to the rod's length, {} m", length));
+  if (!spans) {
+    root.member("backbone").fail(fmt::format("a backbone from {} m to the rod's length, {} m", first, length));
+  }
   return backbone;
 }
 
@@ -117,6 +132,7 @@ std::vector<TrajectoryStep> parse_steps(const std::string& text, const std::stri
   for (const Reader& entry : root.member("steps").list()) {
     TrajectoryStep& step = steps.emplace_back();
     step.plan.moments = read_moments(entry, scene.rod, file);
+    step.plan.place = read_place(entry);
     if (!entry.has("target")) continue;
     const Reader target = entry.member("target");
     if (target.has("position")) step.target.position = target.member("position").point();
@@ -145,9 +161,10 @@ Plan parse_start(const std::string& text, const std::string& file, const Scene& 
   }
   plan.coordinates = coordinates.member("values").reals();
   plan.moments = read_moments(root, scene.rod, file);
+  plan.place = read_place(root);
   read_tip(root, plan.tip_x, plan.tip_y, plan.tip_angle);
   plan.contacts = read_contacts(root, scene, scene.rod.length());
-  plan.backbone = read_backbone(root, scene.rod.length());
+  plan.backbone = read_backbone(root, scene.rod.length(), plan.place.insertion);
   return plan;
 }
 

@@ -97,6 +97,59 @@ void warn_of_outside(const Context& context, const std::string& path, const RodS
   }
 }
 
+/// `path`: of its table, with a dot.
+void place_base(const Document& document, const std::string& path, const RodDraft& draft, RodSpec& rod) {
+  const auto two = [&](const auto& range, const char* key, const char* what) {
+    if (range.size() != 2)
+      document.fail(document.find(path + key), fmt::format("found {} {}, expected two: the least and "
+                                                           "the largest",
+                                                           range.size(), what));
+  };
+  if (!draft.base_position_range.empty()) {
+    two(draft.base_position_range, "position_range", "points");
+    rod.base_position_range = {draft.base_position_range[0], draft.base_position_range[1]};
+    rod.base_position = 0.5 * (draft.base_position_range[0] + draft.base_position_range[1]);
+  }
+  if (!draft.base_angle_range.empty()) {
+    two(draft.base_angle_range, "angle_range", "angles");
+    rod.base_angle_range = {draft.base_angle_range[0], draft.base_angle_range[1]};
+    rod.base_angle = 0.5 * (draft.base_angle_range[0] + draft.base_angle_range[1]);
+  }
+  rod.base_position = draft.base_position.value_or(rod.base_position);
+  rod.base_angle = draft.base_angle.value_or(rod.base_angle);
+}
+
+/// What is out of the rod's port at most. `path`: of the table that says so.
+RodSpec draw_in(const Document& document, const std::string& path, const RodDraft& draft, const RodSpec& whole) {
+  if (!draft.insertion && !draft.least_insertion && !draft.most_insertion) return whole;
+  if (draft.least_insertion.has_value() != draft.most_insertion.has_value()) {
+    document.fail(document.find(path), fmt::format("found '{}' alone, expected 'min' and 'max', or 'value' alone",
+                                                   draft.least_insertion ? "min" : "max"));
+  }
+  const double most = draft.most_insertion.value_or(draft.insertion.value_or(0.0));
+  const double least = draft.least_insertion.value_or(most);
+  if (least > most) {
+    document.fail(document.find(path + ".min"),
+                  fmt::format("found min {} m above max {} m, expected min <= max", least, most));
+  }
+  const double begins = draft.insertion.value_or(0.5 * (least + most));
+  if (begins < least || begins > most) {
+    document.fail(document.find(path + ".value"),
+                  fmt::format("found {} m, expected at least min ({} m) and at most max ({} m)", begins, least, most));
+  }
+  RodSpec rod;
+  try {
+    rod = out_of_port(whole, most);
+  } catch (const SceneError& error) {
+    const bool too_long = error.path() == "rod.insertion";
+    document.fail(document.find(too_long ? path + (draft.most_insertion ? ".max" : ".value") : error.path()),
+                  error.what());
+  }
+  rod.most_drawn_in = most - least;
+  rod.drawn_in = most - begins;
+  return rod;
+}
+
 }  // namespace
 
 Table<RodDraft> rod_table() {
@@ -105,10 +158,33 @@ Table<RodDraft> rod_table() {
       {point<T>("position", dimension::length, "[0, 0]", "Where the rod is clamped.",
                 [](T& t, Vec2 v) { t.base_position = v; }),
        quantity<T>("angle", dimension::angle, any, "0", "Direction of the rod at the clamp, from the x axis.",
-                   [](T& t, double v) { t.base_angle = v; })}};
+                   [](T& t, double v) { t.base_angle = v; }),
+       points<T>(
+           "position_range", KeyType::points, dimension::length,
+           "Where a plan may move the clamp to: the least coordinates and the largest ones. `position` is then where "
+           "it begins, the middle where that is not given.",
+           [](T& t, std::vector<Vec2> v) { t.base_position_range = std::move(v); }),
+       quantities<T>("angle_range", dimension::angle, any,
+                     "How a plan may turn the clamp: the least angle and the largest one; `angle` likewise.",
+                     [](T& t, std::vector<double> v) { t.base_angle_range = std::move(v); })}};
+  Table<RodDraft> insertion{
+      {quantity<T>("value", dimension::length, positive, "all of it, or the middle between min and max",
+                   "Length of the rod that is out of its port; beside `min` and `max` where a plan begins.",
+                   [](T& t, double v) { t.insertion = v; }),
+       quantity<T>("min", dimension::length, positive, "", "A plan may draw the rod in until so much of it is out.",
+                   [](T& t, double v) { t.least_insertion = v; }),
+       quantity<T>("max", dimension::length, positive, "", "A plan may push it out until so much of it is out.",
+                   [](T& t, double v) { t.most_insertion = v; })}};
   Table<RodDraft> rod{rod_keys<T>("rod")};
   rod.keys.insert(rod.keys.end() - 3,
                   table<T>("base", "rod.base", "The clamp.", std::move(base), [](T& t) -> T& { return t; }));
+  rod.keys.insert(
+      rod.keys.end() - 3,
+      table<T>("insertion", "rod.insertion",
+               "A rod that is pushed in through a port at its base: what is not out of it is straight and "
+               "without effect. Arc lengths in this file are those of the whole rod, in results those of what "
+               "is out at most.",
+               std::move(insertion), [](T& t) -> T& { return t; }));
   return rod;
 }
 
@@ -129,8 +205,7 @@ RodSpec finish_rod(const Context& context, const std::string& table, const RodDr
   const Document& document = context.document;
   const std::string kind = table.substr(0, table.find('['));
   RodSpec rod;
-  rod.base_position = draft.base_position;
-  rod.base_angle = draft.base_angle;
+  place_base(document, table + ".base.", draft, rod);
   if (!draft.segments.empty()) {
     const auto refuse = [&](const char* key, bool given) {
       if (!given) return;
@@ -180,7 +255,7 @@ RodSpec finish_rod(const Context& context, const std::string& table, const RodDr
   for (std::size_t i = 0; i < draft.loads.size(); ++i) {
     rod.loads.push_back(finish_load(document, fmt::format("{}.load[{}].", table, i), draft.loads[i], length));
   }
-  return rod;
+  return draw_in(document, table + ".insertion", draft, rod);
 }
 
 std::vector<FingerSpec> finish_fingers(const Context& context, const RodDraft& rod,

@@ -16,8 +16,11 @@ struct RodDraft : SectionDraft {
   std::vector<SectionDraft> segments;
   std::vector<LoadDraft> loads;
   std::vector<ActuatorDraft> actuators;
-  Vec2 base_position{};
-  double base_angle = 0.0;
+  std::optional<Vec2> base_position;
+  std::optional<double> base_angle;
+  std::vector<Vec2> base_position_range;
+  std::vector<double> base_angle_range;
+  std::optional<double> insertion, least_insertion, most_insertion;
 };
 
 /// What one finger of a grasp states; the rest is that of [rod], [contact] and [gripper].

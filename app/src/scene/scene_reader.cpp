@@ -207,9 +207,15 @@ StudySpec read_study(const Document& document, const Units& units) {
   read_table(context, document.root(), "", scene_table(), draft);
   if (!draft.study) document.fail({1, 1}, "the scene has no [study], expected one with targets, modes or limits");
   StudySpec study = std::move(*draft.study);
-  const std::vector<ActuatorSpec> actuators = finish_rod(context, "rod", draft.rod).actuators;
-  finish_pressures(document, actuators, study);
-  finish_limits(document, actuators, study);
+  const RodSpec rod = finish_rod(context, "rod", draft.rod);
+  finish_pressures(document, rod.actuators, study);
+  finish_limits(document, rod.actuators, study);
+  for (const double insertion : study.insertions) {
+    if (insertion <= rod.length() * (1.0 + 1e-9)) continue;
+    document.fail(document.find("study.insertions"),
+                  fmt::format("found an insertion of {} m, expected at most {} m, what is out of the port at most",
+                              insertion, rod.length()));
+  }
   return study;
 }
 

@@ -26,6 +26,21 @@ void limit_input(ActuatorSpec& actuator, double limit) {
   std::tie(actuator.minimum, actuator.maximum) = std::minmax({actuator.moment_of(low), actuator.moment_of(high)});
 }
 
+/// Adds `one` with every place of the rod.
+void add_places(const StudySpec& study, StudyCase one, std::vector<StudyCase>& cases) {
+  for (const auto& insertion : values_of(study.insertions)) {
+    for (const auto& position : values_of(study.base_positions)) {
+      for (const auto& angle : values_of(study.base_angles)) {
+        one.index = static_cast<int>(cases.size());
+        one.insertion = insertion;
+        one.base_position = position;
+        one.base_angle = angle;
+        cases.push_back(one);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 double StudyCase::held(const ActuatorSpec& actuator, double planned) const {
@@ -54,8 +69,8 @@ std::vector<StudyCase> study_cases(const StudySpec& study) {
           for (const auto& diameter : values_of(study.diameters)) {
             for (const auto& moment : values_of(study.moments)) {
               for (const auto& pressure : values_of(study.pressures)) {
-                cases.push_back({static_cast<int>(cases.size()), limit, study.limited, mode, target, force_limit,
-                                 diameter, moment, pressure});
+                add_places(study, {0, limit, study.limited, mode, target, force_limit, diameter, moment, pressure},
+                           cases);
               }
             }
           }
@@ -79,6 +94,18 @@ Scene scene_of(const Scene& scene, const StudyCase& one) {
     }
   };
   if (one.limit) limit_moments(changed.rod);
+  if (one.insertion) {
+    changed.rod = out_of_port(changed.rod, *one.insertion);
+    changed.rod.most_drawn_in = changed.rod.drawn_in = 0.0;
+  }
+  if (one.base_position) {
+    changed.rod.base_position = *one.base_position;
+    changed.rod.base_position_range.reset();
+  }
+  if (one.base_angle) {
+    changed.rod.base_angle = *one.base_angle;
+    changed.rod.base_angle_range.reset();
+  }
   for (FingerSpec& finger : changed.fingers) {
     if (one.limit) limit_moments(finger.rod);
     if (one.force_limit) finger.max_force = *one.force_limit;

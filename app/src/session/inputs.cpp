@@ -40,6 +40,25 @@ double read_number(const std::string& text, const Dimension& wanted, const std::
   }
 }
 
+constexpr const char* insertion_option = "--insertion";
+constexpr const char* base_option = "--base";
+
+std::string trimmed(const std::string& text) {
+  const std::size_t first = std::min(text.find_first_not_of(" \t"), text.size());
+  return text.substr(first, text.find_last_not_of(" \t") + 1 - first);
+}
+
+/// What stands between separators, at least one.
+std::vector<std::string> parts_of(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t end = std::min(text.find(separator, from), text.size());
+    parts.push_back(trimmed(text.substr(from, end - from)));
+    from = end + 1;
+  }
+  return parts;
+}
+
 }  // namespace
 
 const char* option_of(InputKind kind) {
@@ -57,14 +76,7 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
     throw InputError(fmt::format("execute needs what moves the scene's {} actuators, expected {}", actuators.size(),
                                  inputs.shown.empty() ? options : inputs.shown));
   }
-  std::vector<std::string> texts;
-  for (std::size_t from = 0; from <= inputs.text.size();) {
-    const std::size_t comma = std::min(inputs.text.find(',', from), inputs.text.size());
-    const std::size_t first = inputs.text.find_first_not_of(" \t", from);
-    const std::string one = first < comma ? inputs.text.substr(first, comma - first) : "";
-    texts.push_back(one.substr(0, one.find_last_not_of(" \t") + 1));
-    from = comma + 1;
-  }
+  const std::vector<std::string> texts = parts_of(inputs.text, ',');
   std::vector<double> moments;
   moments.reserve(texts.size());
   for (std::size_t a = 0; a < texts.size(); ++a) {
@@ -104,33 +116,85 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
   return moments;
 }
 
-std::vector<TrajectoryStep> way_points_of(const Inputs& inputs, const Session& session) {
+RodPlace place_of(const Inputs& inputs, const Session& session) {
+  RodPlace place;
+  const auto number = [&](const std::string& text, const Dimension& wanted, const char* option) {
+    return read_number(text, wanted, option, session.units());
+  };
+  const bool grasp = session.scene().problem == ProblemKind::grasp;
+  for (const char* option :
+       {inputs.insertion.empty() ? nullptr : insertion_option, inputs.base.empty() ? nullptr : base_option}) {
+    if (grasp && option != nullptr)
+      throw InputError(fmt::format("{}: the fingers of a grasp stand on the palm", option));
+  }
+  if (!inputs.insertion.empty())
+    place.insertion = number(trimmed(inputs.insertion), dimension::length, insertion_option);
+  if (inputs.base.empty()) return place;
+  const std::vector<std::string> texts = parts_of(inputs.base, ',');
+  if (texts.size() != 3) {
+    throw InputError(fmt::format("{}: found {} numbers, expected three: x, y, angle", base_option, texts.size()));
+  }
+  place.base = {{number(texts[0], dimension::length, base_option), number(texts[1], dimension::length, base_option)},
+                number(texts[2], dimension::angle, base_option)};
+  return place;
+}
+
+Plan held_of(const Inputs& inputs, const Session& session, const std::optional<Plan>& start) {
+  Plan plan;
+  plan.place = place_of(inputs, session);
+  const bool only_moves = inputs.kind == InputKind::none && (plan.place.insertion || plan.place.base);
+  plan.moments = only_moves && start ? start->moments : moments_of(inputs, session);
+  return plan;
+}
+
+bool are_way_points(const Inputs& inputs) {
+  const auto several = [](const std::string& text) { return text.find(';') != std::string::npos; };
+  return several(inputs.text) || several(inputs.insertion) || several(inputs.base);
+}
+
+std::vector<TrajectoryStep> way_points_of(const Inputs& inputs, const Session& session,
+                                          const std::optional<Plan>& start) {
   std::vector<TrajectoryStep> steps;
   const std::string option = inputs.shown.empty() ? option_of(inputs.kind) : inputs.shown;
   if (session.scene().problem == ProblemKind::grasp) {
     throw InputError(option +
                      ": found several lists, but the fingers of a grasp are executed one by one, expected one");
   }
-  for (std::size_t from = 0; from <= inputs.text.size();) {
-    const std::size_t end = std::min(inputs.text.find(';', from), inputs.text.size());
+  const std::vector<std::string> texts = parts_of(inputs.text, ';');
+  const std::vector<std::string> insertions = parts_of(inputs.insertion, ';');
+  const std::vector<std::string> bases = parts_of(inputs.base, ';');
+  const std::size_t count = std::max({texts.size(), insertions.size(), bases.size()});
+  const auto one_of = [&](const std::vector<std::string>& all, std::size_t i, const std::string& name) {
+    if (all.size() == count) return all[i];
+    if (all.size() == 1) return all.front();
+    throw InputError(fmt::format("{}: found {} way points, expected {}, or one for all", name, all.size(), count));
+  };
+  for (std::size_t i = 0; i < count; ++i) {
     Inputs one = inputs;
-    one.text = inputs.text.substr(from, end - from);
-    one.shown = fmt::format("{}, way point {}", option, steps.size() + 1);
-    steps.emplace_back().plan.moments = moments_of(one, session);
+    one.text = one_of(texts, i, option);
+    one.insertion = one_of(insertions, i, insertion_option);
+    one.base = one_of(bases, i, base_option);
+    one.shown = fmt::format("{}, way point {}", option, i + 1);
+    steps.emplace_back().plan = held_of(one, session, start);
     steps.back().target = session.scene().target;
-    from = end + 1;
   }
   return steps;
 }
 
 std::variant<Execution, Trajectory> execute_result(Session& session, const files::ResultText& earlier,
-                                                   const std::optional<Plan>& start) {
-  const std::vector<TrajectoryStep> steps = parse_steps(earlier.text, earlier.name, session.scene());
+                                                   const std::optional<Plan>& start, const RodPlace& place) {
+  const auto moved = [&place](RodPlace own) {
+    if (place.insertion) own.insertion = place.insertion;
+    if (place.base) own.base = place.base;
+    return own;
+  };
+  std::vector<TrajectoryStep> steps = parse_steps(earlier.text, earlier.name, session.scene());
+  for (TrajectoryStep& step : steps) step.plan.place = moved(step.plan.place);
   if (!steps.empty()) return session.execute(steps, start);
   const Plan plan = parse_start(earlier.text, earlier.name, session.scene(), "plan");
   std::optional<double> palm_distance;
   if (plan.grasp) palm_distance = plan.grasp->palm_distance;
-  return session.execute(all_moments(plan), start, palm_distance);
+  return session.execute(all_moments(plan), start, palm_distance, moved(plan.place));
 }
 
 }  // namespace tendril::app

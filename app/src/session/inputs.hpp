@@ -18,15 +18,21 @@ const char* option_of(InputKind kind);
 
 /// One moment (N m) per actuator of the session's scene. Throws InputError.
 std::vector<double> moments_of(const Inputs& inputs, const Session& session);
+/// Where they move the rod to. Throws InputError.
+RodPlace place_of(const Inputs& inputs, const Session& session);
+/// Both, as of a plan. Where they only move the rod, moments are those of `start`.
+Plan held_of(const Inputs& inputs, const Session& session, const std::optional<Plan>& start);
 
 /// Whether they are several lists between semicolons, which follow one another.
-inline bool are_way_points(const Inputs& inputs) { return inputs.text.find(';') != std::string::npos; }
-/// A step, without a target that the scene has not, for each of these lists.
+bool are_way_points(const Inputs& inputs);
+/// A step, without a target that the scene has not, for each of these lists; what is given once is the same for all.
 /// Throws InputError.
-std::vector<TrajectoryStep> way_points_of(const Inputs& inputs, const Session& session);
+std::vector<TrajectoryStep> way_points_of(const Inputs& inputs, const Session& session,
+                                          const std::optional<Plan>& start);
 
 /// The moments of an earlier result carried out: those of a plan, or those of each step of a trajectory.
+/// `place`: where the rod is moved to instead.
 std::variant<Execution, Trajectory> execute_result(Session& session, const files::ResultText& earlier,
-                                                   const std::optional<Plan>& start);
+                                                   const std::optional<Plan>& start, const RodPlace& place = {});
 
 }  // namespace tendril::app

@@ -289,7 +289,7 @@ void Session::use(const Scene& scene) {
 }
 
 Execution Session::execute(const std::vector<double>& moments, const std::optional<Plan>& start,
-                           std::optional<double> palm_distance) {
+                           std::optional<double> palm_distance, const RodPlace& place) {
   const bool grasp = scene_.problem == ProblemKind::grasp;
   if (grasp && !palm_distance) palm_distance = scene_.gripper->palm_distance;
   if (grasp && !palm_distance) {
@@ -297,7 +297,8 @@ Execution Session::execute(const std::vector<double>& moments, const std::option
                    "the object's place is not known, expected 'palm_distance' in [gripper], or a result for --plan");
   }
   const auto guard = guarded();
-  const ExecuteControl control = execute_control(start);
+  ExecuteControl control = execute_control(start);
+  control.place = place;
   Execution done;
   if (plans_both_fingers(scene_)) {
     done = located("", [&] { return execute_both_fingers(scene_, *palm_distance, moments, control); });
@@ -347,8 +348,9 @@ Trajectory Session::execute(const std::vector<TrajectoryStep>& steps, const std:
     aimed.problem = ProblemKind::pose;
     aimed.trajectory = {};
     aimed.target = step.target;
-    reached.plan = located(
-        "", [&] { return tendril::execute(aimed, obstacles, step.plan.moments, execute_control(state)).result; });
+    ExecuteControl control = execute_control(state);
+    control.place = step.plan.place;
+    reached.plan = located("", [&] { return tendril::execute(aimed, obstacles, step.plan.moments, control).result; });
     done.interrupted = stop().load();
     if (done.interrupted || reached.plan.backbone.empty()) break;
     find_uncertainty(reached.plan, true);

@@ -42,6 +42,9 @@ Json head_of(const StudyCase& one) {
   if (one.limit) json["limit_unit"] = one.limited.unit;
   json["mode"] = one.mode ? Json(to_string(*one.mode)) : Json(nullptr);
   json["target"] = one.target ? numbers({one.target->x, one.target->y}) : Json(nullptr);
+  if (one.insertion) json["insertion"] = number(*one.insertion);
+  if (one.base_position) json["base_position"] = numbers({one.base_position->x, one.base_position->y});
+  if (one.base_angle) json["base_angle"] = number(*one.base_angle);
   return json;
 }
 

@@ -111,6 +111,22 @@ std::string limit_column(const StudyResult& result) {
   return "limit_" + unit;
 }
 
+/// Where the rod is, as far as a sweep moves it.
+std::string place_columns(const StudyResult& result) {
+  if (result.cases.empty()) return "";
+  const StudyCase& one = result.cases.front();
+  return std::string(one.insertion ? ",insertion_m" : "") + (one.base_position ? ",base_x_m,base_y_m" : "") +
+         (one.base_angle ? ",base_angle_rad" : "");
+}
+
+std::string place_cells(const StudyCase& swept, const StudyCase& one) {
+  std::string text;
+  if (swept.insertion) text += ',' + plain(*one.insertion);
+  if (swept.base_position) text += ',' + plain(one.base_position->x) + ',' + plain(one.base_position->y);
+  if (swept.base_angle) text += ',' + plain(*one.base_angle);
+  return text;
+}
+
 std::size_t moment_count(const StudyResult& result) {
   std::size_t most = 0;
   for (const Json& value : result.values) {
@@ -218,7 +234,7 @@ std::string cases_csv(const StudyResult& result) {
   std::string text = "index," + limit_column(result) +
                      ",mode,target_x_m,target_y_m,status,tip_x_m,tip_y_m,tip_error_m,contact_force_N,model_error_m";
   for (std::size_t i = 0; i < moments; ++i) text += fmt::format(",moment_{}_Nm", i + 1);
-  text += grasp_columns(result) + ",message\n";
+  text += place_columns(result) + grasp_columns(result) + ",message\n";
   for (std::size_t i = 0; i < result.cases.size(); ++i) {
     const StudyCase& one = result.cases[i];
     const Json& value = result.values[i];
@@ -228,7 +244,7 @@ std::string cases_csv(const StudyResult& result) {
                         entry(value, "tip", 1), cell(value, "tip_error"), cell(value, "contact_force"),
                         cell(value, "model_error"));
     for (std::size_t m = 0; m < moments; ++m) text += ',' + entry(value, "moments", m);
-    text += grasp_cells(result, i);
+    text += place_cells(result.cases.front(), one) + grasp_cells(result, i);
     const std::string message = value.value("message", "");
     text += ',' + (message.empty() ? "" : quoted(message)) + '\n';
   }

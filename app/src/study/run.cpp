@@ -5,6 +5,7 @@
 #include <charconv>
 #include <chrono>
 #include <set>
+#include <utility>
 
 #include "figure/drawing.hpp"
 #include "figure/movie.hpp"
@@ -138,6 +139,10 @@ void StudyCases::check() {
   if (scene_.problem == ProblemKind::trajectory && !study_.targets.empty()) {
     throw InputError(scene_.file + ": [study] has targets beside a trajectory, expected modes or limits only");
   }
+  const bool places = !study_.insertions.empty() || !study_.base_positions.empty() || !study_.base_angles.empty();
+  if (places && scene_.problem == ProblemKind::grasp) {
+    throw InputError(scene_.file + ": [study] has places of a rod, but the fingers of a grasp stand on the palm");
+  }
   const bool changes = !study_.moments.empty() || !study_.pressures.empty();
   const bool of_grasps = !study_.diameters.empty() || changes || !study_.force_limits.empty();
   if (of_grasps && scene_.problem != ProblemKind::grasp) {
@@ -155,9 +160,9 @@ void StudyCases::check() {
         ": [study] has moments or pressures, which change one of mirrored fingers, but both fingers of this scene "
         "are planned; expected diameters, force_limits or limits");
   }
-  std::set<std::optional<StudyMode>> seen;
+  std::set<std::pair<std::optional<StudyMode>, std::optional<double>>> seen;
   for (const StudyCase& one : cases_) {
-    if (!seen.insert(one.mode).second) continue;
+    if (!seen.insert({one.mode, one.insertion}).second) continue;
     session_.use(scene_of(scene_, one));
     session_.problem();
   }

@@ -18,9 +18,13 @@ struct ExecuteControl {
   /// set to true from outside to end it cleanly; null: nothing does
   const std::atomic<bool>* stop = nullptr;
   double time_limit = 60.0;  ///< s
-  /// An earlier result to start from: its shape, moments and contacts under all of the scene's other loads; only the
-  /// moments then change linearly. Null: the scene's constant-curvature start without loads, all of which then grow.
+  /// An earlier result to start from: its shape, moments, place and contacts under all of the scene's other loads; only
+  /// moments and place then change, linearly. Null: the scene's constant-curvature start without loads, all of which
+  /// then grow.
   const Plan* start = nullptr;
+  /// Where the rod is moved to, also one that no scene moves; what is absent is as `start` has it, or as the scene has
+  /// it. From a `start` elsewhere it is moved on the way, linearly.
+  RodPlace place{};
   /// One number per obstacle: the tangential part of its contact forces, along the rod, for each unit of the normal
   /// part; it grows from 0 along the path. Empty: there is none. The path ends where the rod gives way.
   std::vector<double> friction{};

@@ -32,6 +32,8 @@ constexpr double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 constexpr double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 /// The vector turned by +90 degrees.
 constexpr Vec2 turned(Vec2 a) { return {-a.y, a.x}; }
+/// By -90 degrees.
+constexpr Vec2 turned_back(Vec2 a) { return {a.y, -a.x}; }
 /// Length.
 inline double norm(Vec2 a) { return std::hypot(a.x, a.y); }
 /// Whether `p` lies inside of a closed line, given by its corners: a ray from it crosses the line an odd number of

@@ -100,6 +100,18 @@ struct GraspPlan {
   std::optional<GraspQuality> quality;  ///< of plans; an execution has none
 };
 
+/// Where a rod is clamped.
+struct BasePose {
+  Vec2 position{};     ///< m
+  double angle = 0.0;  ///< rad
+};
+
+/// Where a rod was moved to as a whole. Arc lengths count along the rod as it is where it is out of its port farthest.
+struct RodPlace {
+  std::optional<double> insertion{};  ///< m of it that are out of its port; absent: it is not drawn in or out
+  std::optional<BasePose> base{};     ///< absent: its base does not move
+};
+
 /// Where a plan's moments hold the rod if contacts push so far off their normals. SI units.
 struct FrictionRange {
   /// Tangential force for each unit of the normal one, per contact of the plan; 0 for those without force.
@@ -125,6 +137,7 @@ struct Plan {
   /// int p kappa ds along each actuator (rad), of a tendon less int eps ds over its largest offset: a tendon is shorter
   /// by this times that offset.
   std::vector<double> turns;
+  RodPlace place{};                    ///< of what may be moved of the rod
   double tip_x = 0.0;                  ///< m
   double tip_y = 0.0;                  ///< m
   double tip_angle = 0.0;              ///< rad

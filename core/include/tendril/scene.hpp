@@ -107,9 +107,18 @@ struct TENDRIL_API RodSpec {
   std::vector<RodLoadSpec> loads;       ///< what pulls at it between base and tip; may be empty
   Vec2 base_position{};                 ///< m
   double base_angle = 0.0;              ///< rad
-  double length() const;                ///< Sum over the segments, m.
-  BodyRadius body() const;              ///< Around its backbone; empty: it has none. Refers to this rod.
+  /// m: where the base may be moved to, from the least to the largest coordinates; absent: it stands still.
+  std::optional<std::pair<Vec2, Vec2>> base_position_range{};
+  std::optional<std::pair<double, double>> base_angle_range{};  ///< rad, likewise
+  double most_drawn_in = 0.0;  ///< m of it that may be drawn into a port at the base, where they are straight
+  double drawn_in = 0.0;       ///< m of it where searches begin
+  double length() const;       ///< Sum over the segments, m.
+  BodyRadius body() const;     ///< Around its backbone; empty: it has none. Refers to this rod.
 };
+
+/// The last `length` (m) of a rod, all that is out of its port: what lies before is without effect. Throws SceneError
+/// for a length that it has not, and for an actuator that is all inside.
+TENDRIL_API RodSpec out_of_port(const RodSpec& rod, double length);
 
 /// What hangs at the tip.
 struct TipLoadSpec {

@@ -9,7 +9,7 @@ bool exchange_checks(const PoseProgram& program, ConstVectorRef x, Certifier& ce
                      std::vector<CheckPoint>& checks, double level, bool keep) {
   const Chain& chain = program.chain();
   const PoseProgram::Layout& at = program.layout();
-  const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));
+  const std::span<const double> knots = program.knots(x);
   bool changed = false;
   std::vector<bool> moved(checks.size(), false);
   for (const Certifier::Approach& valley : certifier.approaches(x, level)) {

@@ -94,7 +94,7 @@ class LoadedRod::Pieces {
     }
     forces_.on[static_cast<std::size_t>(tip_)] = loads.tip;
     forces_.gravity = properties.density * loads.gravity;
-    forces_.dead = loads.line;
+    forces_.dead = {loads.line, 0.0};
     for (int k = 0; k < force_count(); ++k) {
       const NormalForce& f = normal_[static_cast<std::size_t>(k)];
       const Push one = unit_push(k);

@@ -28,6 +28,7 @@ class Executor {
     scale_ = scale_of(scene);
     names_ = obstacle_names(scene);
     rod_ = make_rod(scene, scale_);
+    move_rod();
     if (rod_.stretches()) rod_.stretch_order = Rod::stretch_as_fine;
     start_ = start_curvature(scene, scale_, rod_);
     if (moments.size() != scene.rod.actuators.size()) {
@@ -36,7 +37,7 @@ class Executor {
     }
     for (const double m : moments) {
       if (!std::isfinite(m)) throw Error("expected finite moments, found " + shown(m));
-      last_.push_back(scale_.to_dimensionless(m, dimension::moment));
+      last_.moments.push_back(scale_.to_dimensionless(m, dimension::moment));
     }
     if (!control.friction.empty() && rod_.stretches()) {
       throw Error("contacts rub on rods of fixed length, expected no ratios of friction for one that stretches");
@@ -49,6 +50,7 @@ class Executor {
     }
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
       obstacles_.push_back(obstacles[i].get());
+      if (!rod_.moves.empty()) continue;
       const double distance = obstacles_.back()->at(rod_.base).distance - rod_.radius_at(0.0).value;
       if (distance >= 0.0) continue;
       throw SceneError("obstacle[" + std::to_string(i) + "]", names_[i] + " lies around the rod's base (" +
@@ -60,12 +62,14 @@ class Executor {
   Execution run();
 
  private:
+  /// Makes what is asked to move something that moves, and says where to.
+  void move_rod();
   State earlier_state() const;
   /// Where the start lies inside of obstacles; empty if it does not.
   std::string overlaps(const Loading& loading) const;
   void report(Tracker& tracker, bool arrived, Execution& out);
   /// The part of a report that concerns the shape alone.
-  void report_shape(const PoseProgram& program, const Eigen::VectorXd& coordinates, Execution& out);
+  void report_shape(const PoseProgram& program, const Eigen::VectorXd& x, Execution& out);
   void report(const Loading::Lying& lying, const LoadPath& path, Execution& out);
   Snap to_si(TrackedSnap& snap, const LoadPath& path) const;
   /// Friction that the scene has and this path does not.
@@ -81,9 +85,27 @@ class Executor {
   Rod rod_;
   std::vector<std::string> names_;
   std::vector<const Obstacle*> obstacles_;
-  std::vector<double> last_;
+  Loading::Held first_, last_;
   Curvature start_;  ///< of a start by points; empty: it has none
 };
+
+void Executor::move_rod() {
+  const RodPlace& to = control_.place;
+  const RodPlace from = control_.start != nullptr ? control_.start->place : RodPlace{};
+  if (to.base || from.base) let_base_move(rod_);
+  if ((to.insertion || from.insertion) && !rod_.draws()) {
+    rod_.moves.push_back({Rod::Move::Kind::draw, {}, -infinity, infinity});
+  }
+  first_.moves = moves_of(rod_, scale_, from, rod_.starts());
+  last_.moves = moves_of(rod_, scale_, to, first_.moves);
+  if (control_.start == nullptr) first_.moves = last_.moves;
+  for (const Loading::Held* held : {&first_, &last_}) {
+    for (const double m : held->moves) {
+      if (!std::isfinite(m)) throw Error("expected a finite place of the rod, found " + shown(m));
+    }
+    if (rod_.draws()) require_out_of_port(rod_, held->moves.back(), scale_);
+  }
+}
 
 State Executor::earlier_state() const {
   State state;
@@ -117,10 +139,12 @@ Execution Executor::run() {
     }
   } else {
     if (control_.start->backbone.empty()) throw Error("the result to start from has no shape");
-    if (control_.start->moments.size() != last_.size()) throw Error("the result to start from has other actuators");
-    std::vector<double> first;
-    for (const double m : control_.start->moments) first.push_back(scale_.to_dimensionless(m, dimension::moment));
-    loading.emplace(rod_, obstacles_, earlier_state(), first, last_, stop);
+    if (control_.start->moments.size() != last_.moments.size())
+      throw Error("the result to start from has other actuators");
+    for (const double m : control_.start->moments) {
+      first_.moments.push_back(scale_.to_dimensionless(m, dimension::moment));
+    }
+    loading.emplace(rod_, obstacles_, earlier_state(), first_, last_, stop);
   }
   if (const auto o = loading->without_side()) {
     throw SceneError(control_.start != nullptr ? "obstacle[" + std::to_string(*o) + "]"
@@ -174,6 +198,15 @@ void Executor::tell_limits(Plan& plan) const {
                     " is held at " + shown(actuator.input_of(moments_[a]) / unit) + name + ", beyond its limit of " +
                     shown(actuator.input_of(limit) / unit + 0.0) + name;
   }
+  for (std::size_t i = 0; i < rod_.moves.size(); ++i) {
+    const Rod::Move& m = rod_.moves[i];
+    const double over = std::max(m.minimum - last_.moves[i], last_.moves[i] - m.maximum);
+    most = std::max(most, over);
+    if (!(over > tolerance::bounds)) continue;
+    plan.message += (plan.message.empty() ? "" : "; ") +
+                    std::string(m.kind == Rod::Move::Kind::draw ? "the insertion" : "the base") +
+                    " is held beyond its limits";
+  }
   if (!plan.backbone.empty()) plan.certificate.bounds = most;
 }
 
@@ -187,11 +220,12 @@ std::string Executor::overlaps(const Loading& loading) const {
   return all;
 }
 
-void Executor::report_shape(const PoseProgram& program, const Eigen::VectorXd& coordinates, Execution& out) {
+void Executor::report_shape(const PoseProgram& program, const Eigen::VectorXd& x, Execution& out) {
   Plan& plan = out.result;
   plan.order = program.chain().bends();
   out.pieces = program.chain().piece_count();
-  plan.coordinates.assign(coordinates.data(), coordinates.data() + program.layout().coordinates);
+  plan.coordinates.assign(x.data(), x.data() + program.layout().coordinates);
+  plan.place = place_of(program, x, scale_);
   const Vec2 tip = program.backbone().tip();
   plan.tip_x = tip.x * scale_.length;
   plan.tip_y = tip.y * scale_.length;
@@ -211,12 +245,12 @@ void Executor::report(const Loading::Lying& lying, const LoadPath& path, Executi
   Curve curve(program.chain().curve_tables());
   curve.follow(program.backbone());
   std::vector<PlannedContact> contacts;
-  const std::span<const double> no_knots;
+  const std::span<const double> knots = program.knots(statics.variables());
   for (const PointContact& p : down.state.contacts) {
     const auto o = static_cast<std::size_t>(p.setup.obstacle);
-    const int j = p.setup.at_tip ? program.chain().piece_count() - 1 : program.chain().piece_at(p.s, no_knots);
-    const double from_start = p.s - program.chain().start(j, no_knots);
-    const Vec2 point = curve.position(j, std::clamp(from_start / program.chain().length(j, no_knots), 0.0, 1.0));
+    const int j = p.setup.at_tip ? program.chain().piece_count() - 1 : program.chain().piece_at(p.s, knots);
+    const double from_start = p.s - program.chain().start(j, knots);
+    const Vec2 point = curve.position(j, std::clamp(from_start / program.chain().length(j, knots), 0.0, 1.0));
     const SurfacePoint surface = path.obstacles()[o]->at(point);
     PlannedContact c;
     c.obstacle = p.setup.obstacle;
@@ -243,7 +277,7 @@ void Executor::report(const Loading::Lying& lying, const LoadPath& path, Executi
   }
   plan.certificate.failures = {plan.message};
   out.load = 1.0;
-  report_shape(program, z, out);
+  report_shape(program, statics.variables(), out);
 }
 
 Snap Executor::to_si(TrackedSnap& snap, const LoadPath& path) const {
@@ -251,7 +285,8 @@ Snap Executor::to_si(TrackedSnap& snap, const LoadPath& path) const {
   s.kind = snap.kind;
   s.load = snap.load;
   s.stability_after = snap.margin;
-  for (std::size_t a = 0; a < last_.size(); ++a) s.moments.push_back(path.moment(a, snap.load) * scale_.moment());
+  for (std::size_t a = 0; a < last_.moments.size(); ++a)
+    s.moments.push_back(path.moment(a, snap.load) * scale_.moment());
   const auto record = [&](Settled& at, std::vector<BackbonePoint>& shape, std::vector<PlannedContact>& contacts) {
     const PoseProgram& program = at.statics->at(at.z);
     shape = sampled_backbone(program, scale_.length);
@@ -307,7 +342,7 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
     plan.status = PlanStatus::not_converged;
   }
   const PoseProgram& program = statics.at(end.z);
-  report_shape(program, end.z, out);
+  report_shape(program, statics.variables(), out);
   plan.contacts = planned_contacts(program, names_, scale_);
   std::erase_if(plan.contacts, [&](const PlannedContact& c) { return !(c.force > tolerance::force * scale_.force()); });
 }

@@ -26,6 +26,7 @@ void take_obstacles(Task& d, const Scene& scene) {
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const Obstacle& o = *d.components.obstacles[i];
     d.obstacles.push_back(&o);
+    if (!d.rod.moves.empty()) continue;
     if (const double distance = o.at(d.rod.base).distance - d.rod.radius_at(0.0).value; !(distance >= 0.0)) {
       throw SceneError("obstacle[" + std::to_string(i) + "]", d.obstacle_names[i] + " lies around the rod's base (" +
                                                                   shown(-d.scale.to_si(distance, dimension::length)) +
@@ -46,6 +47,10 @@ void require_quantities(const Task& d, const Scene& scene, std::size_t i) {
     throw SceneError(path, name + "a contact, but this scene plans none (contact mode \"" +
                                std::string(to_string(scene.contact.mode)) + "\", " +
                                std::to_string(scene.obstacles.size()) + " obstacles)");
+  }
+  if (d.rod.draws() && std::any_of(reads.samples.begin(), reads.samples.end(),
+                                   [&](double s) { return s <= d.rod.moves.back().maximum; })) {
+    throw SceneError(path, name + "a place along the rod that may be inside its port, expected a larger arc length");
   }
   if (reads.palm_distance && !d.palm) throw SceneError(path, name + "a palm, but a pose has none");
 }
@@ -241,6 +246,9 @@ Description Problem::describe() const {
     };
     add(m.variables, "coordinates", at.coordinates);
     add(m.variables, "moments", at.moments);
+    const int drawn = d.rod.draws() ? 1 : 0;
+    add(m.variables, "base", at.moves - drawn);
+    add(m.variables, "insertion", drawn);
     add(m.variables, "contact_arc_length", at.arc_lengths);
     add(m.variables, "contact_force", at.forces);
     add(m.variables, "palm_distance", at.palm >= 0 ? 1 : 0);

@@ -394,6 +394,9 @@ std::string refused(const Plan& plan, const Rod& rod) {
   if (plan.status != PlanStatus::solved) return "the result is not solved, so that there is nothing to differentiate";
   if (plan.grasp) return "grasps are not differentiated";
   if (rod.stretches()) return "rods that stretch are not differentiated";
+  if (!rod.moves.empty() || plan.place.insertion || plan.place.base) {
+    return "rods that are moved as a whole are not differentiated";
+  }
   if (plan.certificate.stability < tolerance::held_margin * 1.5) {
     return "the margin of stability is " + shown(plan.certificate.stability) +
            ": at the limit of stability results have no derivative";

@@ -47,14 +47,16 @@ std::string list(const std::set<std::string>& names) {
 Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, Plan& plan,
                  const ExecuteControl& control) {
   // From the plan's own shape: what its basis leaves out, apart from how the loads get there.
-  ExecuteControl local = control;
+  ExecuteControl placed = control;
+  placed.place = plan.place;
+  ExecuteControl local = placed;
   local.start = &plan;
   local.with_obstacles = control.with_obstacles && needs_obstacles(scene);
   bool own = control.start == &plan && local.with_obstacles == control.with_obstacles;
   Execution reached;
   std::string unmade;
   try {
-    reached = execute(scene, obstacles, plan.moments, control);
+    reached = execute(scene, obstacles, plan.moments, placed);
   } catch (const SceneError& error) {
     // A start that nothing can be loaded from says nothing of the plan, whose own shape is still a start.
     if (own) throw;

@@ -20,7 +20,7 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
     : terms(weighted_terms(spec), spec.target, static_cast<int>(spec.contacts.size()),
             static_cast<int>(spec.rod->actuators.size()), spec.term_units),
       places_(places),
-      first_arc_length_(layout.first_arc_length),
+      first_move_(layout.first_move),
       contact_places_(std::move(contact_places)) {
   int next = 0;
   const auto point = [&next] {
@@ -117,8 +117,8 @@ void BaseQuantities::differentiate() {
   for (std::size_t i = 0; i < sample_places_.size(); ++i) {
     // The piece that holds a fixed arc length may change when knots move.
     const BaseIndex::Point& p = index.samples[i];
-    for (const int r : {p.x, p.y, p.angle, p.curvature}) rows_.row(r).head(first_arc_length_).setZero();
-    for (int l = 0; l < places_.arc_lengths(); ++l) rows_(p.curvature, first_arc_length_ + l) = 0.0;
+    for (const int r : {p.x, p.y, p.angle, p.curvature}) rows_.row(r).head(first_move_).setZero();
+    for (int l = 0; l < places_.arc_lengths(); ++l) rows_(p.curvature, first_move_ + l) = 0.0;
     fill(p, sample_places_[i]);
     places_.add_curvature_row(sample_places_[i], places_.side(sample_places_[i], 0), 1.0, part(p.curvature));
   }

@@ -62,10 +62,10 @@ class BaseQuantities {
   int row_number(int b) const { return b < dense_ ? b : b - index.count + dense_; }
   bool is_variable(int b) const { return b >= dense_ && b < index.count; }
   int variable(int b) const { return variables_[static_cast<std::size_t>(b - dense_)]; }
-  RowPart part(int b) { return {rows_.row(row_number(b)).data(), rows_.row(row_number(b)).data() + first_arc_length_}; }
+  RowPart part(int b) { return {rows_.row(row_number(b)).data(), rows_.row(row_number(b)).data() + first_move_}; }
 
   Places& places_;
-  int first_arc_length_ = 0;
+  int first_move_ = 0;
   std::vector<int> contact_places_, sample_places_;
   int tip_place_ = -1;
   int dense_ = 0;               ///< quantities with a row: the first ones

@@ -27,7 +27,7 @@ class ClearanceRows : public RowBlock {
       const int obstacle = d_.spec.checks[i].obstacle;
       checks_.push_back({places[i], obstacle, d_.carried(obstacle), {}, {}});
     }
-    row_.setZero(d_.layout.coordinates + d_.layout.arc_lengths + (d_.layout.palm >= 0 ? 1 : 0));
+    row_.setZero(d_.layout.coordinates + d_.layout.slides() + (d_.layout.palm >= 0 ? 1 : 0));
     by_row_.setZero(row_.size(), count());
     scaled_.setZero(count(), row_.size());
   }
@@ -45,9 +45,9 @@ class ClearanceRows : public RowBlock {
       const int reach = d_.places.reach(c.place);
       double* out = &rows(i, 0);
       for (int k = 0; k < reach; ++k, out += rows.outerStride()) *out = row_[k];
-      for (int l = 0; l < at.arc_lengths; ++l) {
-        rows(i, at.first_arc_length + l) = row_[at.coordinates + l];
-        if (c.radius.slope != 0.0) rows(i, at.first_arc_length + l) -= c.radius.slope * d_.places.running(c.place, l);
+      for (int l = 0; l < at.slides(); ++l) {
+        rows(i, at.first_move + l) = row_[at.coordinates + l];
+        if (c.radius.slope != 0.0) rows(i, at.first_move + l) -= c.radius.slope * d_.places.running(c.place, l);
       }
       if (at.palm >= 0) rows(i, at.palm) = row_[row_.size() - 1];
     }
@@ -62,9 +62,9 @@ class ClearanceRows : public RowBlock {
       if (multipliers[i] == 0.0) continue;
       const Check& c = checks_[static_cast<std::size_t>(i)];
       d_.pushes.on[static_cast<std::size_t>(c.place)].force += multipliers[i] * c.surface.normal;
-      for (int l = 0; l < at.arc_lengths && c.radius.bend != 0.0; ++l) {
-        for (int m = 0; m < at.arc_lengths; ++m) {
-          hessian(at.first_arc_length + l, at.first_arc_length + m) -=
+      for (int l = 0; l < at.slides() && c.radius.bend != 0.0; ++l) {
+        for (int m = 0; m < at.slides(); ++m) {
+          hessian(at.first_move + l, at.first_move + m) -=
               multipliers[i] * c.radius.bend * d_.places.running(c.place, l) * d_.places.running(c.place, m);
         }
       }
@@ -105,7 +105,7 @@ class ClearanceRows : public RowBlock {
   int variable(int i) const {
     const PoseProgram::Layout& at = d_.layout;
     const int l = i - at.coordinates;
-    return l < 0 ? i : l < at.arc_lengths ? at.first_arc_length + l : at.palm;
+    return l < 0 ? i : l < at.slides() ? at.first_move + l : at.palm;
   }
 
   PoseState& d_;

@@ -84,8 +84,7 @@ void convexity_gradient(const PoseState& state, int contact, const Places::Side&
   const double by_angle = -side.bend() * slope + 2.0 * curvature * along * dot(tau, normal);
   gradient = state.contact_row(contact, by_across * normal_out + by_along * tau).transpose();
   gradient += by_angle * state.base.row(state.base.index.contacts[k].point.angle).transpose();
-  state.places.add_bend_row(state.contact_places[k], side, turn,
-                            {gradient.data(), gradient.data() + state.layout.first_arc_length});
+  state.places.add_bend_row(state.contact_places[k], side, turn, state.part(gradient.data()));
   state.add_slope_along(contact, -c.radius.jerk, gradient);
 }
 

@@ -63,8 +63,8 @@ class EquilibriumRows : public RowBlock {
   }
 
   void add_moments_second(ConstVectorRef lambda, Eigen::MatrixXd& hessian) {
-    const int first = d_.layout.first_arc_length;
-    const int count = d_.layout.arc_lengths;
+    const int first = d_.layout.first_move;
+    const int count = d_.layout.slides();
     for (std::size_t a = 0; a < d_.moment_variable.size(); ++a) {
       const int variable = d_.moment_variable[a];
       if (variable < 0) continue;
@@ -79,7 +79,7 @@ class EquilibriumRows : public RowBlock {
   void differentiate(MatrixRef rows) {
     const PoseProgram::Layout& at = d_.layout;
     rows.setZero();
-    const SecondPart by{rows.leftCols(at.coordinates), rows.middleCols(at.first_arc_length, at.arc_lengths),
+    const SecondPart by{rows.leftCols(at.coordinates), rows.middleCols(at.first_move, at.slides()),
                         rows.topLeftCorner(0, 0)};
     d_.places.second_pull_back(d_.forces, nullptr, by);
     d_.places.add_energy_second(-1.0, nullptr, by);
@@ -114,7 +114,7 @@ class EquilibriumRows : public RowBlock {
     rows.col(at.first_force + k) += d_.couple(k) * turning_.head(at.coordinates);
     along_.setZero();
     d_.add_slope_along(k, -c.force * c.lean * c.radius.slope, along_);
-    for (int l = at.first_arc_length; l < at.first_arc_length + at.arc_lengths; ++l) {
+    for (int l = at.first_move; l < at.first_force; ++l) {
       rows.col(l) += along_[l] * turning_.head(at.coordinates);
     }
   }
@@ -123,7 +123,7 @@ class EquilibriumRows : public RowBlock {
   /// Knots that move carry pieces along profiles that vary, and change what pulls along them.
   const bool profiles_move_ = d_.chain.has_moving_work() && d_.chain.knot_count() > 0;
   std::vector<double> moments_ = std::vector<double>(d_.moment_variable.size(), 0.0);
-  Eigen::VectorXd mixed_ = Eigen::VectorXd::Zero(d_.layout.arc_lengths);
+  Eigen::VectorXd mixed_ = Eigen::VectorXd::Zero(d_.layout.slides());
   Eigen::VectorXd along_ = Eigen::VectorXd::Zero(d_.variables), turning_ = along_;
 };
 

@@ -162,7 +162,7 @@ void MotionRates::Data::add_checks(const ProgramMotion& motion, ProgramRates& ou
     if (multipliers[r] == 0.0) continue;
     row.setZero();
     state.places.row(checks[i], normal_rate(surface, velocity) - by.turn * turned(surface.normal),
-                     {row.data(), row.data() + at.first_arc_length});
+                     state.part(row.data()));
     out.slope += multipliers[r] * row;
   }
 }

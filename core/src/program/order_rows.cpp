@@ -1,4 +1,4 @@
-// Contacts that share a stretch keep their order along the rod: knots between pieces must not meet.
+// Contacts that share a stretch keep their order along the rod, behind its port: knots between pieces must not meet.
 
 #include "program/row_block.hpp"
 
@@ -9,7 +9,7 @@ class OrderRows : public RowBlock {
  public:
   explicit OrderRows(const PoseState& state)
       : RowBlock("contact_order", state.layout.first_order, state.layout.orders, knot_clearance, infinity) {
-    for (int k = 0; k < state.layout.arc_lengths; ++k) {
+    for (int k = -1; k < state.layout.arc_lengths; ++k) {
       if (state.ordered(k)) earlier_.push_back(state.layout.first_arc_length + k);
     }
   }
@@ -25,7 +25,7 @@ class OrderRows : public RowBlock {
   }
 
  private:
-  std::vector<int> earlier_;  ///< variable of the earlier contact of each pair; the later one is the next
+  std::vector<int> earlier_;  ///< variable of the earlier one of each pair; the later one is the next
 };
 
 }  // namespace

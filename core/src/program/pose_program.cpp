@@ -21,7 +21,7 @@ PoseProgram::Data::Data(PoseProgramSpec s) : PoseState(std::move(s)) {
   add(layout.margins, stability_rows);
   add(layout.convexities, convexity_rows);
   pushes.on.resize(static_cast<std::size_t>(places.count()));
-  mixed.setZero(layout.coordinates, layout.arc_lengths);
+  mixed.setZero(layout.coordinates, layout.slides());
   moments.resize(moment_variable.size());
 }
 
@@ -62,6 +62,10 @@ PoseProgram::PoseProgram(std::unique_ptr<Data> data)
     lower_[at.first_arc_length + k] = soft_low ? low : low + margin;
     upper_[at.first_arc_length + k] = soft_high ? high : high - margin;
   }
+  for (int l = 0; l < at.moves; ++l) {
+    lower_[at.first_move + l] = s.rod->moves[static_cast<std::size_t>(l)].minimum;
+    upper_[at.first_move + l] = s.rod->moves[static_cast<std::size_t>(l)].maximum;
+  }
   if (at.palm >= 0) {
     lower_[at.palm] = s.palm->minimum;
     upper_[at.palm] = s.palm->maximum;
@@ -87,6 +91,13 @@ Vec2 PoseProgram::base_shift() const { return data_->shift; }
 const std::vector<PoseProgram::ContactState>& PoseProgram::contacts() const { return data_->contacts; }
 Branch PoseProgram::branch(int contact) const { return data_->branches[static_cast<std::size_t>(contact)]; }
 double PoseProgram::term_value(int i) const { return data_->base.terms[static_cast<std::size_t>(i)].value(); }
+
+std::span<const double> PoseProgram::knots(ConstVectorRef x) const {
+  const Layout& at = data_->layout;
+  const auto count = static_cast<std::size_t>(data_->chain.knot_count());
+  // Contacts that are not split have no knots.
+  return {x.data() + at.first_arc_length - (data_->spec.rod->draws() ? 1 : 0), count};
+}
 
 double PoseProgram::palm_distance(ConstVectorRef x) const {
   if (!data_->spec.palm) return 0.0;
@@ -138,7 +149,12 @@ std::string PoseProgram::variable_name(int variable) const {
   const Layout& at = data_->layout;
   const auto numbered = [](const char* name, int i) { return std::string(name) + " " + std::to_string(i + 1); };
   if (variable < at.first_moment) return numbered("coordinate", variable);
-  if (variable < at.first_arc_length) return numbered("moment", variable - at.first_moment);
+  if (variable < at.first_move) return numbered("moment", variable - at.first_moment);
+  if (variable < at.first_arc_length) {
+    const Rod::Move& move = data_->spec.rod->moves[static_cast<std::size_t>(variable - at.first_move)];
+    if (move.kind == Rod::Move::Kind::shift) return move.along.x != 0.0 ? "base x" : "base y";
+    return move.kind == Rod::Move::Kind::turn ? "base angle" : "drawn-in length";
+  }
   if (variable < at.first_force) return numbered("contact arc length", variable - at.first_arc_length);
   if (variable == at.palm) return "palm distance";
   return numbered("contact force", variable - at.first_force);
@@ -178,8 +194,8 @@ void PoseProgram::do_hessian(ConstVectorRef /*x*/, double sigma, ConstVectorRef 
   d.base.add_pushes(d.pushes);
   d.base.pull_back(h);
   const int q = d.layout.coordinates;
-  const int s = d.layout.arc_lengths;
-  const int first = d.layout.first_arc_length;
+  const int s = d.layout.slides();
+  const int first = d.layout.first_move;
   d.mixed.setZero();
   const SecondPart by{h.topLeftCorner(q, q), d.mixed, h.block(first, first, s, s)};
   d.places.second_pull_back(d.pushes, &d.forces, by);
@@ -222,8 +238,7 @@ void PoseProgram::sliding_force(int contact, VectorRef out) const {
   if (couple == 0.0) return;
   Eigen::VectorXd bending = Eigen::VectorXd::Zero(d.variables);
   const int place = d.contact_places[static_cast<std::size_t>(contact)];
-  d.places.add_curvature_row(place, convex_side(d, contact), couple,
-                             {bending.data(), bending.data() + d.layout.first_arc_length});
+  d.places.add_curvature_row(place, convex_side(d, contact), couple, d.part(bending.data()));
   out += bending.head(n);
 }
 

@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -118,6 +119,7 @@ struct StartShape {
   std::vector<double> forces{};             ///< one per contact; empty: 0
   std::function<double(double)> stretch{};  ///< of a rod that stretches, likewise; empty: none
   double palm_distance = std::numeric_limits<double>::quiet_NaN();  ///< NaN: where the shape nearly touches
+  std::vector<double> moves{};  ///< of the rod, as Rod::moves; empty: where each of them starts
 };
 
 /// Constant curvature with this angle of the tip against the base.
@@ -127,9 +129,9 @@ TENDRIL_API StartShape constant_curvature(double tip_angle);
 /// grows like 1e-17 / h (model.md section 2).
 inline constexpr double knot_clearance = 1e-5;
 
-/// The nonlinear program of one way of being in contact (model.md section 5). x = (q, moments, contact arc lengths,
-/// contact forces, palm distance), each block only if needed. Exact first and second derivatives; no allocation after
-/// construction.
+/// The nonlinear program of one way of being in contact (model.md section 5). x = (q, moments, moves of the rod,
+/// contact arc lengths, contact forces, palm distance), each block only if needed. Exact first and second derivatives;
+/// no allocation after construction.
 class TENDRIL_API PoseProgram : public NonlinearProgram {
  public:
   /// Assembles the program. Throws Error for a check point outside its piece.
@@ -141,7 +143,9 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     int coordinates = 0;       ///< length of q, which comes first
     int first_moment = 0;      ///< variable
     int moments = 0;           ///< actuators that are not fixed at zero
-    int first_arc_length = 0;  ///< variable
+    int first_move = 0;        ///< variable
+    int moves = 0;             ///< by which the rod is moved as a whole
+    int first_arc_length = 0;  ///< variable, right behind these
     int arc_lengths = 0;       ///< interior contacts
     int first_force = 0;       ///< variable
     int forces = 0;            ///< all contacts
@@ -160,6 +164,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     int margins = 0;           ///< 1 if the margin of stability is kept up
     int first_convexity = 0;   ///< row; two per contact inside the rod, before and behind it
     int convexities = 0;       ///< rows that keep contacts from spreading
+    /// Of the arc lengths of Places: the moves, and those of contacts.
+    int slides() const { return moves + arc_lengths; }
   };
   const Layout& layout() const;         ///< Where the blocks are.
   const PoseProgramSpec& spec() const;  ///< What it was assembled from.
@@ -168,6 +174,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   int moment_variable(int actuator) const;
   /// Interior contact k's arc length variable, or -1 for a contact at the tip.
   int arc_length_variable(int contact) const;
+  /// The chain's moving knots at x, which has to outlive them.
+  std::span<const double> knots(ConstVectorRef x) const;
   /// Distance of the palm at x; 0 without a palm.
   double palm_distance(ConstVectorRef x) const;
   /// The force variable of contact k.

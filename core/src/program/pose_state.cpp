@@ -23,12 +23,21 @@ std::vector<int> moment_variables(const Rod& rod, int next) {
   return variables;
 }
 
+bool ordered(const PoseProgramSpec& spec, const PoseProgram::Layout& at, int contact) {
+  if (contact + 1 >= at.arc_lengths) return false;
+  const int next = spec.contacts[static_cast<std::size_t>(contact + 1)].region;
+  if (contact < 0) return spec.rod->draws() && next == 0;
+  return spec.contacts[static_cast<std::size_t>(contact)].region == next;
+}
+
 PoseProgram::Layout layout_of(const PoseProgramSpec& spec, const Chain& chain) {
   PoseProgram::Layout at;
   at.coordinates = at.first_moment = chain.coordinate_count();
   at.moments = static_cast<int>(std::count_if(spec.rod->actuators.begin(), spec.rod->actuators.end(),
                                               [](const Rod::Actuator& a) { return !a.fixed_at_zero(); }));
-  at.first_arc_length = at.first_moment + at.moments;
+  at.first_move = at.first_moment + at.moments;
+  at.moves = static_cast<int>(spec.rod->moves.size());
+  at.first_arc_length = at.first_move + at.moves;
   at.arc_lengths = static_cast<int>(
       std::count_if(spec.contacts.begin(), spec.contacts.end(), [](const ContactSetup& c) { return !c.at_tip; }));
   at.first_force = at.first_arc_length + at.arc_lengths;
@@ -39,10 +48,7 @@ PoseProgram::Layout layout_of(const PoseProgramSpec& spec, const Chain& chain) {
   at.first_check = at.first_closest + at.forces;
   at.checks = static_cast<int>(spec.checks.size());
   at.first_order = at.first_check + at.checks;
-  for (int k = 0; k + 1 < at.arc_lengths; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    if (spec.contacts[i].region == spec.contacts[i + 1].region) ++at.orders;
-  }
+  for (int k = -1; k + 1 < at.arc_lengths; ++k) at.orders += ordered(spec, at, k) ? 1 : 0;
   at.first_balance = at.first_order + at.orders;
   at.balances = spec.palm && spec.palm->balance && at.forces > 0 ? 1 : 0;
   at.first_target = at.first_balance + at.balances;
@@ -88,11 +94,11 @@ void PoseState::move(ConstVectorRef x) {
     shift = -(layout.palm >= 0 ? x[layout.palm] : spec.palm->minimum) * spec.palm->axis;
     places.place(rod.base + shift);
   }
-  places.move(x.head(layout.coordinates), arc_lengths(x));
+  places.move(x.head(layout.coordinates), slides(x));
   forces.tip = loads.tip_force;
   forces.gravity = loads.gravity;
   forces.payload = rod.payload;
-  forces.dead = loads.dead;
+  forces.dead = {loads.dead, 0.0};
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     PoseProgram::ContactState& c = contacts[k];
     const auto variable = static_cast<int>(k);
@@ -129,10 +135,7 @@ void PoseState::differentiate() {
   base.differentiate();
 }
 
-bool PoseState::ordered(int contact) const {
-  const auto k = static_cast<std::size_t>(contact);
-  return contact + 1 < layout.arc_lengths && spec.contacts[k].region == spec.contacts[k + 1].region;
-}
+bool PoseState::ordered(int contact) const { return tendril::ordered(spec, layout, contact); }
 
 void PoseState::add_force_work(int contact, Vec2 displacement) {
   const PoseProgram::ContactState& c = contacts[static_cast<std::size_t>(contact)];

@@ -35,10 +35,14 @@ struct PoseState {
   /// After move(): what first derivatives of rows need.
   void differentiate();
 
-  std::span<const double> arc_lengths(ConstVectorRef x) const {
-    return {x.data() + layout.first_arc_length, static_cast<std::size_t>(layout.arc_lengths)};
+  /// The arc lengths of Places.
+  std::span<const double> slides(ConstVectorRef x) const {
+    return {x.data() + layout.first_move, static_cast<std::size_t>(layout.slides())};
   }
-  /// Two contacts inside the rod, one behind the other in one stretch: they must keep their order.
+  /// Where a row by all variables has what Places has of it.
+  RowPart part(double* row) const { return {row, row + layout.first_move}; }
+  /// A contact inside the rod, or as -1 a port that moves, and the next one in the same stretch: they must keep their
+  /// order.
   bool ordered(int contact) const;
   /// Obstacles that stand on the palm.
   bool carried(int obstacle) const { return obstacle >= static_cast<int>(spec.obstacles.size()) - spec.carried; }
@@ -56,10 +60,10 @@ struct PoseState {
   }
   /// Adds second derivatives of a function of contact k's arc length alone.
   void add_along(int contact, double second, Eigen::MatrixXd& hessian) const {
-    for (int l = 0; l < layout.arc_lengths; ++l) {
+    for (int l = 0; l < layout.slides(); ++l) {
       const double run = places.running(contact_places[static_cast<std::size_t>(contact)], l);
-      for (int m = 0; m < layout.arc_lengths && run != 0.0; ++m) {
-        hessian(layout.first_arc_length + l, layout.first_arc_length + m) +=
+      for (int m = 0; m < layout.slides() && run != 0.0; ++m) {
+        hessian(layout.first_move + l, layout.first_move + m) +=
             second * run * places.running(contact_places[static_cast<std::size_t>(contact)], m);
       }
     }
@@ -67,8 +71,8 @@ struct PoseState {
   /// The same of its derivative.
   template <class Row>
   void add_slope_along(int contact, double slope, Row&& row) const {
-    for (int l = 0; l < layout.arc_lengths && slope != 0.0; ++l) {
-      row[layout.first_arc_length + l] += slope * places.running(contact_places[static_cast<std::size_t>(contact)], l);
+    for (int l = 0; l < layout.slides() && slope != 0.0; ++l) {
+      row[layout.first_move + l] += slope * places.running(contact_places[static_cast<std::size_t>(contact)], l);
     }
   }
   /// Adds second derivatives of the work of contact k's force, its couple aside, along a constant displacement.

@@ -31,7 +31,7 @@ ReducedProgram::Parts ReducedProgram::parts_of(const PoseProgram& program) {
   const PoseProgram::Layout& at = program.layout();
   for (int i = 0; i < program.variable_count(); ++i) {
     if (program.lower()[i] == program.upper()[i]) continue;
-    const bool moment = i >= at.first_moment && i < at.first_moment + at.moments;
+    const bool moment = i >= at.first_moment && i < at.first_arc_length;
     (moment ? parts.chosen : parts.following).push_back(i);
     const bool bounded = std::isfinite(program.lower()[i]) || std::isfinite(program.upper()[i]);
     if (!moment && bounded) parts.limited.push_back(static_cast<int>(parts.following.size()) - 1);

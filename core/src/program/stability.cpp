@@ -196,10 +196,11 @@ void Stability::sum_gradient(PoseProgram& program, ConstVectorRef x, double eige
   }
   const MatrixView second = program.hessian(x, 0.0, multipliers_);
   gradient.noalias() += second.leftCols(n) * direction_;
+  const auto first_knot = program.knots(x).data() - x.data();
   for (int j = 0; j < chain.piece_count(); ++j) {
     const double* own = direction_.data() + j * chain.functions();
     for (int l = 0; l < chain.knot_count(); ++l) {
-      gradient[at.first_arc_length + l] -= program.sections().stretching(j, eigenvalue, own, l);
+      gradient[first_knot + l] -= program.sections().stretching(j, eigenvalue, own, l);
     }
   }
 }

@@ -128,6 +128,13 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
     if (d.moment_variable[a] >= 0) x[d.moment_variable[a]] = moments[a];
   }
 
+  for (int l = 0; l < at.moves; ++l) {
+    const auto i = static_cast<std::size_t>(l);
+    const int variable = at.first_move + l;
+    x[variable] = std::clamp(shape.moves.empty() ? d.spec.rod->moves[i].start : shape.moves[i], lower()[variable],
+                             upper()[variable]);
+  }
+
   // Contacts start where the shape comes nearest to their obstacles.
   std::vector<OutlinePoint> line;
   if (at.arc_lengths > 0 || d.spec.palm) outline(*d.spec.rod, shape.curvature, 400, line);
@@ -138,7 +145,7 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
   }
   for (int k = 0; k < at.arc_lengths; ++k) {
     const int variable = at.first_arc_length + k;
-    const double low = lower()[variable];
+    const double low = std::max(lower()[variable], d.spec.rod->draws() ? x[at.first_arc_length - 1] : 0.0);
     const double high = upper()[variable];
     const auto index = static_cast<std::size_t>(k);
     if (index < shape.arc_lengths.size() && std::isfinite(shape.arc_lengths[index])) {
@@ -162,17 +169,14 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
     x[at.first_force + k] = std::clamp(force, lower()[at.first_force + k], upper()[at.first_force + k]);
   }
 
-  const std::span<const double> knots(x.data() + at.first_arc_length,
-                                      d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
-  x.head(at.coordinates) = d.chain.coordinates_of(shape.curvature, knots, shape.stretch);
+  x.head(at.coordinates) = d.chain.coordinates_of(shape.curvature, knots(x), shape.stretch);
   return x;
 }
 
 StartShape PoseProgram::shape_of(ConstVectorRef x) const {
   const Data& d = *data_;
   const Layout& at = d.layout;
-  const std::span<const double> knots(x.data() + at.first_arc_length,
-                                      d.spec.split ? static_cast<std::size_t>(at.arc_lengths) : 0);
+  const std::span<const double> knots = this->knots(x);
   static constexpr int samples = 500;
   std::vector<double> curvature(samples + 1);
   std::vector<double> stretch(d.chain.stretches() > 0 ? curvature.size() : 0);
@@ -210,6 +214,7 @@ StartShape PoseProgram::shape_of(ConstVectorRef x) const {
   if (!stretch.empty()) shape.stretch = sampled(std::move(stretch));
   shape.curvature = sampled(std::move(curvature));
   for (const int variable : d.moment_variable) shape.moments.push_back(variable < 0 ? 0.0 : x[variable]);
+  for (int l = 0; l < at.moves; ++l) shape.moves.push_back(x[at.first_move + l]);
   for (int k = 0; k < at.forces; ++k) {
     const int variable = arc_length_variable(k);
     shape.arc_lengths.push_back(variable < 0 ? std::numeric_limits<double>::quiet_NaN() : x[variable]);

@@ -61,7 +61,10 @@ class TENDRIL_API Backbone {
   const Chain& chain() const { return *chain_; }
 
   /// Where the next move() begins.
-  void place(Vec2 base) { base_ = base; }
+  void place(Vec2 base, double angle) {
+    base_ = base;
+    base_angle_ = angle;
+  }
   /// Where the rod begins.
   Vec2 base() const { return base_; }
 

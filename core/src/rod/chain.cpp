@@ -147,7 +147,9 @@ Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> 
   std::vector<double> parts = model.subdivision();
   const double sum = std::accumulate(parts.begin(), parts.end(), 0.0);
   if (parts.empty() || !(sum > 0.0)) throw Error("a coordinate model's subdivision must have positive parts");
-  const auto knots = static_cast<int>(knot_stretches.size());
+  const int drawn = rod.draws() ? 1 : 0;
+  const auto contacts = static_cast<int>(knot_stretches.size());
+  const int knots = drawn + contacts;
   const auto stretches = static_cast<int>(fixed_knots_.size()) - 1;
 
   // Every knot, moving or not, as constant + unit row over the moving knots, in order along the rod.
@@ -160,12 +162,12 @@ Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> 
   std::vector<Eigen::RowVectorXd> start_rates;
   std::vector<Eigen::RowVectorXd> length_rates;
   for (int r = 0; r < stretches; ++r) {
-    std::vector<Knot> ends{{fixed_knots_[static_cast<std::size_t>(r)], -1}};
-    for (int k = 0; k < knots; ++k) {
+    std::vector<Knot> ends{{fixed_knots_[static_cast<std::size_t>(r)], r < drawn ? 0 : -1}};
+    for (int k = 0; k < contacts; ++k) {
       const int stretch = knot_stretches[static_cast<std::size_t>(k)];
       if (stretch < 0 || stretch >= stretches) throw Error("a contact knot lies in no stretch of the rod");
       if (k > 0 && stretch < knot_stretches[static_cast<std::size_t>(k) - 1]) throw Error("contact knots must ascend");
-      if (stretch == r) ends.push_back({0.0, k});
+      if (stretch == r) ends.push_back({0.0, drawn + k});
     }
     ends.push_back({fixed_knots_[static_cast<std::size_t>(r) + 1], -1});
     const double middle = 0.5 * (ends.front().constant + ends.back().constant);

@@ -76,7 +76,8 @@ class TENDRIL_API TableStore {
 };
 
 /// The rod cut into pieces (model.md section 2): which pieces there are, how long they are as affine functions of the
-/// moving knots, and the tables that never change. Knots are fixed (Rod::fixed_knots()) or move with a contact.
+/// moving knots, and the tables that never change. Knots are fixed (Rod::fixed_knots()) or move with a contact; that at
+/// the base moves, as the first of them, where the rod is drawn into its port.
 ///
 /// Coordinates: q = (q_1, ..., q_J), `functions()` numbers per piece: those of its angle, then those of its stretch.
 class TENDRIL_API Chain {
@@ -95,8 +96,9 @@ class TENDRIL_API Chain {
     double point_weight = 0.0;    ///< what hangs at its end
   };
 
-  /// `knot_stretches`: for each moving knot, in ascending order along the rod, the stretch between fixed knots in which
-  /// it moves. `nodes`: Gauss nodes per smooth interval of a piece. Without `store` the chain makes its own tables.
+  /// `knot_stretches`: for each contact's knot, in ascending order along the rod, the stretch between fixed knots in
+  /// which it moves. `nodes`: Gauss nodes per smooth interval of a piece. Without `store` the chain makes its own
+  /// tables.
   Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> knot_stretches, int nodes,
         TableStore* store = nullptr);
 
@@ -111,14 +113,14 @@ class TENDRIL_API Chain {
   /// Length of q.
   int coordinate_count() const { return piece_count() * functions(); }
   /// Number of knots that move.
-  int knot_count() const { return static_cast<int>(knot_piece_.size()); }
+  int knot_count() const { return static_cast<int>(start_rate_.cols()); }
   /// Properties of piece j.
   const Piece& piece(int j) const { return pieces_[static_cast<std::size_t>(j)]; }
   /// The segment of the rod that piece j is cut from.
   const Rod::Segment& segment(int j) const { return segments_[static_cast<std::size_t>(piece(j).segment)]; }
   /// The rod has a body.
   bool is_thick() const { return thick_; }
-  /// The piece that ends at moving knot k.
+  /// The piece that ends at the knot of contact k.
   int piece_before_knot(int k) const { return knot_piece_[static_cast<std::size_t>(k)]; }
   /// Knots that do not move, ascending, 0 and 1 included; units of L.
   const std::vector<double>& fixed_knots() const { return fixed_knots_; }

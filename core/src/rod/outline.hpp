@@ -17,8 +17,9 @@ struct OutlinePoint {
   double radius = 0.0;  ///< of the body, units of L
 };
 
-/// The shape of a curvature over s/L, integrated by midpoints: steps + 1 points, equally far apart, into `out`. What a
-/// start looks like, and where it comes near something; nothing that a plan stands on.
+/// The shape of a curvature over s/L with the base where searches begin, integrated by midpoints: steps + 1 points,
+/// equally far apart, into `out`. What a start looks like, and where it comes near something; nothing that a plan
+/// stands on.
 void outline(const Rod& rod, const std::function<double(double)>& curvature, int steps, std::vector<OutlinePoint>& out);
 
 }  // namespace tendril

@@ -6,24 +6,37 @@
 
 namespace tendril {
 
-Places::Places(const Rod& rod, const Chain& chain, int arc_lengths)
+Places::Places(const Rod& rod, const Chain& chain, int contacts)
     : chain_(&chain),
       backbone_(chain, rod.base, rod.base_angle),
       sections_(chain),
-      arc_lengths_(arc_lengths),
+      shifts_(rod.moves.begin(), rod.moves.end() - (rod.draws() ? 1 : 0)),
+      moves_(static_cast<int>(rod.moves.size())),
+      arc_lengths_(moves_ + contacts),
+      origin_(rod.base),
+      angle_(rod.base_angle),
       stations_(static_cast<std::size_t>(chain.piece_count())),
       virtual_(chain),
       sums_(chain, false),
       gram_sums_(chain, true),
-      rate_sums_(static_cast<std::size_t>(arc_lengths), PieceSums(chain, false)) {
+      rate_sums_(static_cast<std::size_t>(arc_lengths_), PieceSums(chain, false)) {
   const int pieces = chain.piece_count();
+  const int arc_lengths = arc_lengths_;
+  const auto shifts = static_cast<int>(shifts_.size());
+  for (int l = 0; l < shifts; ++l) {
+    if (shifts_[static_cast<std::size_t>(l)].kind == Rod::Move::Kind::turn) turn_ = l;
+  }
+  if (turn_ >= 0) {
+    const int coordinates = chain.coordinate_count();
+    lambda_.setZero(coordinates);
+    row_buffer_.setZero(coordinates + arc_lengths_);
+    second_buffer_.setZero(coordinates, coordinates + arc_lengths_);
+  }
   left_ = 1.0 - chain.table().sigma.array();
   length_rate_.setZero(pieces, arc_lengths);
   start_rate_.setZero(pieces, arc_lengths);
-  if (chain.knot_count() > 0) {
-    length_rate_ = chain.length_rate();
-    start_rate_ = chain.start_rate();
-  }
+  length_rate_.middleCols(shifts, chain.knot_count()) = chain.length_rate();
+  start_rate_.middleCols(shifts, chain.knot_count()) = chain.start_rate();
   mass_rate_.setZero(pieces, arc_lengths);
   for (int j = pieces - 2; j >= 0; --j) {
     // The weight of a whole segment does not change, and this is not asked for inside of one that weighs unevenly.
@@ -61,10 +74,12 @@ int Places::add_knot(int piece) {
   return count() - 1;
 }
 
-int Places::add_sliding(int piece, int arc_length) {
+int Places::add_sliding(int piece, int contact) {
   inside_.push_back(count());
-  places_.push_back(
-      {.kind = Kind::inside, .piece = piece, .own = static_cast<int>(moving_.size()), .arc_length = arc_length});
+  places_.push_back({.kind = Kind::inside,
+                     .piece = piece,
+                     .own = static_cast<int>(moving_.size()),
+                     .arc_length = contact < 0 ? -1 : moves_ + contact});
   moving_.emplace_back(*chain_);
   return count() - 1;
 }
@@ -104,7 +119,14 @@ std::vector<int> Places::add_stations(std::span<const Station> stations) {
 }
 
 void Places::move(ConstVectorRef q, std::span<const double> arc_lengths) {
-  backbone_.move(q, arc_lengths.first(static_cast<std::size_t>(chain_->knot_count())));
+  Vec2 base = origin_;
+  double angle = angle_;
+  for (std::size_t l = 0; l < shifts_.size(); ++l) {
+    base += arc_lengths[l] * shifts_[l].along;
+    if (shifts_[l].kind == Rod::Move::Kind::turn) angle = arc_lengths[l];
+  }
+  backbone_.place(base, angle);
+  backbone_.move(q, arc_lengths.subspan(shifts_.size(), static_cast<std::size_t>(chain_->knot_count())));
   for (Place& p : places_) {
     if (p.kind == Kind::station) continue;
     if (p.kind == Kind::knot) {
@@ -204,9 +226,15 @@ void Places::row_of(const Integrals& field, const Eigen::MatrixXd& rates, const 
   const int last = p.kind == Kind::knot ? p.piece + 1 : p.piece;
   field.row_before(last, value, n, chain_->table().end, out.q);
   for (int l = 0; l < arc_lengths_; ++l) out.s[l] = n.x * rates(2 * l, last) + n.y * rates(2 * l + 1, last);
+  if (turn_ >= 0) out.s[turn_] += dot(n, turned(value - field.knot_of(0)));
 }
 
 void Places::row(int place, Vec2 n, RowPart out) const {
+  row_from_base(place, n, out);
+  for (std::size_t l = 0; l < shifts_.size(); ++l) out.s[l] += dot(n, shifts_[l].along);
+}
+
+void Places::row_from_base(int place, Vec2 n, RowPart out) const {
   const Place& p = at(place);
   const int j = p.piece;
   row_of(backbone_.integrals(), rates_, p, p.point, n, out);
@@ -235,10 +263,11 @@ void Places::angle_row(int place, RowPart out) const {
   const int last = p.kind == Kind::knot ? p.piece + 1 : p.piece;
   for (int i = 0; i < last; ++i) std::copy_n(chain_->table().end.data(), n, out.q + i * n);
   std::fill_n(out.s, arc_lengths_, 0.0);
+  if (turn_ >= 0) out.s[turn_] = 1.0;
   if (p.kind == Kind::knot) return;
   const MovingPoint& m = moving_[static_cast<std::size_t>(p.own)];
   std::copy_n(m.beta(), n, out.q + p.piece * n);
-  for (int l = 0; l < arc_lengths_; ++l) out.s[l] = m.slope() * own_rate(p, l) / backbone_.length(p.piece);
+  for (int l = 0; l < arc_lengths_; ++l) out.s[l] += m.slope() * own_rate(p, l) / backbone_.length(p.piece);
 }
 
 Places::Side Places::side(int place, int which) const {
@@ -286,6 +315,7 @@ void Places::add_curvature_row(int place, const Side& side, double factor, RowPa
 }
 
 void Places::displace(const double* lambda) {
+  if (turn_ >= 0) lambda_ = Eigen::Map<const Eigen::VectorXd>(lambda, chain_->coordinate_count());
   psi_knot_[0] = 0.0;
   backbone_.along(lambda, psi_, psi_knot_);
   const int n = chain_->functions();

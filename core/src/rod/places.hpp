@@ -38,22 +38,24 @@ struct Forces {
   Vec2 tip{};            ///< on the end of the rod
   Vec2 gravity{};        ///< per weight
   double payload = 0.0;  ///< weight at the end of the rod
-  double dead = 0.0;     ///< share of the rod's own dead loads
+  Vec2 dead{};           ///< the rod's own dead loads, stretched and turned by this complex number
+  Vec2 dead_load(Vec2 load) const { return dead.x * load + dead.y * turned(load); }
 };
 
 /// Places on a rod, through which everybody else sees its shape: where they are, and how they move with the
-/// coordinates q and with arc lengths s, which are the moving knots of the chain or, where it has none, the places
-/// themselves. Sums over nodes, angles, sines and cosines stay in here. Nothing allocates after the last place was
-/// added.
+/// coordinates q and with arc lengths s. These are, in this order: what the rod is moved by (Rod::moves), which are arc
+/// lengths only where it is drawn into its port; then the other moving knots of the chain or, where contacts have none,
+/// the places themselves. Sums over nodes, angles, sines and cosines stay in here. Nothing allocates after the last
+/// place was added.
 class TENDRIL_API Places {
  public:
-  /// On rods with this chain, which is borrowed.
-  Places(const Rod& rod, const Chain& chain, int arc_lengths);
+  /// On rods with this chain, which is borrowed. `contacts`: arc lengths beside those that the rod is moved by.
+  Places(const Rod& rod, const Chain& chain, int contacts);
 
   int add_knot(int piece);  ///< The end of a piece.
   int add_tip() { return add_knot(chain_->piece_count() - 1); }
-  int add_sliding(int piece, int arc_length);  ///< Inside a piece, at an arc length that is no knot.
-  int add_fixed(double arc_length);            ///< At a fixed arc length, whatever piece holds it.
+  int add_sliding(int piece, int contact);  ///< Inside a piece, at a contact's arc length that is no knot.
+  int add_fixed(double arc_length);         ///< At a fixed arc length, whatever piece holds it.
   /// A fixed sigma in (0,1] of a piece.
   struct Station {
     int piece;
@@ -64,8 +66,8 @@ class TENDRIL_API Places {
 
   const Backbone& backbone() const { return backbone_; }
   const Sections& sections() const { return sections_; }
-  /// Where the next move() begins.
-  void place(Vec2 base) { backbone_.place(base); }
+  /// Where the next move() begins, but for what it says itself.
+  void place(Vec2 base) { origin_ = base; }
   /// Moves to coordinates and arc lengths.
   void move(ConstVectorRef q, std::span<const double> arc_lengths);
 
@@ -130,7 +132,7 @@ class TENDRIL_API Places {
   void add_moment_second(int actuator, double moment, const double* lambda, VectorRef by_moment_and_s,
                          MatrixRef by_s_twice);
   /// Adds second derivatives of the forces' work at fixed forces and, if there are `virtual_forces`, of these forces'
-  /// work on the virtual displacements.
+  /// work on the virtual displacements. With `ss` the former act on places alone.
   void second_pull_back(const Forces& forces, const Forces* virtual_forces, SecondPart out);
 
   /// The elastic energy: of bending, V_c (model.md section 3), and of the stretch, V_e (section 12).
@@ -202,6 +204,10 @@ class TENDRIL_API Places {
     return !stations.empty() && static_cast<std::size_t>(stations.front()) < forces.on.size();
   }
   bool gather_pushes(int j, const Forces& forces);
+  /// As row(), of a base that is not shifted.
+  void row_from_base(int place, Vec2 n, RowPart out) const;
+  void add_second(const Forces& forces, const Forces* virtual_forces, SecondPart& out);
+  void add_turn(const Forces& forces, const Forces* virtual_forces, SecondPart& out);
   double moment_defect(int j, const Ramp& load, const Forces& forces, std::span<const double> moments,
                        const Curve& curve, double& beyond);
   void add_inside(const Forces& forces, const Forces* virtual_forces, int j, SecondPart& out);
@@ -217,7 +223,12 @@ class TENDRIL_API Places {
   const Chain* chain_;
   Backbone backbone_;
   Sections sections_;
+  std::vector<Rod::Move> shifts_;  ///< the first arc lengths, which move the base and no knot
+  int turn_ = -1;                  ///< that of them which turns it
+  int moves_ = 0;                  ///< arc lengths that belong to no contact
   int arc_lengths_ = 0;
+  Vec2 origin_{};       ///< of the base, before it is shifted
+  double angle_ = 0.0;  ///< of a base that does not turn
   std::vector<Place> places_;
   std::vector<MovingPoint> moving_;
   std::vector<int> knots_;          ///< places at ends of pieces
@@ -241,6 +252,9 @@ class TENDRIL_API Places {
   Eigen::VectorXd node_buffer_, push_along_, push_across_, third_;
   Eigen::VectorXd unit_buffer_, unit_push_along_, unit_push_across_;  ///< of a rod that stretches, with unit tangents
   mutable Eigen::VectorXd heavy_;                                     ///< at nodes
+  Forces back_;                                                       ///< of a base that turns, as what follows
+  Eigen::VectorXd lambda_, row_buffer_;
+  Eigen::MatrixXd second_buffer_;
 };
 
 }  // namespace tendril

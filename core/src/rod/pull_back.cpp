@@ -110,7 +110,7 @@ double Places::work(const Forces& forces) {
   const Vec2 base = backbone_.base();
   double sum = dot(forces.tip, backbone_.tip() - base);
   for (int k = 0; k < count(); ++k) sum += dot(on(k, forces).force, at(k).point - base);
-  const bool dead = dead_ && forces.dead != 0.0;
+  const bool dead = dead_ && !is_zero(forces.dead);
   if (is_zero(forces.gravity) && !dead) return sum;
   const Forces weight{{}, {}, forces.gravity, forces.payload, forces.dead};
   Sweep sweep(*this, weight);
@@ -166,12 +166,58 @@ void Places::pull_back(const Forces& forces, double* out) {
 }
 
 void Places::second_pull_back(const Forces& forces, const Forces* virtual_forces, SecondPart out) {
+  add_second(forces, virtual_forces, out);
+  if (turn_ >= 0) add_turn(forces, virtual_forces, out);
+}
+
+/// By the angle of the base. Where it turns all places turn about it, and so do virtual displacements: to these forces
+/// it is as if they turned back.
+void Places::add_turn(const Forces& forces, const Forces* virtual_forces, SecondPart& out) {
+  const auto turn_back = [this](const Forces& f) {
+    back_.on.resize(f.on.size());
+    for (std::size_t k = 0; k < f.on.size(); ++k) back_.on[k] = {turned_back(f.on[k].force)};
+    back_.tip = turned_back(f.tip);
+    back_.gravity = turned_back(f.gravity);
+    back_.payload = f.payload;
+    back_.dead = turned_back(f.dead);
+  };
+  turn_back(forces);
+  pull_back(back_, out.qs.col(turn_).data());
+  if (out.ss.size() == 0) return;
+  const auto add = [&](int l, double value) {
+    out.ss(turn_, l) += value;
+    if (l != turn_) out.ss(l, turn_) += value;
+  };
+  const int n = chain_->coordinate_count();
+  double* row = row_buffer_.data();
+  for (int k = 0; k < count(); ++k) {
+    if (is_zero(on(k, back_).force)) continue;
+    row_from_base(k, on(k, back_).force, {row, row + n});
+    for (int l = 0; l < arc_lengths_; ++l) add(l, row[n + l]);
+  }
+  if (virtual_forces == nullptr) return;
+  turn_back(*virtual_forces);
+  second_buffer_.setZero();
+  SecondPart once{second_buffer_.leftCols(n), second_buffer_.rightCols(arc_lengths_), out.ss.topLeftCorner(0, 0)};
+  add_second(back_, nullptr, once);
+  out.qs.col(turn_) += once.qq * lambda_;
+  for (int l = 0; l < arc_lengths_; ++l) {
+    if (l != turn_) add(l, once.qs.col(l).dot(lambda_));
+  }
+  // And back once more by the angle twice.
+  turn_back(back_);
+  row_buffer_.setZero();
+  pull_back(back_, row);
+  add(turn_, lambda_.dot(row_buffer_.head(n)));
+}
+
+void Places::add_second(const Forces& forces, const Forces* virtual_forces, SecondPart& out) {
   double* z = node_buffer_.data();
   Sweep sweep(*this, forces);
   Sweep turning(*this, virtual_forces != nullptr ? *virtual_forces : forces);
   const Sweep* by_turning = virtual_forces != nullptr ? &turning : nullptr;
   const bool stretches = chain_->stretches() > 0;
-  const auto pulls = [&](const Forces& f) { return !is_zero(f.gravity) || (dead_ && f.dead != 0.0); };
+  const auto pulls = [&](const Forces& f) { return !is_zero(f.gravity) || (dead_ && !is_zero(f.dead)); };
   const bool heavy =
       chain_->knot_count() > 0 && (pulls(forces) || (virtual_forces != nullptr && pulls(*virtual_forces)));
   gram_sums_.set_zero();

@@ -99,6 +99,12 @@ double Rod::most_radius() const {
   return most;
 }
 
+std::vector<double> Rod::starts() const {
+  std::vector<double> starts;
+  for (const Move& m : moves) starts.push_back(m.start);
+  return starts;
+}
+
 std::vector<double> Rod::fixed_knots() const {
   std::vector<double> ends{0.0, 1.0};
   for (const Segment& s : segments) ends.push_back(s.to);

@@ -81,10 +81,23 @@ struct TENDRIL_API Rod {
     double weight = 0.0;  ///< at one arc length: mass |g| L^2 / EI0
     bool at_point() const { return from == to; }
   };
+  /// How the rod may be moved as a whole, by one number between limits.
+  struct Move {
+    enum class Kind {
+      shift,  ///< of the base along `along`, units of L
+      turn,   ///< the base's angle, rad
+      draw    ///< arc length at the port: the rod before it is drawn in, straight and without effect
+    };
+    Kind kind = Kind::shift;
+    Vec2 along{};
+    double minimum = 0.0, maximum = 0.0;
+    double start = 0.0;  ///< where searches begin; of a base that is shifted 0, of one that turns `base_angle`
+  };
   std::vector<Segment> segments{Segment{}};  ///< in order from the base on, without gaps
   std::vector<Actuator> actuators{};         ///< as in the scene
-  Vec2 base{};                               ///< where it is clamped, units of L
+  Vec2 base{};                               ///< where it is clamped, units of L; shifts count from here
   double base_angle = 0.0;                   ///< against the x axis, rad
+  std::vector<Move> moves{};                 ///< at most one turn, and last at most one draw
   Vec2 gravity{};                            ///< unit vector, or zero: no gravity
   double payload = 0.0;                      ///< mass |g| L^2 / EI0
   Vec2 tip_force{};                          ///< dead force, times L^2 / EI0
@@ -110,6 +123,14 @@ struct TENDRIL_API Rod {
   /// It is nowhere thicker than that.
   double most_radius() const;
   Jet radius_at(double s) const { return segment_at(s).radius_at(s); }
+  /// It can be drawn into its port: its first knot moves.
+  bool draws() const { return !moves.empty() && moves.back().kind == Move::Kind::draw; }
+  /// Its base can be moved.
+  bool base_moves() const { return moves.size() > (draws() ? 1U : 0U); }
+  /// Where searches begin with what it is moved by.
+  std::vector<double> starts() const;
+  /// Where they have the port.
+  double port() const { return draws() ? moves.back().start : 0.0; }
   /// Ends of segments, actuators, parts of their profiles and loads, ascending, 0 and 1 included: the knots that do not
   /// move.
   std::vector<double> fixed_knots() const;

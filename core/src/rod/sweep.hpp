@@ -15,7 +15,7 @@ class Places::Sweep {
     for (const int k : places_.knots_) {
       if (places_.at(k).piece == j) beyond_ += on(k).force;
     }
-    beyond_ += forces_.dead * piece(j).point;
+    beyond_ += forces_.dead_load(piece(j).point);
     mass_ += piece(j).point_weight;
   }
   /// Takes up what acts inside of piece j.
@@ -26,7 +26,7 @@ class Places::Sweep {
     if (places_.may_push(j, forces_)) {
       for (const int k : places_.stations_[static_cast<std::size_t>(j)].place) beyond_ += on(k).force;
     }
-    beyond_ += forces_.dead * places_.backbone_.length(j) * piece(j).line;
+    beyond_ += places_.backbone_.length(j) * forces_.dead_load(piece(j).line);
     const Sections::Weight* varying = places_.sections_.weight(j);
     mass_ += varying != nullptr ? varying->whole : weight(j) * places_.backbone_.length(j);
   }
@@ -35,7 +35,7 @@ class Places::Sweep {
   Ramp load(int j) const {
     const double h = places_.backbone_.length(j);
     Ramp out{h * (beyond_ + mass_ * forces_.gravity),
-             (h * h * weight(j)) * forces_.gravity + (h * h * forces_.dead) * piece(j).line};
+             (h * h * weight(j)) * forces_.gravity + (h * h) * forces_.dead_load(piece(j).line)};
     if (const Sections::Weight* varying = places_.sections_.weight(j)) {
       vary(out, [&](int g) { return h * varying->beyond[g]; });
     }
@@ -47,8 +47,8 @@ class Places::Sweep {
     const double rate = places_.length_rate_(j, l);
     const Sections::Weight* varying = places_.sections_.weight(j);
     const double mass = rate * mass_ + (varying != nullptr ? 0.0 : h * places_.mass_rate_(j, l));
-    Ramp out{rate * beyond_ + mass * forces_.gravity + (h * forces_.dead) * places_.line_rate(j, l),
-             (2.0 * h * rate * weight(j)) * forces_.gravity + (2.0 * h * rate * forces_.dead) * piece(j).line};
+    Ramp out{rate * beyond_ + mass * forces_.gravity + h * forces_.dead_load(places_.line_rate(j, l)),
+             (2.0 * h * rate * weight(j)) * forces_.gravity + (2.0 * h * rate) * forces_.dead_load(piece(j).line)};
     if (varying != nullptr) {
       vary(out, [&](int g) { return rate * varying->beyond[g] - h * varying->value[g] * run(j, g, l); });
     }
@@ -58,8 +58,8 @@ class Places::Sweep {
   Ramp load_bend(int j, int l, int k) const {
     const double h_l = places_.length_rate_(j, l);
     const double h_k = places_.length_rate_(j, k);
-    Ramp out{forces_.dead * (h_l * places_.line_rate(j, k) + h_k * places_.line_rate(j, l)),
-             (2.0 * h_l * h_k * forces_.dead) * piece(j).line};
+    Ramp out{forces_.dead_load(h_l * places_.line_rate(j, k) + h_k * places_.line_rate(j, l)),
+             (2.0 * h_l * h_k) * forces_.dead_load(piece(j).line)};
     if (const Sections::Weight* varying = places_.sections_.weight(j)) {
       vary(out, [&](int g) {
         const double s_l = run(j, g, l);

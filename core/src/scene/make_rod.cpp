@@ -1,7 +1,11 @@
 #include "scene/make_rod.hpp"
 
 #include <algorithm>
+#include <string>
 #include <utility>
+
+#include "program/pose_program.hpp"
+#include "tendril/error.hpp"
 
 namespace tendril {
 
@@ -23,6 +27,25 @@ std::vector<ProfilePart> profile_of(const ActuatorSpec& spec, const Rod::Actuato
     profile.push_back({from, to, {first, (last - first) / (to - from)}});
   }
   return profile;
+}
+
+/// What may be moved of the rod as a whole.
+void add_moves(const RodSpec& spec, const Scale& scale, Rod& rod) {
+  using Kind = Rod::Move::Kind;
+  const auto length = [&](double metres) { return scale.to_dimensionless(metres, dimension::length); };
+  const Vec2 base = spec.base_position;
+  if (spec.base_position_range) {
+    const auto [low, high] = *spec.base_position_range;
+    if (low.x < high.x) rod.moves.push_back({Kind::shift, {1.0, 0.0}, length(low.x - base.x), length(high.x - base.x)});
+    if (low.y < high.y) rod.moves.push_back({Kind::shift, {0.0, 1.0}, length(low.y - base.y), length(high.y - base.y)});
+  }
+  if (spec.base_angle_range && spec.base_angle_range->first < spec.base_angle_range->second) {
+    const auto [low, high] = *spec.base_angle_range;
+    rod.moves.push_back({Kind::turn, {}, round_to_12_digits(low), round_to_12_digits(high), rod.base_angle});
+  }
+  if (spec.most_drawn_in == 0.0) return;
+  rod.moves.push_back({Kind::draw, {}, 0.0, length(spec.most_drawn_in), length(spec.drawn_in)});
+  require_out_of_port(rod, rod.moves.back().maximum, scale);
 }
 
 }  // namespace
@@ -95,7 +118,38 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
   rod.payload = scale.to_dimensionless(scene.tip_load.mass * g, dimension::force);
   rod.tip_force = {scale.to_dimensionless(scene.tip_load.force.x, dimension::force),
                    scale.to_dimensionless(scene.tip_load.force.y, dimension::force)};
+  add_moves(scene.rod, scale, rod);
   return rod;
+}
+
+void let_base_move(Rod& rod) {
+  std::vector<Rod::Move> moves{{Rod::Move::Kind::shift, {1.0, 0.0}, -infinity, infinity},
+                               {Rod::Move::Kind::shift, {0.0, 1.0}, -infinity, infinity},
+                               {Rod::Move::Kind::turn, {}, -infinity, infinity, rod.base_angle}};
+  for (const Rod::Move& own : rod.moves) {
+    const auto same = std::find_if(moves.begin(), moves.end(),
+                                   [&](const Rod::Move& m) { return m.kind == own.kind && m.along == own.along; });
+    if (same != moves.end()) {
+      *same = own;
+    } else {
+      moves.push_back(own);
+    }
+  }
+  rod.moves = std::move(moves);
+}
+
+void require_out_of_port(const Rod& rod, double drawn_in, const Scale& scale) {
+  const auto out = [&](double drawn) { return shown(scale.to_si(1.0 - drawn, dimension::length)) + " m"; };
+  if (!(drawn_in >= 0.0 && drawn_in < 1.0)) {
+    throw SceneError("rod.insertion", "found an insertion of " + out(drawn_in) +
+                                          ", expected more than 0 and at most what there is of the rod (" + out(0.0) +
+                                          ")");
+  }
+  const double knot = rod.fixed_knots()[1];
+  if (drawn_in < knot - 4.0 * knot_clearance) return;
+  throw SceneError("rod.insertion", "found an insertion of " + out(drawn_in) + ", expected more than " + out(knot) +
+                                        ": there a segment, an actuator or a load ends, which cannot move through the "
+                                        "port");
 }
 
 }  // namespace tendril

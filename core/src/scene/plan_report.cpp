@@ -91,6 +91,28 @@ void planned_contacts(const PoseProgram& program, const std::vector<std::string>
   }
 }
 
+RodPlace place_of(const PoseProgram& program, ConstVectorRef x, const Scale& scale) {
+  const Rod& rod = *program.spec().rod;
+  const Backbone& shape = program.backbone();
+  RodPlace place;
+  if (rod.draws()) place.insertion = (1.0 - x[program.layout().first_arc_length - 1]) * scale.length;
+  if (rod.base_moves()) place.base = {scale.length * shape.base(), shape.knot_angle(0)};
+  return place;
+}
+
+std::vector<double> moves_of(const Rod& rod, const Scale& scale, const RodPlace& place, std::vector<double> otherwise) {
+  for (std::size_t i = 0; i < rod.moves.size(); ++i) {
+    const Rod::Move& m = rod.moves[i];
+    if (m.kind == Rod::Move::Kind::draw) {
+      if (place.insertion) otherwise[i] = 1.0 - *place.insertion / scale.length;
+    } else if (place.base) {
+      const Vec2 shift = (1.0 / scale.length) * place.base->position - rod.base;
+      otherwise[i] = m.kind == Rod::Move::Kind::turn ? place.base->angle : dot(shift, m.along);
+    }
+  }
+  return otherwise;
+}
+
 std::vector<BackbonePoint> outline(const StartShape& shape, const Rod& rod, double length) {
   std::vector<OutlinePoint> line;
   outline(rod, shape.curvature, 100, line);

@@ -42,6 +42,11 @@ std::vector<PlannedContact> planned_contacts(const PoseProgram& program, const s
 void planned_contacts(const PoseProgram& program, const std::vector<std::string>& obstacle_names, const Scale& scale,
                       std::vector<PlannedContact>& contacts);
 
+/// Where a program's rod has been moved to at x, which it was evaluated at last.
+RodPlace place_of(const PoseProgram& program, ConstVectorRef x, const Scale& scale);
+/// The same as numbers of Rod::moves; `otherwise`: those of what is absent.
+std::vector<double> moves_of(const Rod& rod, const Scale& scale, const RodPlace& place, std::vector<double> otherwise);
+
 /// The shape of a start, integrated by midpoints: a line for the figure.
 std::vector<BackbonePoint> outline(const StartShape& shape, const Rod& rod, double length);
 

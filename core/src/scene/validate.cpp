@@ -221,6 +221,60 @@ void validate_stretch(const Scene& scene) {
   }
 }
 
+/// Where the rod may be moved to. `at`: its table.
+void validate_place(const RodSpec& rod, const std::string& at) {
+  const auto require_range = [&](double low, double high, double own, const char* key, const char* what) {
+    const std::string path = at + key;
+    require_finite(low, path);
+    require_finite(high, path);
+    if (low > high) {
+      throw SceneError(path,
+                       "the limits contradict each other: at least " + shown(low) + " and at most " + shown(high));
+    }
+    if (own < low || own > high) {
+      throw SceneError(path, std::string(what) + " of the base, " + shown(own) + ", lies outside of " + shown(low) +
+                                 " to " + shown(high));
+    }
+  };
+  if (rod.base_position_range) {
+    const auto& [low, high] = *rod.base_position_range;
+    require_range(low.x, high.x, rod.base_position.x, ".base.position_range", "the x coordinate");
+    require_range(low.y, high.y, rod.base_position.y, ".base.position_range", "the y coordinate");
+  }
+  if (rod.base_angle_range) {
+    const auto& [low, high] = *rod.base_angle_range;
+    require_range(low, high, rod.base_angle, ".base.angle_range", "the angle");
+  }
+  if (!(rod.most_drawn_in >= 0.0 && rod.most_drawn_in < rod.length())) {
+    throw SceneError(at + ".insertion", "the rod is " + shown(rod.length()) + " m long, but " +
+                                            shown(rod.most_drawn_in) +
+                                            " m of it are to be drawn into its port, expected at least 0 and less");
+  }
+  if (!(rod.drawn_in >= 0.0 && rod.drawn_in <= rod.most_drawn_in)) {
+    throw SceneError(at + ".insertion", "the rod begins with " + shown(rod.length() - rod.drawn_in) +
+                                            " m of it out of its port, expected at least " +
+                                            shown(rod.length() - rod.most_drawn_in) + " m and at most " +
+                                            shown(rod.length()) + " m");
+  }
+}
+
+/// What a problem, or another key, has no use for.
+void validate_moves(const Scene& scene) {
+  const RodSpec& rod = scene.rod;
+  const bool inserts = rod.most_drawn_in > 0.0;
+  if (!inserts && !rod.base_position_range && !rod.base_angle_range) return;
+  const std::string path = inserts ? "rod.insertion" : "rod.base";
+  if (scene.problem == ProblemKind::grasp || scene.problem == ProblemKind::estimate) {
+    throw SceneError(path, "a rod that is moved as a whole is planned for \"pose\" and \"trajectory\", found \"" +
+                               std::string(to_string(scene.problem)) + "\"");
+  }
+  if (inserts && !scene.coordinates.split_at_contact) {
+    throw SceneError(path,
+                     "a rod whose insertion is chosen has knots that move with it, expected split_at_contact = "
+                     "true in [coordinates]");
+  }
+}
+
 /// `at`: the table of the rod.
 void validate_rod(const RodSpec& rod, const std::string& at) {
   if (rod.segments.empty()) throw SceneError(at, "the rod has no length");
@@ -249,6 +303,7 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
   require_finite(rod.base_position.x, at + ".base.position");
   require_finite(rod.base_position.y, at + ".base.position");
   require_finite(rod.base_angle, at + ".base.angle");
+  validate_place(rod, at);
   const double length = rod.length();
   for (std::size_t i = 0; i < rod.loads.size(); ++i) {
     validate_load(rod.loads[i], length, at + ".load[" + std::to_string(i) + "]");
@@ -386,6 +441,7 @@ void validate_loads(const Scene& scene) {
 void validate(const Scene& scene) {
   validate_rod(scene.rod, "rod");
   validate_stretch(scene);
+  validate_moves(scene);
   if (scene.gravity) {
     require_finite(scene.gravity->x, "gravity");
     require_finite(scene.gravity->y, "gravity");

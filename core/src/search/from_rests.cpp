@@ -34,7 +34,7 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, int lo
   const auto stop = [&allowance] { return allowance.spent(); };
   // A start through the middle of an obstacle leads nowhere: the rod is bent out of the way.
   for (const double bent : {0.0, 1.0, -1.0, 2.0, -2.0}) {
-    Loading loading(d_.rod, d_.obstacles, d_.scene.start_tip_angle + bent, moments, stop);
+    Loading loading(d_.rod, d_.obstacles, d_.scene.start_tip_angle + bent, {moments, d_.rod.starts()}, stop);
     if (loading.without_side()) continue;
     const bool arrived = loading.run();
     if (!arrived && allowance.spent()) return std::nullopt;
@@ -50,12 +50,13 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, int lo
 
 std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from, int looks) const {
   if (d_.coordinate_count({}) > search_parameters().few_values) return executed(moments, looks);
-  const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false});
+  const std::vector<double> moves = d_.rod.starts();
+  const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false, moves, moves});
   Allowance allowance(steps_.deadline(), looks);
   const Descent down =
       descend_in(*d_.components.coordinates, path, 1.0, from.curvature, [&allowance] { return allowance.spent(); });
   if (!down.converged) return std::nullopt;
-  Rest rest{down.state.curvature, moments, {}};
+  Rest rest{down.state.curvature, moments, {}, moves};
   for (PointContact c : down.state.contacts) {
     // Held between obstacles that leave no room it rests nowhere.
     if (c.force > search_parameters().deepest * down.stiffness) return std::nullopt;

@@ -143,8 +143,8 @@ int Planner::follow() {
 }
 
 bool Planner::chooses() const {
-  return std::any_of(d_.rod.actuators.begin(), d_.rod.actuators.end(),
-                     [](const Rod::Actuator& a) { return a.minimum < a.maximum; });
+  return !d_.rod.moves.empty() || std::any_of(d_.rod.actuators.begin(), d_.rod.actuators.end(),
+                                              [](const Rod::Actuator& a) { return a.minimum < a.maximum; });
 }
 
 Plan Planner::run() {

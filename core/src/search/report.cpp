@@ -80,7 +80,7 @@ void Planner::add_notes(Plan& plan) const {
   });
   if (!read) plan.notes.emplace_back("no objective reads the target and the tip");
   const double distance = norm(d_.target.position - d_.rod.base);
-  if (distance > 1.0 && !d_.rod.stretches())
+  if (distance > 1.0 && !d_.rod.stretches() && d_.rod.moves.empty())
     plan.notes.push_back("the target lies out of reach, by " + as_share(distance - 1.0));
   if (!plan.target_error || !read) return;
   const double miss = *plan.target_error / d_.scale.length;
@@ -102,6 +102,7 @@ void tell_point(const Task& task, PoseProgram& program, ConstVectorRef x, Plan& 
     plan.moments[a] = variable < 0 ? 0.0 : x[variable] * task.scale.moment();
     plan.turns[a] = program.turn_along(static_cast<int>(a));
   }
+  plan.place = place_of(program, x, task.scale);
   const Vec2 tip = program.backbone().tip();
   plan.tip_x = tip.x * task.scale.length;
   plan.tip_y = tip.y * task.scale.length;

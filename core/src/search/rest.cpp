@@ -10,7 +10,10 @@
 namespace tendril {
 
 Rest rest_of(const Task& problem, const Plan& plan) {
-  Rest rest{curvature_of(plan, problem.scale.length), {}, {}};
+  Rest rest{curvature_of(plan, problem.scale.length),
+            {},
+            {},
+            moves_of(problem.rod, problem.scale, plan.place, problem.rod.starts())};
   if (plan.moments.size() == problem.rod.actuators.size()) {
     for (const double u : plan.moments) rest.moments.push_back(u / problem.scale.moment());
   }
@@ -36,7 +39,7 @@ void add_contact(Rest& rest, const Task& problem, int obstacle, bool at_tip, dou
 }  // namespace
 
 Rest rest_of(const Task& problem, const std::vector<double>& moments, const State& state) {
-  Rest rest{state.curvature, moments, {}};
+  Rest rest{state.curvature, moments, {}, {}};
   for (const PointContact& c : state.contacts) {
     if (c.force > tolerance::force)
       add_contact(rest, problem, c.setup.obstacle, c.setup.at_tip, c.setup.at_tip ? 1.0 : c.s, c.force);
@@ -50,6 +53,7 @@ StartShape shape_of(const Rest& rest, const Mode& mode) {
   shape.curvature = rest.curvature;
   shape.stretch = rest.curvature.stretch;
   shape.moments = rest.moments;
+  shape.moves = rest.moves;
   std::vector<bool> used(rest.contacts.size(), false);
   for (const ContactSetup& c : mode.contacts) {
     double s = std::numeric_limits<double>::quiet_NaN();

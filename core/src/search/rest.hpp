@@ -12,6 +12,7 @@ struct Rest {
   Curvature curvature;
   std::vector<double> moments;  ///< EI/L, one per actuator; empty: unknown
   std::vector<PointContact> contacts;
+  std::vector<double> moves{};  ///< of the rod (Rod::moves); empty: where searches begin
 };
 
 /// What a plan, or an execution, says of the rod of a problem; contacts with obstacles that the problem has not are

@@ -70,7 +70,8 @@ double merit_of(const Task& task, const std::vector<OutlinePoint>& line, const S
 
 bool has_sides(const Task& task, std::size_t o) {
   const Obstacle& obstacle = *task.obstacles[o];
-  return std::isfinite(obstacle.smallest_radius()) && obstacle.at(task.rod.base).distance < 1.0;
+  return std::isfinite(obstacle.smallest_radius()) &&
+         (obstacle.at(task.rod.base).distance < 1.0 || !task.rod.moves.empty());
 }
 
 Sides sides_of(const Task& task, const StartShape& shape) {

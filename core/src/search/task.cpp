@@ -39,7 +39,8 @@ void keep_nearest(std::vector<CheckPoint>& checks, const PoseProgram& program, s
   distances.reserve(checks.size());
   for (const CheckPoint& c : checks) {
     const double s = program.chain().start(c.piece, knots) + c.sigma * program.chain().length(c.piece, knots);
-    const auto nearest = static_cast<std::size_t>(std::lround(s * steps));
+    const double port = program.spec().rod->port();
+    const auto nearest = static_cast<std::size_t>(std::lround(std::max(0.0, s - port) / (1.0 - port) * steps));
     distances.push_back(
         program.spec().obstacles[static_cast<std::size_t>(c.obstacle)]->at(line[nearest].position).distance);
   }
@@ -119,6 +120,11 @@ std::vector<double> Task::angles_near(double reference) const {
     }
   }
   double rest = rod.base_angle;
+  for (const Rod::Move& m : rod.moves) {
+    if (m.kind != Rod::Move::Kind::turn) continue;
+    low += m.minimum - rest;
+    high += m.maximum - rest;
+  }
   for (const Rod::Segment& s : rod.segments) rest += s.rest_turn();
   const double first = nearest_turn(*direction, reference);
   const double side = first > reference ? -full_turn : full_turn;
@@ -145,7 +151,8 @@ double Task::least_cost(double distance) const {
 
 double Task::least_distance(const Mode& mode, const std::function<bool(double)>& enough) {
   // Nothing is asked of where the tip is, or terms are unknown that may gain by it, or the rod may grow.
-  if (palm || rod.stretches() || !target.has_position || !(least_cost(1.0) > least_cost())) return 0.0;
+  if (palm || rod.stretches() || !rod.moves.empty() || !target.has_position || !(least_cost(1.0) > least_cost()))
+    return 0.0;
   if (mode.contacts.empty()) {
     if (!reach) reach = std::make_unique<FreeReach>(spec(mode, {}, 2 * nodes));
     return reach->least_distance(target.position, enough);
@@ -184,7 +191,7 @@ Mode Task::mode(std::vector<ContactSetup> contacts) const {
     const double farthest = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
     if (palm) {
       if (mode.skip.empty()) mode.skip = grip->obstruction(*this, farthest);
-    } else if (!rod.stretches() &&
+    } else if (!rod.stretches() && rod.moves.empty() &&
                obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > farthest + rod.most_radius()) {
       mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
     }
@@ -255,7 +262,7 @@ std::vector<CheckPoint> Task::first_checks(const PoseProgram& probe, ConstVector
   const PoseProgramSpec& spec = probe.spec();
   const PoseProgram::Layout& at = probe.layout();
   const Chain& chain = probe.chain();
-  const std::span<const double> knots(x.data() + at.first_arc_length, static_cast<std::size_t>(chain.knot_count()));
+  const std::span<const double> knots = probe.knots(x);
   // Few points where the planner adds what is missing, but not so few that a rod without contact slips past an obstacle
   // between two of them; as many as asked for where the planner adds none.
   int count = 4;
@@ -265,8 +272,9 @@ std::vector<CheckPoint> Task::first_checks(const PoseProgram& probe, ConstVector
     }
   }
   if (scene.contact.check_points > 0) count = scene.contact.check_points;
+  const double first = chain.start(0, knots);
   for (int i = 1; i <= count; ++i) {
-    const double s = static_cast<double>(i) / count;
+    const double s = first + (1.0 - first) * static_cast<double>(i) / count;
     bool near_contact = false;
     for (int k = 0; k < at.arc_lengths; ++k)
       near_contact = near_contact || std::abs(s - x[at.first_arc_length + k]) < 0.02;

@@ -35,6 +35,9 @@ class Valley {
     for (int a = 0; a < static_cast<int>(path.rod().actuators.size()); ++a) {
       x_[program_->moment_variable(a)] = path.moment(static_cast<std::size_t>(a), load);
     }
+    for (int l = 0; l < program_->layout().moves; ++l) {
+      x_[program_->layout().first_move + l] = path.move(static_cast<std::size_t>(l), load);
+    }
     program_->constraints(x_);
     // q = T y makes the bending energy |y|^2 / 2.
     scale_ = Eigen::MatrixXd::Zero(n_, n_);
@@ -45,7 +48,7 @@ class Valley {
   }
 
   void start(const Curvature& curvature) {
-    x_.head(n_) = program_->chain().coordinates_of(curvature, {}, curvature.stretch);
+    x_.head(n_) = program_->chain().coordinates_of(curvature, program_->knots(x_), curvature.stretch);
   }
 
   /// Energy with the penalty at the coordinates kept, moved by `step` in scaled coordinates.
@@ -156,10 +159,10 @@ class Valley {
 
  private:
   PointContact contact_at(int check) const {
-    const Chain& chain = program_->chain();
+    const Backbone& rod = program_->backbone();
     const CheckPoint& c = program_->spec().checks[static_cast<std::size_t>(check)];
-    const bool tip = c.piece == chain.piece_count() - 1 && c.sigma == 1.0;
-    return {{c.obstacle, tip, 0}, chain.start0()[c.piece] + c.sigma * chain.length0()[c.piece], 0.0};
+    const bool tip = c.piece == rod.chain().piece_count() - 1 && c.sigma == 1.0;
+    return {{c.obstacle, tip, 0}, rod.start(c.piece) + c.sigma * rod.length(c.piece), 0.0};
   }
 
   PoseProgramSpec spec(double load) const {
@@ -172,7 +175,7 @@ class Valley {
     for (int o = 0; o < static_cast<int>(s.obstacles.size()); ++o) {
       const auto at = static_cast<std::size_t>(o);
       const bool far = s.obstacles[at]->at(path_.rod().base).distance > 1.0 + path_.rod().most_radius();
-      if (far && !path_.rod().stretches()) continue;
+      if (far && !path_.rod().stretches() && path_.rod().moves.empty()) continue;
       for (int j = 0; j < chain.piece_count(); ++j) {
         const double wanted =
             chain.length0()[j] * std::max<double>(checks_per_rod, 2.0 / path_.smallest_radius(at, load));

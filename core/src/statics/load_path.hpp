@@ -6,13 +6,14 @@
 
 namespace tendril {
 
-/// Moments, loads and sizes of obstacles as functions of the load fraction: everything is affine in it, so that rates
-/// are exact differences.
+/// Moments, loads, moves of the rod and sizes of obstacles as functions of the load fraction: everything is affine in
+/// it, so that rates are exact differences.
 class LoadPath {
  public:
   struct Ends {
     std::vector<double> first, last;  ///< moments at load 0 and 1, one per actuator of the rod
     bool loads_grow = true;           ///< gravity and tip force start from 0; else they act from the beginning
+    std::vector<double> first_moves{}, last_moves{};  ///< of Rod::moves at load 0 and 1
   };
   LoadPath(Rod rod, const std::vector<const Obstacle*>& obstacles, Ends ends);
 
@@ -32,6 +33,10 @@ class LoadPath {
     return (1.0 - load) * ends_.first[actuator] + load * ends_.last[actuator];
   }
   double moment_rate(std::size_t actuator) const { return ends_.last[actuator] - ends_.first[actuator]; }
+  double move(std::size_t i, double load) const {
+    return (1.0 - load) * ends_.first_moves[i] + load * ends_.last_moves[i];
+  }
+  double move_rate(std::size_t i) const { return ends_.last_moves[i] - ends_.first_moves[i]; }
   /// d distance / d load of an obstacle at fixed points.
   double distance_rate(int o) const { return -shrink_[static_cast<std::size_t>(o)]; }
   double smallest_radius(std::size_t o, double load) const {

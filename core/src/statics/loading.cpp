@@ -76,24 +76,26 @@ Curvature held_shape(const Rod& rod, double curvature) {
 }  // namespace
 
 Loading::Set Loading::set_from_rest(Rod rod, const std::vector<const Obstacle*>& obstacles, double curvature,
-                                    const std::vector<double>& moments) {
-  const LoadPath::Ends ends = ends_from_rest(rod, curvature, moments);
-  const Curvature held = held_shape(rod, curvature);
-  return {LoadPath(std::move(rod), obstacles, ends), {held, {}, 0.0}, Tracker::Start::exact, true};
+                                    const Held& held) {
+  LoadPath::Ends ends = ends_from_rest(rod, curvature, held.moments);
+  ends.first_moves = ends.last_moves = held.moves;
+  const Curvature shape = held_shape(rod, curvature);
+  return {LoadPath(std::move(rod), obstacles, ends), {shape, {}, 0.0}, Tracker::Start::exact, true};
 }
 
-Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature,
-                 const std::vector<double>& moments, std::function<bool()> must_stop)
-    : Loading(set_from_rest(rod, obstacles, curvature, moments), obstacles, std::move(must_stop)) {}
+Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature, const Held& held,
+                 std::function<bool()> must_stop)
+    : Loading(set_from_rest(rod, obstacles, curvature, held), obstacles, std::move(must_stop)) {}
 
-Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, State earlier,
-                 const std::vector<double>& first, const std::vector<double>& last, std::function<bool()> must_stop)
-    : Loading({LoadPath(rod, obstacles, {first, last, false}), std::move(earlier), Tracker::Start::near, first != last},
+Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, State earlier, const Held& first,
+                 const Held& last, std::function<bool()> must_stop)
+    : Loading({LoadPath(rod, obstacles, {first.moments, last.moments, false, first.moves, last.moves}),
+               std::move(earlier), Tracker::Start::near, first != last},
               obstacles, std::move(must_stop)) {}
 
-Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, Curvature shape,
-                 const std::vector<double>& moments, std::function<bool()> must_stop)
-    : Loading({LoadPath(rod, obstacles, {moments, moments, false}),
+Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, Curvature shape, const Held& held,
+                 std::function<bool()> must_stop)
+    : Loading({LoadPath(rod, obstacles, {held.moments, held.moments, false, held.moves, held.moves}),
                {std::move(shape), {}, 0.0},
                Tracker::Start::let_go,
                false},

@@ -14,16 +14,20 @@ namespace tendril {
 /// Obstacles that the start overlaps grow from nothing together with the loads.
 class Loading {
  public:
-  /// From a constant curvature, which moments hold without any other load; all loads then grow. `moments`: EI/L, one
-  /// per actuator.
-  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature,
-          const std::vector<double>& moments, std::function<bool()> must_stop);
-  /// From an earlier state under the moments `first` and all other loads; only the moments then change.
-  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, State earlier,
-          const std::vector<double>& first, const std::vector<double>& last, std::function<bool()> must_stop);
+  /// What is held: moments (EI/L), one per actuator, and where the rod was moved to (Rod::moves).
+  struct Held {
+    std::vector<double> moments, moves;
+    bool operator==(const Held&) const = default;
+  };
+  /// From a constant curvature, which moments hold without any other load; all loads then grow.
+  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature, const Held& held,
+          std::function<bool()> must_stop);
+  /// From an earlier state that holds `first` under all other loads; only what is held then changes.
+  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, State earlier, const Held& first,
+          const Held& last, std::function<bool()> must_stop);
   /// From a shape that no loads are known to hold: it is let go under all loads.
-  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, Curvature shape,
-          const std::vector<double>& moments, std::function<bool()> must_stop);
+  Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, Curvature shape, const Held& held,
+          std::function<bool()> must_stop);
   Loading(const Loading&) = delete;
   Loading& operator=(const Loading&) = delete;
 
@@ -62,8 +66,7 @@ class Loading {
     bool moves = true;  ///< something changes along the path
   };
   Loading(Set set, const std::vector<const Obstacle*>& obstacles, std::function<bool()> must_stop);
-  static Set set_from_rest(Rod rod, const std::vector<const Obstacle*>& obstacles, double curvature,
-                           const std::vector<double>& moments);
+  static Set set_from_rest(Rod rod, const std::vector<const Obstacle*>& obstacles, double curvature, const Held& held);
   void grow_overlapped(const std::vector<const Obstacle*>& obstacles);
 
   LoadPath path_;

@@ -55,6 +55,27 @@ void Statics::place(const Eigen::VectorXd& z) {
       x_[variable] = path_.moment(static_cast<std::size_t>(a), z[size()]);
     }
   }
+  for (int l = 0; l < program_.layout().moves; ++l) {
+    x_[program_.layout().first_move + l] = path_.move(static_cast<std::size_t>(l), z[size()]);
+  }
+}
+
+Eigen::VectorXd Statics::given_rates() const {
+  Eigen::VectorXd rates = Eigen::VectorXd::Zero(program_.variable_count());
+  for (int a = 0; a < static_cast<int>(path_.rod().actuators.size()); ++a) {
+    if (const int variable = program_.moment_variable(a); variable >= 0) {
+      rates[variable] = path_.moment_rate(static_cast<std::size_t>(a));
+    }
+  }
+  for (int l = 0; l < program_.layout().moves; ++l) {
+    rates[program_.layout().first_move + l] = path_.move_rate(static_cast<std::size_t>(l));
+  }
+  return rates;
+}
+
+std::span<const double> Statics::knots(const Eigen::VectorXd& z) {
+  place(z);
+  return program_.knots(x_);
 }
 
 void Statics::set_load(double load) {
@@ -80,10 +101,7 @@ bool Statics::evaluate(const Eigen::VectorXd& z) {
   }
   set_load(z[size()]);
   const bool finite = equations_.evaluate(x_);
-  for (int a = 0; a < static_cast<int>(path_.rod().actuators.size()); ++a) {
-    const int variable = program_.moment_variable(a);
-    if (variable >= 0) rate += path_.moment_rate(static_cast<std::size_t>(a)) * program_.jacobian(x_).col(variable);
-  }
+  rate += program_.jacobian(x_) * given_rates();
   const int first_gap = program_.layout().first_gap;
   for (int k = 0; k < contact_count(); ++k) rate[first_gap + k] += path_.distance_rate(contact(k).obstacle);
   for (int r = 0; r < size(); ++r) rate_[r] = rate[equations_.row(r)];
@@ -96,7 +114,7 @@ void Statics::fill(Eigen::MatrixXd& system) const {
   system.topRightCorner(size(), 1) = rate_;
 }
 
-Eigen::VectorXd Statics::point(const State& state) const {
+Eigen::VectorXd Statics::point(const State& state) {
   std::vector<PointContact> contacts = state.contacts;
   sort_contacts(contacts);
   Eigen::VectorXd z = Eigen::VectorXd::Zero(size() + 1);
@@ -105,10 +123,8 @@ Eigen::VectorXd Statics::point(const State& state) const {
     if (!contact(k).at_tip) z[arc_length_index(k)] = c.s;
     z[force_index(k)] = c.force;
   }
-  const Chain& chain = program_.chain();
-  const std::span<const double> knots(z.data() + coordinates(), static_cast<std::size_t>(chain.knot_count()));
-  z.head(coordinates()) = chain.coordinates_of(state.curvature, knots, state.curvature.stretch);
   z[size()] = state.load;
+  z.head(coordinates()) = program_.chain().coordinates_of(state.curvature, knots(z), state.curvature.stretch);
   return z;
 }
 
@@ -130,20 +146,21 @@ State Statics::state(const Eigen::VectorXd& z) {
 std::pair<double, double> Statics::bounds(const Eigen::VectorXd& z, int k) const {
   const std::vector<double>& knots = program_.chain().fixed_knots();
   const auto stretch = static_cast<std::size_t>(contact(k).region);
-  double low = knots[stretch];
+  double low =
+      stretch == 0 && path_.rod().draws() ? path_.move(path_.rod().moves.size() - 1, z[size()]) : knots[stretch];
   double high = knots[stretch + 1];
   if (k > 0) low = std::max(low, z[arc_length_index(k - 1)]);
   if (k + 1 < program_.layout().arc_lengths) high = std::min(high, z[arc_length_index(k + 1)]);
   return {low, high};
 }
 
-double Statics::length(const Eigen::VectorXd& z, const Eigen::VectorXd& a) const {
+double Statics::length(const Eigen::VectorXd& z, const Eigen::VectorXd& a) {
   return std::sqrt(std::max(0.0, metric(z, a).dot(a)));
 }
 
-Eigen::VectorXd Statics::metric(const Eigen::VectorXd& z, const Eigen::VectorXd& a) const {
+Eigen::VectorXd Statics::metric(const Eigen::VectorXd& z, const Eigen::VectorXd& a) {
   const Chain& chain = program_.chain();
-  const std::span<const double> knots(z.data() + coordinates(), static_cast<std::size_t>(chain.knot_count()));
+  const std::span<const double> knots = this->knots(z);
   const int n = chain.functions();
   Eigen::VectorXd m = Eigen::VectorXd::Zero(size() + 1);
   for (int j = 0; j < chain.piece_count(); ++j) {
@@ -242,13 +259,13 @@ bool Statics::solve_fold(Eigen::VectorXd& z, Eigen::VectorXd& null_vector) {
     Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(program_.row_count());
     for (int r = 0; r < size(); ++r) multipliers[equations_.row(r)] = w[r];
     const Eigen::VectorXd turning = program_.hessian(x_, 0.0, multipliers) * full(v);
-    double rate = 0.0;
+    double rate = turning.dot(given_rates());
     if (path_.loads_grow()) {
       const auto weak = [&](double load) {
         set_load(load);
         return multipliers.dot(program_.jacobian(x_) * full(v));
       };
-      rate = weak(1.0) - weak(0.0);
+      rate += weak(1.0) - weak(0.0);
     }
     fill(system);
     for (int i = 0; i < size(); ++i) system(size(), i) = -turning[equations_.unknown(i)];

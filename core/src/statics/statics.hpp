@@ -29,7 +29,7 @@ class Statics {
   int force_index(int k) const { return coordinates() + program_.layout().arc_lengths + k; }
 
   /// The point of a state, whose contacts are those of this system in any order.
-  Eigen::VectorXd point(const State& state) const;
+  Eigen::VectorXd point(const State& state);
   State state(const Eigen::VectorXd& z);
   /// Of z or of a direction there.
   Curvature curvature(const Eigen::VectorXd& z, const Eigen::VectorXd& direction);
@@ -48,8 +48,8 @@ class Statics {
   /// Unit tangent of the solution curve in the metric below, with a growing load. Not finite at a singular point.
   Eigen::VectorXd tangent(const Eigen::VectorXd& z);
   /// Metric row: bending energy of the coordinates, and the load. `metric(a) . b`.
-  Eigen::VectorXd metric(const Eigen::VectorXd& z, const Eigen::VectorXd& a) const;
-  double length(const Eigen::VectorXd& z, const Eigen::VectorXd& a) const;  ///< in it
+  Eigen::VectorXd metric(const Eigen::VectorXd& z, const Eigen::VectorXd& a);
+  double length(const Eigen::VectorXd& z, const Eigen::VectorXd& a);  ///< in it
 
   /// From a point near a fold to the fold itself: F = 0 and a singular dF/dy. False if there is none near.
   bool solve_fold(Eigen::VectorXd& z, Eigen::VectorXd& null_vector);
@@ -80,7 +80,10 @@ class Statics {
   std::pair<double, double> bounds(const Eigen::VectorXd& z, int k) const;
 
   void place(const Eigen::VectorXd& z);  ///< x_, without evaluating anything
-  void set_load(double load);            ///< of the program
+  /// d x / d load of what is given, at fixed y.
+  Eigen::VectorXd given_rates() const;
+  std::span<const double> knots(const Eigen::VectorXd& z);
+  void set_load(double load);  ///< of the program
 
   const LoadPath& path_;
   std::shared_ptr<const LegendreBasis> basis_;

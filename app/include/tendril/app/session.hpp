@@ -64,8 +64,9 @@ class Session {
   /// What the rod does under `moments` (N m, one per actuator; of the upper finger, then of the lower one, where both
   /// are planned), from an earlier result or from the scene's start. `palm_distance`: m, where a grasp holds its
   /// object; null: where the scene fixes it.
+  /// `place`: where the rod is moved to, as ExecuteControl::place.
   Execution execute(const std::vector<double>& moments, const std::optional<Plan>& start,
-                    std::optional<double> palm_distance = std::nullopt);
+                    std::optional<double> palm_distance = std::nullopt, const RodPlace& place = {});
   /// Executes the plan and judges it by what comes of it (core's verify()). A grasp is settled from its own shape,
   /// since the way to it is not planned, and where that fails the next best way of being in contact takes its place.
   /// What was executed, for the plan as it is left; null: it came to no shape.
@@ -73,7 +74,7 @@ class Session {
   /// Every step from the one before.
   void verify(Trajectory& trajectory);
   const Units& units() const { return *units_; }
-  /// The moments of an earlier trajectory's steps, each carried out from where the one before came to rest.
+  /// The moments and places of an earlier trajectory's steps, each carried out from where the one before came to rest.
   Trajectory execute(const std::vector<TrajectoryStep>& steps, const std::optional<Plan>& start);
   /// The same for a trajectory, step by step; the limits hold for each plan.
   Trajectory plan_trajectory();

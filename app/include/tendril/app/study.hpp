@@ -32,6 +32,9 @@ struct StudySpec {
   std::vector<double> diameters;     ///< m, of a grasp's object
   std::vector<double> moments;       ///< N m, added to the planned moment of a grasp's last actuator, and carried out
   std::vector<double> pressures;     ///< Pa, instead: added to its pressure
+  std::vector<double> insertions;    ///< m, of the rod that is out of its port
+  std::vector<Vec2> base_positions;  ///< m
+  std::vector<double> base_angles;   ///< rad
   std::vector<StudyMode> starts;     ///< whose results `allow` and `require` start from as well
 };
 
@@ -43,6 +46,9 @@ struct StudyCase {
   std::optional<StudyMode> mode;
   std::optional<Vec2> target;  ///< m
   std::optional<double> force_limit, diameter, moment, pressure;
+  std::optional<double> insertion{};  ///< m
+  std::optional<Vec2> base_position{};
+  std::optional<double> base_angle{};
 
   /// The last actuator of a grasp holds another moment than the planned one.
   bool changes_input() const { return moment || pressure; }
@@ -50,7 +56,8 @@ struct StudyCase {
   double held(const ActuatorSpec& actuator, double planned) const;
 };
 
-/// Every combination, in the order of limits, force limits, modes, targets, diameters, moments, pressures.
+/// Every combination, in the order of limits, force limits, modes, targets, diameters, moments, pressures, insertions,
+/// base positions, base angles.
 std::vector<StudyCase> study_cases(const StudySpec& study);
 
 /// The scene of one case.

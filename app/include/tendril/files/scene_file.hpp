@@ -90,11 +90,13 @@ enum class InputKind {
   each        ///< what each actuator is told: a pressure where the scene says what moment it gives, a tension, a moment
 };
 
-/// What moves the actuators when a scene is executed.
+/// What moves the actuators, and the rod as a whole, when a scene is executed.
 struct Inputs {
   InputKind kind = InputKind::none;  ///< of the numbers in `text`
   std::string text{};                ///< one SI number or quantity with a unit for each actuator, between commas
   std::string shown{};               ///< how messages name them; empty: as options of the command
+  std::string insertion{};           ///< length of the rod that is out of its port; empty: as it is
+  std::string base{};                ///< x, y and angle of its base, between commas; empty: as it is
 };
 
 /// What `tendril sensitivity` is asked for.
