@@ -84,7 +84,7 @@ ExactState exact_of(plugins::Registry& registry, const Scene& scene, const Plan&
   control.time_limit = case_time_limit;
   control.start = &plan;
   control.with_obstacles = needs_obstacles(scene);
-  const Plan settled = execute(scene, obstacles, plan.moments, control).result;
+  const Plan settled = execute(scene, obstacles, plan, control).result;
   if (settled.status != PlanStatus::solved) return exact;
   return exact_state(scene, obstacles, plan, settled);
 }

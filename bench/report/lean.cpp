@@ -36,14 +36,17 @@ std::string pegs_nearby(int count) {
 /// A weight or a load that is there, and changes nothing that can be seen.
 constexpr const char* negligible = "1e-12";
 
-/// Every objective that needs no options, at a negligible weight, besides those that do the work.
+/// Every objective that needs no options and no tendon, at a negligible weight, besides those that do the work.
 std::string idle_objectives(plugins::Registry& registry) {
   std::string text;
   for (const std::string& name : registry.names(ComponentKind::objective)) {
     const ObjectiveComponent& component = registry.objective(name);
     const bool needs = std::any_of(component.options.begin(), component.options.end(),
                                    [](const OptionSpec& option) { return option.required; });
-    if (!needs) text += "[[objective]]\nplugin = \"" + name + "\"\nweight = " + negligible + "\n";
+    if (needs) continue;
+    const Reads reads = component.make(resolve_options(component.options, {}, {}, {}, name))->reads();
+    if (reads.tensions || reads.shortenings) continue;
+    text += "[[objective]]\nplugin = \"" + name + "\"\nweight = " + negligible + "\n";
   }
   return text;
 }
@@ -101,7 +104,7 @@ std::vector<Variant> variants(plugins::Registry& registry, std::vector<LeftOut>&
   }
   add("free, no gravity, carrying everything",
       "the first scene's answer from a program that carries all: gravity of 1e-12 m/s^2, a peg that may be touched, "
-      "every objective that needs no options at a weight of 1e-12",
+      "every objective that needs no options and no tendon at a weight of 1e-12",
       std::string("gravity = [\"0 m/s^2\", \"-1e-12 m/s^2\"]\n") + strong + peg() + allow + target + objectives() +
           idle);
   add(

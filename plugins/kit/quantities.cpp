@@ -11,6 +11,7 @@ void add_backbone_point(std::vector<Input>& all, const std::string& owner, bool 
   all.push_back({owner + ".y", is_tip ? "tip_position" : reads, position, -1.0, 1.0});
   all.push_back({owner + ".angle", is_tip ? "tip_angle" : reads, angle, -2.0, 2.0});
   all.push_back({owner + ".curvature", is_tip ? "" : reads, curvature, -4.0, 4.0});
+  all.push_back({owner + ".strain", is_tip ? "" : reads, curvature, -0.3, 0.3});
 }
 
 }  // namespace
@@ -33,9 +34,12 @@ std::vector<Input> inputs(const Reads& reads, int contacts, int moments) {
     all.push_back({owner + "reference_x", "contact_point", reads.contact_point, -1.0, 1.0});
     all.push_back({owner + "reference_y", "contact_point", reads.contact_point, -1.0, 1.0});
   }
-  for (int m = 0; m < moments; ++m) {
-    all.push_back({"moments[" + std::to_string(m) + "]", "moments", reads.moments, -3.0, 3.0});
-  }
+  const auto add_actuators = [&](const std::string& name, bool asked, double low, double high) {
+    for (int a = 0; a < moments; ++a) all.push_back({name + "[" + std::to_string(a) + "]", name, asked, low, high});
+  };
+  add_actuators("moments", reads.moments, -3.0, 3.0);
+  add_actuators("tensions", reads.tensions, 0.0, 40.0);
+  add_actuators("shortenings", reads.shortenings, -0.1, 0.1);
   all.push_back({"bending_energy", "bending_energy", reads.bending_energy, 0.01, 5.0});
   all.push_back({"palm_distance", "palm_distance", reads.palm_distance, 0.1, 1.0});
   return all;

@@ -16,17 +16,21 @@ struct Input {
   double low = 0.0, high = 0.0;  ///< range of sensible values, dimensionless
 };
 
-/// All that a term reads, out of one flat vector: tip, samples, contacts, moments and energy.
+/// All that a term reads, out of one flat vector: tip, samples, contacts, moments, tendons and energy.
 template <class T>
 class FlatQuantities {
  public:
   FlatQuantities(const Reads& reads, int contacts, int moments, const Target& target)
       : samples_(reads.samples.size()),
         contacts_(static_cast<std::size_t>(contacts)),
-        moments_(static_cast<std::size_t>(moments)) {
+        moments_(static_cast<std::size_t>(moments)),
+        tensions_(moments_),
+        shortenings_(moments_) {
     quantities_.samples = samples_;
     quantities_.contacts = contacts_;
     quantities_.moments = moments_;
+    quantities_.tensions = tensions_;
+    quantities_.shortenings = shortenings_;
     quantities_.target = target;
   }
   FlatQuantities(const FlatQuantities&) = delete;
@@ -36,7 +40,7 @@ class FlatQuantities {
     std::size_t at = 0;
     const auto next = [&]() -> const T& { return x[at++]; };
     const auto read = [&](BackboneQuantities<T>& point) {
-      for (T* number : {&point.x, &point.y, &point.angle, &point.curvature}) *number = next();
+      for (T* number : {&point.x, &point.y, &point.angle, &point.curvature, &point.strain}) *number = next();
     };
     read(quantities_.tip);
     for (BackboneQuantities<T>& sample : samples_) read(sample);
@@ -46,7 +50,9 @@ class FlatQuantities {
         *number = next();
       }
     }
-    for (T& moment : moments_) moment = next();
+    for (std::vector<T>* all : {&moments_, &tensions_, &shortenings_}) {
+      for (T& one : *all) one = next();
+    }
     quantities_.bending_energy = next();
     quantities_.palm_distance = next();
     return quantities_;
@@ -55,7 +61,7 @@ class FlatQuantities {
  private:
   std::vector<BackboneQuantities<T>> samples_;
   std::vector<ContactQuantities<T>> contacts_;
-  std::vector<T> moments_;
+  std::vector<T> moments_, tensions_, shortenings_;
   Quantities<T> quantities_{};
 };
 

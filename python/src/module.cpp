@@ -72,13 +72,14 @@ void live(const SceneTuple& scene, int port, bool open_browser, const py::functi
 }
 
 std::string execute(SceneFile& scene, const std::string& kind, const std::string& inputs,
-                    const std::optional<std::string>& start, bool along) {
+                    const std::optional<std::string>& start, bool along, const std::string& insertion,
+                    const std::string& base) {
   const auto of = kind == "moments"     ? files::InputKind::moments
                   : kind == "pressures" ? files::InputKind::pressures
                   : kind == "inputs"    ? files::InputKind::each
                                         : files::InputKind::none;
   return interruptible([&](const auto& stop) {
-    const files::Inputs told{of, inputs, kind};
+    const files::Inputs told{of, inputs, kind, insertion, base};
     const files::Run run{&stop, result_of(start, "start")};
     return along ? scene.json(scene.execute_along(told, run)) : scene.json(scene.execute(told, run));
   });

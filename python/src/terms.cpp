@@ -23,6 +23,8 @@ constexpr std::array flags{Flag{"tip_position", &Reads::tip_position},
                            Flag{"tip_angle", &Reads::tip_angle},
                            Flag{"bending_energy", &Reads::bending_energy},
                            Flag{"moments", &Reads::moments},
+                           Flag{"tensions", &Reads::tensions},
+                           Flag{"shortenings", &Reads::shortenings},
                            Flag{"contact_point", &Reads::contact_point},
                            Flag{"contact_gap", &Reads::contact_gap},
                            Flag{"contact_normal", &Reads::contact_normal},
@@ -57,6 +59,7 @@ void each_number(const Reads& reads, const Quantities<T>& x, Visit&& visit) {
     visit(position, at.y, tip ? "tip_position" : "samples");
     visit(angle, at.angle, tip ? "tip_angle" : "samples");
     visit(curvature, at.curvature, "samples");
+    visit(curvature, at.strain, "samples");
   };
   point(x.tip, reads.tip_position, reads.tip_angle, false, true);
   for (const BackboneQuantities<T>& sample : x.samples) point(sample, true, true, true, false);
@@ -72,6 +75,8 @@ void each_number(const Reads& reads, const Quantities<T>& x, Visit&& visit) {
     visit(reads.contact_point, c.reference_y, "contact_point");
   }
   for (const T& moment : x.moments) visit(reads.moments, moment, "moments");
+  for (const T& tension : x.tensions) visit(reads.tensions, tension, "tensions");
+  for (const T& shortening : x.shortenings) visit(reads.shortenings, shortening, "shortenings");
   visit(reads.bending_energy, x.bending_energy, "bending_energy");
   visit(reads.palm_distance, x.palm_distance, "palm_distance");
 }
@@ -171,18 +176,18 @@ class PythonTerm final : public ObjectiveTerm {
     each_number(reads_, x, [&](bool read, const T& v, const char* name) {
       numbers.push_back(read ? py::cast(number(v)) : py::object(function_->types.not_read[name]));
     });
-    const py::object seen = put_together(numbers, x.samples.size(), x.contacts.size(), x.moments.size(), x.target);
+    const py::object seen = put_together(numbers, x);
     return value_of(function_->call(seen, **function_->options));
   }
 
   /// The numbers of each_number() as the package's Quantities.
-  py::object put_together(const std::vector<py::object>& numbers, std::size_t samples, std::size_t contacts,
-                          std::size_t moments, const Target& t) const {
+  template <class T>
+  py::object put_together(const std::vector<py::object>& numbers, const Quantities<T>& x) const {
     const Types& types = function_->types;
     auto n = numbers.begin();
     const auto point = [&] {
-      n += 4;
-      return types.point(n[-4], n[-3], n[-2], n[-1]);
+      n += 5;
+      return types.point(n[-5], n[-4], n[-3], n[-2], n[-1]);
     };
     const auto tuple = [](std::size_t count, auto make) {
       py::tuple all(count);
@@ -190,16 +195,21 @@ class PythonTerm final : public ObjectiveTerm {
       return all;
     };
     const py::object tip = point();
-    const py::tuple sampled = tuple(samples, point);
-    const py::tuple touching = tuple(contacts, [&] {
+    const py::tuple sampled = tuple(x.samples.size(), point);
+    const py::tuple touching = tuple(x.contacts.size(), [&] {
       n += 9;
       return types.contact(n[-9], n[-8], n[-7], n[-6], n[-5], n[-4], n[-3], n[-2], n[-1]);
     });
-    const py::tuple moving = tuple(moments, [&] { return *n++; });
+    const auto next = [&] { return *n++; };
+    const py::tuple moments = tuple(x.moments.size(), next);
+    const py::tuple tensions = tuple(x.tensions.size(), next);
+    const py::tuple shortenings = tuple(x.shortenings.size(), next);
+    const Target& t = x.target;
     const py::object position =
         t.has_position ? py::object(py::make_tuple(t.position.x, t.position.y)) : py::object(py::none());
     const py::object angle = t.has_angle ? py::object(py::float_(t.angle)) : py::object(py::none());
-    return types.quantities(tip, sampled, touching, moving, n[0], n[1], types.target(position, angle));
+    return types.quantities(tip, sampled, touching, moments, tensions, shortenings, n[0], n[1],
+                            types.target(position, angle));
   }
 
   /// A number is added to the cost as it is, of a list the squares.

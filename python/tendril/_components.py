@@ -15,12 +15,15 @@ T = TypeVar("T")
 
 
 class BackbonePoint(NamedTuple):
-    """A point of the rod: x and y in units of its length, angle in rad, curvature times the length."""
+    """A point of the rod: x and y in units of its length, angle in rad, curvature times the length, and the strain of a
+    rod that stretches, else 0.
+    """
 
     x: Number
     y: Number
     angle: Number
     curvature: Number
+    strain: Number
 
 
 class ContactPoint(NamedTuple):
@@ -47,12 +50,16 @@ class TargetPose(NamedTuple):
 
 
 class Quantities(NamedTuple):
-    """What a term sees, dimensionless: moments in units of EI/L, the bending energy likewise."""
+    """What a term sees, dimensionless: moments in units of EI/L, the bending energy likewise; of tendons, in the order
+    of the actuators, tensions in units of EI/L^2 and what they are shorter by in units of the rod's length.
+    """
 
     tip: BackbonePoint
     samples: tuple[BackbonePoint, ...]
     contacts: tuple[ContactPoint, ...]
     moments: tuple[Number, ...]
+    tensions: tuple[Number, ...]
+    shortenings: tuple[Number, ...]
     bending_energy: Number
     palm_distance: Number
     target: TargetPose
@@ -66,7 +73,7 @@ class NotRead:
 
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
         if self._name == "samples":
-            raise TypeError("the curvature of the tip is not read; samples=[1.0] asks for the point at the rod's end")
+            raise TypeError("the curvature and the strain of the tip are not read; samples=[1.0] asks for the point at the rod's end")
         raise TypeError(f"the term uses a quantity that it does not read; expected \"{self._name}\" among its `reads`")
 
     __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = __pow__ = _refuse
@@ -76,7 +83,7 @@ class NotRead:
 
 NOT_READ = {name: NotRead(name) for name in (
     "tip_position", "tip_angle", "samples", "contact_point", "contact_gap", "contact_normal", "contact_force",
-    "contact_arc_length", "moments", "bending_energy", "palm_distance")}
+    "contact_arc_length", "moments", "tensions", "shortenings", "bending_energy", "palm_distance")}
 
 
 class Option(NamedTuple):
@@ -102,8 +109,8 @@ def objective(name: str, *, reads: Iterable[str] = (), samples: Iterable[float] 
 
     The function takes the Quantities, and the options by name. It returns a number, which is added to the cost, or a
     list of numbers, whose squares are. `reads` names what it looks at: tip_position, tip_angle, bending_energy, moments,
-    contact_point, contact_gap, contact_normal, contact_force, contact_arc_length, palm_distance, target; `samples` asks
-    for points of the rod at these arc lengths, from 0 to 1. `lower_bound`: the cost is never below it, -math.inf where
+    tensions, shortenings, contact_point, contact_gap, contact_normal, contact_force, contact_arc_length, palm_distance,
+    target; `samples` asks for points of the rod at these arc lengths, from 0 to 1. `lower_bound`: the cost is never below it, -math.inf where
     there is none. Derivatives come by themselves, through arithmetic and numpy's functions; math's do not take the
     numbers.
     """

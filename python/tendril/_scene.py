@@ -205,12 +205,15 @@ class Scene:
         return self.plan(**options)
 
     def execute(self, moments: Iterable[Any] | Earlier | None = None, *, pressures: Iterable[Any] | None = None,
-                inputs: Iterable[Any] | None = None, plan: Earlier | None = None,
-                start: Earlier | None = None) -> Execution | Trajectory:
+                inputs: Iterable[Any] | None = None, plan: Earlier | None = None, start: Earlier | None = None,
+                insertion: Any = None, base: Iterable[Any] | None = None) -> Execution | Trajectory:
         """`tendril execute`: what the rod does under `moments` (N m), `pressures` (Pa) or `inputs` (each in the unit of its
-        actuator: a pressure where the scene has moment_per_pressure, the tension of a tendon, a moment), one per
-        actuator, or under the moments of an earlier result, `plan`. A list of such lists is a way: each is executed
-        from where the one before it ends.
+        actuator: a pressure where the scene has moment_per_pressure, the tension of a tendon or the shortening of one
+        told its length, a moment), one per actuator, or under what an earlier result, `plan`, holds. A list of such
+        lists is a way: each is executed from where the one before it ends.
+
+        `insertion`: how much of the rod is out of its port (m); `base`: x (m), y (m) and angle (rad) of its clamp. They are
+        held, and led there from `start`.
         """
         if isinstance(moments, (Result, Mapping)):
             moments, plan = None, moments
@@ -218,6 +221,10 @@ class Scene:
         told = [name for name, value in given.items() if value is not None]
         if len(told) + (plan is not None) > 1:
             raise TypeError(f"execute: found {' and '.join(told + ['plan'] * (plan is not None))}, expected one of them")
+        placed = insertion is not None or base is not None
+        _refuse(plan is not None and placed, "insertion, base", "the plan says where its rod is, expected one of both")
+        place = ("" if insertion is None else _input_text(insertion, "insertion"),
+                 "" if base is None else _inputs_text(base, "base"))
         scene = self._open()
         if plan is not None:
             path, text = scene.execute_result(_json_of(plan, "plan"), _json_of(start, "start"))
@@ -229,9 +236,9 @@ class Scene:
         nested = any(is_list(entry) for entry in lists)
         if nested or (isinstance(values, str) and len(lists) > 1):
             text = "; ".join(_inputs_text(entry, f"{kind}[{i}]") for i, entry in enumerate(lists))
-            return Trajectory.from_json(scene.execute(kind, text, _json_of(start, "start"), True))
-        return self._known(
-            Execution.from_json(scene.execute(kind, _inputs_text(told_values, kind), _json_of(start, "start"), False)), start)
+            return Trajectory.from_json(scene.execute(kind, text, _json_of(start, "start"), True, *place))
+        text = scene.execute(kind, _inputs_text(told_values, kind), _json_of(start, "start"), False, *place)
+        return self._known(Execution.from_json(text), start)
 
     def describe(self) -> Description:
         """`tendril describe`: the assembled program, and what was left out of it and why. Plans nothing."""

@@ -50,6 +50,33 @@ TEST(Execute, ReadsMomentsInAnyUnitAndSign) {
   EXPECT_NEAR(si["tip"]["y"].get<double>(), unit["tip"]["y"].get<double>(), 1e-13);
 }
 
+TEST(Execute, HoldsTheLengthsOfTendonsAndTellsTheirTensions) {
+  const std::string file = scene_path("tendon_lengths.toml");
+  const json result = json_of({"execute", file, "--inputs", "8 mm, -8 mm"});
+  EXPECT_EQ(result["status"], "solved") << result["message"];
+  const json& inputs = result["inputs"];
+  EXPECT_EQ(inputs[0]["kind"], "tendon");
+  EXPECT_EQ(inputs[0]["control"], "length");
+  EXPECT_EQ(inputs[0]["unit"], "m");
+  EXPECT_NEAR(inputs[0]["value"].get<double>(), 8e-3, 1e-14);
+  EXPECT_EQ(inputs[0]["value"], inputs[0]["shortening"]);
+  EXPECT_GT(inputs[0]["tension"].get<double>(), 0.1);
+  EXPECT_EQ(inputs[1]["tension"], 0.0);
+  EXPECT_EQ(result["certificate"]["held_lengths"], 1);
+  EXPECT_GE(result["load"]["tendon_changes"], 1);
+  // A plan's lengths are carried out by their result, as moments are.
+  const TemporaryDirectory directory;
+  const json planned = json_of({"plan", file});
+  const json carried = json_of({"execute", file, "--plan", directory.write("plan.json", planned.dump())});
+  EXPECT_EQ(planned["status"], "solved") << planned["message"];
+  EXPECT_EQ(carried["status"], "solved") << carried["message"];
+  for (const std::size_t a : {0U, 1U}) {
+    EXPECT_NEAR(carried["inputs"][a]["shortening"].get<double>(), planned["inputs"][a]["shortening"].get<double>(),
+                1e-9);
+    EXPECT_NEAR(carried["inputs"][a]["tension"].get<double>(), planned["inputs"][a]["tension"].get<double>(), 1e-3);
+  }
+}
+
 TEST(Execute, UsesObstaclesWhateverTheContactModeSays) {
   const json result = json_of({"execute", scene_path("brace.toml"), "--moments", "2.5 N mm", "--set",
                                "contact.mode=ignore", "--set", "contact.max_force=0"});

@@ -146,9 +146,14 @@ std::vector<Combined> all_models() {
   return all;
 }
 
-/// Each objective alone, each pair, and all together.
+/// Each objective alone, each pair, and all together; but those that read tendons, which none of the scenes has.
 std::vector<std::vector<std::string>> choices_of_objectives() {
-  const std::vector<std::string> names = registry().names(ComponentKind::objective);
+  std::vector<std::string> names = registry().names(ComponentKind::objective);
+  std::erase_if(names, [](const std::string& name) {
+    const ObjectiveComponent& component = registry().objective(name);
+    const Reads reads = component.make(resolve_options(component.options, {}, {}, {}, name))->reads();
+    return reads.tensions || reads.shortenings;
+  });
   std::vector<std::vector<std::string>> choices;
   for (std::size_t i = 0; i < names.size(); ++i) {
     choices.push_back({names[i]});

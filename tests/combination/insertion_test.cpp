@@ -105,7 +105,9 @@ TEST(Insertion, ATrajectoryThatOnlyInsertsNeedsNoSolverWhileContactsStay) {
   double before = 0.0;
   for (std::size_t i = 0; i < trajectory.steps.size(); ++i) {
     const TrajectoryStep& step = trajectory.steps[i];
-    if (i > 0) EXPECT_EQ(step.effort.solver_calls, 0) << i;
+    if (i > 0) {
+      EXPECT_EQ(step.effort.solver_calls, 0) << i;
+    }
     EXPECT_GT(*step.plan.place.insertion, before) << i;
     ASSERT_EQ(step.plan.contacts.size(), 1U);
     before = *step.plan.place.insertion;

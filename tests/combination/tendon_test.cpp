@@ -1,10 +1,12 @@
 // Arms that tendons or pressures bend: the same plans as those of the moments that these make, and plans that execution
-// bears out where these moments vary along the rod.
+// bears out where these moments vary along the rod, told tensions or lengths.
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "support.hpp"
+#include "tendril/error.hpp"
 #include "tendril/execute.hpp"
 
 namespace tendril::combination {
@@ -42,6 +44,92 @@ TEST(Tendons, APairIsTheMomentsThatItMakes) {
     // Along a constant offset the shortening is the angle of the tip times the offset.
     EXPECT_NEAR(of_tendons.turns[a], of_tendons.tip_angle, 1e-10) << a;
   }
+}
+
+/// The arm of four tendons told their lengths, with the limits of their tensions.
+Scene arm_by_length(const std::string& solver) {
+  Scene arm = scene("tendon_arm", {"solver.plugin=" + solver, "coordinates.order=12"});
+  for (ActuatorSpec& a : arm.rod.actuators) a.by_length = true;
+  return arm;
+}
+
+TEST(Tendons, PlansOfLengthsAreThoseOfTheTensionsThatFollow) {
+  for (const std::string& solver : solvers_to_combine()) {
+    SCOPED_TRACE(solver);
+    const Plan by_tension = plan(scene("tendon_arm", {"solver.plugin=" + solver, "coordinates.order=12"}));
+    const Scene arm = arm_by_length(solver);
+    Plan by_length = plan(arm);
+    ASSERT_TRUE(certified(by_tension));
+    ASSERT_TRUE(certified(by_length));
+    const double length = arm.rod.length();
+    EXPECT_NEAR(by_length.objective, by_tension.objective, 1e-6 * by_tension.objective);
+    EXPECT_NEAR(by_length.tip_x, by_tension.tip_x, 1e-6 * length);
+    EXPECT_NEAR(by_length.tip_y, by_tension.tip_y, 1e-6 * length);
+    EXPECT_GT(by_length.certificate.held_lengths, 0);
+    EXPECT_GE(by_length.certificate.stability, by_tension.certificate.stability - 1e-6);
+    const Components parts = plugins::make_components(registry(), arm);
+    ExecuteControl control;
+    control.start = &by_length;
+    const Execution reached = verify(arm, parts.obstacles, by_length, control);
+    EXPECT_EQ(reached.result.status, PlanStatus::solved) << reached.result.message;
+    EXPECT_LT(by_length.model_error.value_or(infinity), 1e-8 * length);
+  }
+}
+
+// What a spool can take up limits the plan: in every basis of contacts, by every solver.
+TEST(Tendons, APlanKeepsTheLimitsOfLengths) {
+  for (const std::string& solver : solvers_to_combine()) {
+    SCOPED_TRACE(solver);
+    const Plan free = plan(arm_by_length(solver));
+    ASSERT_TRUE(certified(free));
+    Scene arm = arm_by_length(solver);
+    double most = 0.0;
+    for (std::size_t a = 0; a < arm.rod.actuators.size(); ++a) {
+      most = std::max(most, arm.rod.actuators[a].held(0.0, free.turns[a]));
+    }
+    const double limit = 0.8 * most;
+    for (ActuatorSpec& a : arm.rod.actuators) a.most_shortening = limit;
+    const Description described = problem(arm).describe();
+    EXPECT_TRUE(std::any_of(described.rows.begin(), described.rows.end(),
+                            [](const auto& row) { return row.name == "shortening" && row.count == 4; }));
+    Plan limited = plan(arm);
+    ASSERT_TRUE(certified(limited));
+    EXPECT_GT(limited.objective, free.objective);
+    double longest = 0.0;
+    for (std::size_t a = 0; a < arm.rod.actuators.size(); ++a) {
+      longest = std::max(longest, arm.rod.actuators[a].held(0.0, limited.turns[a]));
+    }
+    EXPECT_NEAR(longest, limit, 1e-9 * arm.rod.length());
+    const Components parts = plugins::make_components(registry(), arm);
+    ExecuteControl control;
+    control.start = &limited;
+    const Execution reached = verify(arm, parts.obstacles, limited, control);
+    EXPECT_EQ(reached.result.status, PlanStatus::solved) << reached.result.message;
+    EXPECT_LT(limited.model_error.value_or(infinity), 1e-8 * arm.rod.length());
+  }
+}
+
+TEST(Tendons, ATermSeesTensions) {
+  const auto tensions_of = [](const std::vector<std::string>& more) {
+    std::vector<std::string> overrides{"solver.plugin=ipopt", "objective.1.plugin=tendon_tension",
+                                       "objective.1.weight=0.01"};
+    overrides.insert(overrides.end(), more.begin(), more.end());
+    const Scene arm = scene("tendon_arm", overrides);
+    const Plan found = plan(arm);
+    EXPECT_TRUE(certified(found));
+    std::vector<double> tensions;
+    for (std::size_t a = 0; a < 4; ++a) tensions.push_back(arm.rod.actuators[a].input_of(found.moments[a]));
+    return tensions;
+  };
+  const auto [least, most] = [&] {
+    const std::vector<double> t = tensions_of({});
+    return std::pair(*std::min_element(t.begin(), t.end()), *std::max_element(t.begin(), t.end()));
+  }();
+  EXPECT_NEAR(least, 0.0, 1e-6);
+  EXPECT_GT(most, 0.1);
+  for (const double t : tensions_of({"objective.1.wanted=1 N", "objective.1.weight=1e4"})) EXPECT_NEAR(t, 1.0, 0.2);
+  // The same program without tendons has nothing to see.
+  EXPECT_THROW(plan(scene("brace", {"objective.1.plugin=tendon_tension"})), SceneError);
 }
 
 TEST(Pressures, ALawOfPressurePlansTheMomentsThatItGives) {

@@ -73,10 +73,18 @@ TEST_P(GraspDerivatives, RowsOfTheWholeAreWhatTheySay) {
     const Vec2 p = units[which] * program->finger(which).backbone().at(piece, sigma).position;
     return which == 0 ? p : Vec2{p.x, -p.y};
   };
+  const auto radius = [&](std::size_t which, int piece, double sigma) {
+    const Backbone& backbone = program->finger(static_cast<int>(which)).backbone();
+    const double s = backbone.start(piece) + sigma * backbone.length(piece);
+    return units[which] * sample.rods[which].radius_at(s).value;
+  };
   for (std::size_t k = 0; k < 2; ++k) {
     const FingerSeparation& s = program->spec().separations[k];
     const Vec2 apart = point(0, s.upper_piece, s.upper_sigma) - point(1, s.lower_piece, s.lower_sigma);
-    EXPECT_NEAR(c[program->first_separation() + static_cast<int>(k)], dot(s.normal, apart), 1e-12);
+    // The sides of the bodies, not the backbones.
+    const double bodies = radius(0, s.upper_piece, s.upper_sigma) + radius(1, s.lower_piece, s.lower_sigma);
+    EXPECT_GT(bodies, 0.01);
+    EXPECT_NEAR(c[program->first_separation() + static_cast<int>(k)], dot(s.normal, apart) - bodies, 1e-12);
   }
   double axial = 0.0;
   for (int which = 0; which < 2; ++which) {
@@ -101,12 +109,18 @@ INSTANTIATE_TEST_SUITE_P(All, GraspDerivatives,
 
 /// An arc of a circle as a finger of unit length.
 struct Arc {
-  Arc(Vec2 base, double angle, double curvature) : backbone(chain, base, angle) {
+  Arc(Vec2 base, double angle, double curvature, double radius = 0.0)
+      : rod(thick(radius)), backbone(chain, base, angle) {
     backbone.move(Eigen::VectorXd::Constant(1, curvature), {});
     curve.follow(backbone);
   }
+  static Rod thick(double radius) {
+    Rod rod;
+    rod.segments[0].radius = radius;
+    return rod;
+  }
   LegendreBasis basis{1, 1};
-  Rod rod{};
+  Rod rod;
   Chain chain{rod, basis, {}, 24};
   Backbone backbone;
   Curve curve{chain.curve_tables()};
@@ -138,6 +152,21 @@ TEST(FingerClearance, OfArcsIsThatOfTheirCircles) {
   // The same in units twice as large, and mirrored.
   const FingerClearance larger = finger_clearance({&along.curve, 2.0, true}, {&bulge.curve, 2.0, true});
   EXPECT_NEAR(larger.depth, 0.02, 2e-6);
+}
+
+// Backbones on their own sides whose bodies lie in each other: they are kept apart along what lies between.
+TEST(FingerClearance, OfBodiesIsThatOfTheirSides) {
+  const Arc low({0.0, 0.0}, 0.0, 0.0, 0.03);
+  const Arc high({0.0, 0.07}, 0.0, 0.0, 0.05);
+  const FingerClearance found = finger_clearance({&high.curve, 1.0, false}, {&low.curve, 1.0, false});
+  EXPECT_NEAR(found.depth, 0.01, 1e-9);
+  ASSERT_EQ(found.crossings.size(), 1U);
+  EXPECT_NEAR(found.crossings[0].normal.x, 0.0, 1e-12);
+  EXPECT_NEAR(found.crossings[0].normal.y, 1.0, 1e-12);
+  const Arc higher({0.0, 0.0801}, 0.0, 0.0, 0.05);
+  const FingerClearance apart = finger_clearance({&higher.curve, 1.0, false}, {&low.curve, 1.0, false});
+  EXPECT_EQ(apart.depth, 0.0);
+  EXPECT_TRUE(apart.crossings.empty());
 }
 
 }  // namespace

@@ -214,7 +214,7 @@ TEST_P(PoseDerivatives, MarginOfStabilityAndSpreadingChangeAsTheirRowsSay) {
       const Eigen::MatrixXd expected = differences(x, margin, with_step);
       return largest(kept.jacobian(x).row(row) - expected) / (1.0 + largest(expected));
     };
-    EXPECT_LT(std::min(off(step), off(0.1 * step)), 1e-6);
+    EXPECT_LT(std::min({off(step), off(0.3 * step), off(0.1 * step)}), 1e-6);
     // On the doubled rule, as the certificate has it.
     EXPECT_NEAR(kept.constraints(x)[row], certifier.stability(x), 1e-7 * (1.0 + std::abs(kept.constraints(x)[row])));
   }

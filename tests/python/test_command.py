@@ -50,6 +50,14 @@ def test_settings(scenes, brace):
                                'coordinates={plugin="pcc",pieces=8,split_at_contact=false}'))
 
 
+def test_execute_of_a_placed_rod(scenes):
+    file = scenes / "inserted.toml"
+    same(tendril.load(file).execute(["3 N mm"], insertion="150 mm", base=["2 mm", 0.0, "5 deg"]),
+         command("execute", file, "--moments", "3 N mm", "--insertion", "150 mm", "--base", "2 mm, 0, 5 deg"))
+    with pytest.raises(ValueError, match="insertion"):
+        tendril.load(file).execute(["3 N mm"], insertion=float("nan"))
+
+
 def test_execute(scenes, brace, tmp_path):
     file = scenes / "brace.toml"
     same(brace.execute(["2.5 N mm"]), command("execute", file, "--moments", "2.5 N mm"))

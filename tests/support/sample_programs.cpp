@@ -12,6 +12,7 @@ Reads Everything::reads() const {
   r.tip_position = r.tip_angle = r.bending_energy = r.moments = true;
   r.contact_point = r.contact_gap = r.contact_normal = r.contact_force = r.contact_arc_length = parts_.contacts;
   r.palm_distance = parts_.palm;
+  r.tensions = r.shortenings = parts_.tendons;
   r.target = parts_.target;
   r.samples = parts_.samples;
   return r;
@@ -55,6 +56,12 @@ SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
   if (setup.profiles) {
     rod.actuators[0].profile = {{0.0, 0.45, {1.0, -0.7, 0.4}}, {0.45, 1.0, {0.8, 0.9, -1.7, 1.1}}};
     rod.actuators[1].profile = {{0.45, 1.0, {0.6, 0.5}}};
+    // Tendons on either side, the first one told its length.
+    rod.actuators[0].offset = 0.7;
+    rod.actuators[0].by_length = true;
+    rod.actuators[0].least_shortening = -3.0;
+    rod.actuators[0].most_shortening = 2.0;
+    rod.actuators[1].offset = -0.4;
   }
   if (setup.stretches) {
     rod.stretch_order = 3;
@@ -65,7 +72,11 @@ SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
       rod.segments[1].more_axial = {-0.4, 0.3, -0.2};
     }
     rod.actuators[0].thrust = -0.6;
-    rod.actuators[1].thrust = 0.8;
+    // A chamber whose axial force does not go with its moment: no tendon.
+    rod.actuators[1].offset = 0.0;
+    rod.actuators[1].pull = [](double u) {
+      return Rod::Jet{u * (0.8 + u * (0.1 - 0.05 * u)), 0.8 + u * (0.2 - 0.15 * u), 0.2 - 0.3 * u};
+    };
   }
   rod.gravity = {0.28, -0.96};
   rod.payload = 0.4;
@@ -87,6 +98,7 @@ SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
       std::make_unique<Everything>(Everything::Parts{.contacts = setup.tip_contact || setup.interior_contacts > 0,
                                                      .palm = setup.palm,
                                                      .target = true,
+                                                     .tendons = setup.profiles,
                                                      .samples = {0.23, 0.61, 0.97}});
   spec.terms = {{everything.get(), 1.3, "everything"}};
   spec.target = {{0.9, 0.2}, 0.0, true, false};
@@ -108,10 +120,13 @@ SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
 SampleGrasp::SampleGrasp(const Setup& setup) {
   rods[0].segments = {{0.0, 0.4, 1.0, 2.0, 0.3}, {0.4, 1.0, 0.6, 1.1, -0.2}};
   rods[0].actuators = {{0.0, 1.0, -3.0, 3.0}, {0.4, 1.0, -2.0, 2.0}};
+  rods[0].segments[1].radius = 0.03;
+  rods[0].segments[1].more_radius = {0.01, -0.02};
   rods[0].gravity = {0.28, -0.96};
   rods[0].base = {0.0, 0.2};
   rods[0].base_angle = 0.1;
   rods[1].segments = {{0.0, 1.0, 1.0, 0.7, -0.4}};
+  rods[1].segments[0].radius = 0.02;
   rods[1].actuators = {{0.0, 0.7, -3.0, 3.0}};
   rods[1].gravity = {0.28, 0.96};
   rods[1].payload = 0.3;

@@ -23,6 +23,7 @@ class Everything : public ObjectiveBase<Everything> {
     bool contacts = true;
     bool palm = false;
     bool target = false;
+    bool tendons = false;
     std::vector<double> samples{};  ///< arc lengths
   };
   explicit Everything(Parts parts) : parts_(std::move(parts)) {}
@@ -35,9 +36,12 @@ class Everything : public ObjectiveBase<Everything> {
     if (parts_.palm) out.smooth(exp(x.palm_distance) * x.tip.y);
     if (parts_.target) out.residual(x.tip.x - x.target.position.x);
     for (const T& u : x.moments) out.smooth(exp(0.3 * u) * x.tip.x);
+    for (const T& tension : x.tensions) out.residual(0.2 * tension * x.tip.y);
+    for (const T& shortening : x.shortenings) out.smooth(exp(0.4 * shortening) * x.tip.angle);
     for (const BackboneQuantities<T>& b : x.samples) {
       out.residual(b.x * b.angle);
       out.smooth(b.y * b.curvature + 0.1 * b.curvature * b.curvature * b.curvature);
+      out.smooth(b.x * b.strain + 0.3 * b.strain * b.strain * b.strain);
     }
     for (const ContactQuantities<T>& c : x.contacts) {
       out.residual((c.x - c.reference_x) * c.force + c.normal_x * c.normal_y);

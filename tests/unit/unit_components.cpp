@@ -119,12 +119,12 @@ TEST(CoordinatePlugins, RefuseContradictions) {
   EXPECT_TRUE(contains_text(refusal([&] { make(pcc, {{"pieces", {std::int64_t{65}}}}); }), "from 1 to 64"));
 }
 
-/// Everything that a term may read, from a plain vector: two contacts and two moments.
+/// Everything that a term may read, from a plain vector: two contacts, two moments and two tendons.
 template <class T>
 class World {
  public:
   static constexpr std::size_t numbers_per_contact = 9;
-  static constexpr std::size_t size = 4 + 2 * numbers_per_contact + 2 + 2;
+  static constexpr std::size_t size = 4 + 2 * numbers_per_contact + 6 + 2;
 
   World(const std::vector<T>& x, Target target) {
     std::size_t at = 4;
@@ -134,10 +134,14 @@ class World {
       at += numbers_per_contact;
     }
     moments_ = {x[at], x[at + 1]};
+    tensions_ = {x[at + 2], x[at + 3]};
+    shortenings_ = {x[at + 4], x[at + 5]};
     quantities_.contacts = contacts_;
     quantities_.moments = moments_;
-    quantities_.bending_energy = x[at + 2];
-    quantities_.palm_distance = x[at + 3];
+    quantities_.tensions = tensions_;
+    quantities_.shortenings = shortenings_;
+    quantities_.bending_energy = x[at + 6];
+    quantities_.palm_distance = x[at + 7];
     quantities_.target = target;
   }
   World(const World&) = delete;
@@ -147,7 +151,7 @@ class World {
 
  private:
   std::array<ContactQuantities<T>, 2> contacts_{};
-  std::array<T, 2> moments_{};
+  std::array<T, 2> moments_{}, tensions_{}, shortenings_{};
   Quantities<T> quantities_{};
 };
 
@@ -216,7 +220,7 @@ TEST_P(ObjectivePlugin, DependsOnNothingThatItDoesNotRead) {
   Registry registry = built_plugins();
   const auto term = make(registry.objective(GetParam().name), GetParam().options);
   const Reads reads = term->reads();
-  // Tip, two contacts, moments, energy, palm.
+  // Tip, two contacts, moments, tendons, energy, palm.
   std::vector<bool> read{reads.tip_position, reads.tip_position, reads.tip_angle, false};
   for (std::size_t c = 0; c < 2; ++c) {
     // The reference point is given with the contact point.
@@ -226,7 +230,10 @@ TEST_P(ObjectivePlugin, DependsOnNothingThatItDoesNotRead) {
       read.push_back(r);
     }
   }
-  for (const bool r : {reads.moments, reads.moments, reads.bending_energy, reads.palm_distance}) read.push_back(r);
+  for (const bool r : {reads.moments, reads.moments, reads.tensions, reads.tensions, reads.shortenings,
+                       reads.shortenings, reads.bending_energy, reads.palm_distance}) {
+    read.push_back(r);
+  }
   ASSERT_EQ(read.size(), World<double>::size);
 
   const std::vector<double> x = some_point();
@@ -255,8 +262,9 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(TermCase{"tip_pose", {}}, TermCase{"tip_pose", {{"angle_weight", {0.0}}}},
                     TermCase{"tip_pose", {{"weights", rows({{2, 0.5, 0.1}, {0.5, 1, 0}, {0.1, 0, 3}})}}},
                     TermCase{"actuation_effort", {}}, TermCase{"actuation_effort", {{"weights", numbers({2, 3})}}},
-                    TermCase{"contact_proximity", {{"weights", rows({{2, 1}, {1, 3}})}}},
-                    TermCase{"contact_force", {}}),
+                    TermCase{"contact_proximity", {{"weights", rows({{2, 1}, {1, 3}})}}}, TermCase{"contact_force", {}},
+                    TermCase{"tendon_tension", {}}, TermCase{"tendon_tension", {{"wanted", {0.7}}}},
+                    TermCase{"tendon_tension", {{"equal", {true}}}}),
     [](const auto& test) { return test.param.name + ("_" + std::to_string(test.index)); });
 
 TEST(TipPose, CountsWhatTheTargetHas) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "system/tables.hpp"
+#include "tendril/execute.hpp"
 #include "tendril/grasp.hpp"
 #include "tendril/scale.hpp"
 #include "tendril/tolerances.hpp"
@@ -33,6 +34,20 @@ std::vector<double> all_moments(const Plan& plan) {
   return moments;
 }
 
+std::vector<double> all_held(const Scene& scene, const Plan& plan) {
+  std::vector<double> held;
+  for (const ShownFinger& finger : fingers_of(scene, plan)) {
+    Scene own;
+    own.rod = finger.rod;
+    Plan state;
+    state.moments = finger.state.moments;
+    state.turns = finger.state.turns;
+    const std::vector<double> one = held_of(own, state);
+    held.insert(held.end(), one.begin(), one.end());
+  }
+  return held;
+}
+
 std::vector<ActuatorSpec> actuators_of(const Scene& scene) {
   if (!plans_both_fingers(scene)) return scene.rod.actuators;
   std::vector<ActuatorSpec> all = finger_of(scene, FingerName::upper).rod.actuators;
@@ -49,11 +64,17 @@ std::vector<ShownActuator> shown_actuators(const Scene& scene, const Plan& plan)
       const ActuatorSpec& actuator = finger.rod.actuators[a];
       // What a moment may miss, and the rounding of its own digits.
       const double close = tolerance::bounds * (scale_of(scene).moment() + std::abs(moments[a]));
-      const double over = excess(actuator, moments[a]);
-      const char* where = over > close ? "beyond its limit" : over >= -close ? "at its limit" : "inside";
-      all.push_back({finger.name, a + 1, where, moments[a], actuator.minimum, actuator.maximum, actuator});
       const std::vector<double>& turns = finger.state.turns;
-      if (a < turns.size()) all.back().shortening = turns[a] * actuator.largest_offset() + 0.0;
+      const double shortening = a < turns.size() ? turns[a] * actuator.largest_offset() + 0.0 : 0.0;
+      double over = excess(actuator, moments[a]);
+      if (actuator.by_length) {
+        // A tendon that is slack is at no limit of its tension.
+        if (std::abs(moments[a]) <= close) over = -infinity;
+        const double beyond = std::max(actuator.least_shortening - shortening, shortening - actuator.most_shortening);
+        over = std::max(over, beyond / std::abs(actuator.largest_offset()) * scale_of(scene).moment());
+      }
+      const char* where = over > close ? "beyond its limit" : over >= -close ? "at its limit" : "inside";
+      all.push_back({finger.name, a + 1, where, moments[a], actuator.minimum, actuator.maximum, actuator, shortening});
     }
   }
   return all;
@@ -91,7 +112,8 @@ void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
                {"where", a.where}};
     if (pressure) input["pressure"] = number(a.input());
     if (a.is(ActuatorKind::tendon)) {
-      input["tension"] = number(a.input());
+      input["control"] = a.spec.by_length ? "length" : "tension";
+      input["tension"] = number(a.input_of(a.moment));
       input["shortening"] = number(a.shortening);
     }
     if (!a.finger.empty()) input["finger"] = a.finger;

@@ -24,6 +24,9 @@ std::vector<ShownFinger> fingers_of(const Scene& scene, const Plan& plan);
 /// One per actuator (N m), those of the lower finger behind those of the upper one.
 std::vector<double> all_moments(const Plan& plan);
 
+/// The same of what execution holds: moments, and shortenings (m) of tendons told their length.
+std::vector<double> all_held(const Scene& scene, const Plan& plan);
+
 /// What the moments of a plan of the scene belong to: the actuators of the rod, or of both fingers.
 std::vector<ActuatorSpec> actuators_of(const Scene& scene);
 
@@ -36,9 +39,10 @@ struct ShownActuator {
   ActuatorSpec spec{};
   double shortening = 0.0;  ///< m, of a tendon
 
-  /// What it is told under a moment.
+  /// Tension, pressure or moment under a moment.
   double input_of(double m) const { return spec.input_of(m) + 0.0; }
-  double input() const { return input_of(moment); }
+  /// What it is told.
+  double input() const { return spec.by_length ? shortening : input_of(moment); }
   bool is(ActuatorKind kind) const { return spec.input() == kind; }
 };
 std::vector<ShownActuator> shown_actuators(const Scene& scene, const Plan& plan);

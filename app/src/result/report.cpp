@@ -51,34 +51,61 @@ std::string verification_text(const Plan& plan) {
   return plan.verification.empty() ? "" : line("execution", printable(plan.verification));
 }
 
+/// A table of the actuators that it is about: what each is at, and between which limits. `more`: heads of further
+/// columns.
+template <class IsIn, class Cells>
+std::string actuator_table(const std::vector<ShownActuator>& actuators, const char* head,
+                           const std::vector<std::string>& more, const IsIn& is_in, const Cells& cells) {
+  Grid grid;
+  for (const ShownActuator& a : actuators) {
+    if (!is_in(a)) continue;
+    std::vector<std::string> row{head, "value", "from", "to", "where"};
+    row.insert(row.end(), more.begin(), more.end());
+    if (grid.empty()) grid.row(std::move(row));
+    row = {(a.finger.empty() ? "" : a.finger + " ") + std::to_string(a.number)};
+    for (std::string& cell : cells(a)) row.push_back(std::move(cell));
+    row.insert(row.begin() + 4, a.where);
+    grid.row(std::move(row));
+  }
+  return grid.empty() ? std::string() : '\n' + grid.text("");
+}
+
 std::string moments_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
   const std::vector<ShownActuator> actuators = shown_actuators(scene, plan);
-  const auto table = [&](const char* head, const auto& is_in, const auto& shown, bool told) {
-    Grid grid;
-    for (const ShownActuator& a : actuators) {
-      if (!is_in(a)) continue;
-      const bool tendon = a.is(ActuatorKind::tendon);
-      std::vector<std::string> heads{head, "value", "from", "to", "where"};
-      if (tendon) heads.emplace_back("shortening");
-      if (grid.empty()) grid.row(std::move(heads));
-      const auto value = [&](double moment) { return told ? a.input_of(moment) : moment + 0.0; };
-      const auto limit = [&](double v) { return std::isfinite(v) ? shown(v) : std::string("no limit"); };
-      const auto [from, to] = std::minmax({value(a.lowest), value(a.highest)});
-      std::vector<std::string> cells{(a.finger.empty() ? "" : a.finger + " ") + std::to_string(a.number),
-                                     shown(value(a.moment)), limit(from), limit(to), a.where};
-      if (tendon) cells.push_back(units.lengths(a.shortening));
-      grid.row(std::move(cells));
-    }
-    return grid.empty() ? std::string() : '\n' + grid.text("");
+  const auto limited = [](double value, double low, double high, const auto& shown) {
+    const auto limit = [&](double v) { return std::isfinite(v) ? shown(v) : std::string("no limit"); };
+    return std::vector<std::string>{shown(value), limit(low), limit(high)};
   };
-  const auto of = [](ActuatorKind kind) { return [kind](const ShownActuator& a) { return a.is(kind); }; };
-  return table(
-             "moment", [](const ShownActuator& a) { return !a.is(ActuatorKind::tendon); },
-             [&](double v) { return units.moment(v); }, false) +
-         table(
-             "pressure", of(ActuatorKind::pressure), [&](double v) { return units.pressure(v); }, true) +
-         table(
-             "tension", of(ActuatorKind::tendon), [](double v) { return force(v); }, true);
+  const auto told = [&](const ShownActuator& a, const auto& shown) {
+    const auto [from, to] = std::minmax({a.input_of(a.lowest), a.input_of(a.highest)});
+    return limited(a.input_of(a.moment), from, to, shown);
+  };
+  const auto lengths = [&](double v) { return units.lengths(v); };
+  return actuator_table(
+             actuators, "moment", {}, [](const ShownActuator& a) { return !a.is(ActuatorKind::tendon); },
+             [&](const ShownActuator& a) {
+               return limited(a.moment + 0.0, a.lowest + 0.0, a.highest + 0.0,
+                              [&](double v) { return units.moment(v); });
+             }) +
+         actuator_table(
+             actuators, "pressure", {}, [](const ShownActuator& a) { return a.is(ActuatorKind::pressure); },
+             [&](const ShownActuator& a) { return told(a, [&](double v) { return units.pressure(v); }); }) +
+         actuator_table(
+             actuators, "tension", {"shortening"},
+             [](const ShownActuator& a) { return a.is(ActuatorKind::tendon) && !a.spec.by_length; },
+             [&](const ShownActuator& a) {
+               std::vector<std::string> cells = told(a, [](double v) { return force(v); });
+               cells.push_back(lengths(a.shortening));
+               return cells;
+             }) +
+         actuator_table(
+             actuators, "shortening", {"tension"}, [](const ShownActuator& a) { return a.spec.by_length; },
+             [&](const ShownActuator& a) {
+               std::vector<std::string> cells =
+                   limited(a.shortening, a.spec.least_shortening, a.spec.most_shortening, lengths);
+               cells.push_back(force(a.input_of(a.moment)));
+               return cells;
+             });
 }
 
 /// Contacts in a row that stand for the stretch along which the rod lies on one obstacle are one line: from where to
@@ -193,8 +220,8 @@ std::string certificate_text(const Certificate& certificate) {
   if (certificate.balance > 0.0) at_most("force balance", certificate.balance, tolerance::balance);
   at_most("stationarity", certificate.stationarity, tolerance::stationarity);
   grid.row({"  kind", certificate.stationarity_kind, "S", certificate.stationarity_kind == "S" ? "ok" : "FAILS"});
-  entry("stability", certificate.stability, fmt::format("> {:g}", tolerance::stability),
-        certificate.stability > tolerance::stability);
+  entry(certificate.held_lengths > 0 ? "stability, lengths held" : "stability", certificate.stability,
+        fmt::format("> {:g}", tolerance::stability), certificate.stability > tolerance::stability);
   if (certificate.out_of_plane && certificate.guided_in_plane) {
     grid.row({"out of plane", fmt::format("{:.3g}", *certificate.out_of_plane), "(guided)", ""});
   } else if (certificate.out_of_plane) {
@@ -307,8 +334,11 @@ std::string execution_report(const Scene& scene, const Execution& execution, con
   const bool has_shape = !plan.backbone.empty();
   if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);
   if (!run.uncertainties.empty()) text += uncertainty_text(scene, run.uncertainties.front());
-  text += line("path", fmt::format("load fraction {:.9g} reached in {} steps, {} contacts made or released",
-                                   execution.load, execution.steps, execution.contact_changes));
+  text += line("path", fmt::format("load fraction {:.9g} reached in {} steps, {} contacts made or released{}",
+                                   execution.load, execution.steps, execution.contact_changes,
+                                   execution.tendon_changes == 0
+                                       ? ""
+                                       : fmt::format(", {} tendons drawn taut or slack", execution.tendon_changes)));
   text += line("basis", fmt::format("{} pieces of {} functions", execution.pieces, plan.order));
   if (!execution.snaps.empty()) {
     Grid snaps;

@@ -35,6 +35,7 @@ Json certificate_json(const Certificate& certificate) {
             {"quadrature", number(certificate.quadrature)},
             {"failures", certificate.failures}};
   if (certificate.least_stretch < 1.0) json["least_stretch"] = number(certificate.least_stretch);
+  if (certificate.held_lengths > 0) json["held_lengths"] = certificate.held_lengths;
   if (certificate.out_of_plane) json["out_of_plane"] = number(*certificate.out_of_plane);
   return json;
 }
@@ -346,6 +347,7 @@ Json execution_result(const Scene& scene, const Execution& execution, const RunI
   add_run(json, scene, run);
   json["load"] = {
       {"reached", number(execution.load)}, {"steps", execution.steps}, {"contact_changes", execution.contact_changes}};
+  if (execution.tendon_changes > 0) json["load"]["tendon_changes"] = execution.tendon_changes;
   json["basis"] = {{"name", LegendreBasis::name}, {"order", execution.result.order}, {"pieces", execution.pieces}};
   Json snaps = Json::array();
   for (const Snap& snap : execution.snaps) {

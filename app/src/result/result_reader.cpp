@@ -92,6 +92,19 @@ std::vector<double> read_moments(const Reader& root, const RodSpec& rod, const s
   return moments;
 }
 
+/// What held lengths need: the turns (Plan::turns) of the actuators of a rod, which are `first` and behind it in the
+/// result. Empty where it does not tell them.
+std::vector<double> read_turns(const Reader& root, const RodSpec& rod, std::size_t first) {
+  std::vector<double> turns(rod.actuators.size(), 0.0);
+  if (!root.has("inputs")) return {};
+  const std::vector<Reader> inputs = root.member("inputs").list();
+  for (std::size_t a = 0; a < turns.size() && first + a < inputs.size(); ++a) {
+    if (!rod.actuators[a].by_length) continue;
+    turns[a] = inputs[first + a].member("shortening").real() / rod.actuators[a].largest_offset();
+  }
+  return turns;
+}
+
 /// Both fingers of a plan.
 void read_fingers(const Reader& root, const Scene& scene, const std::string& file, Plan& plan) {
   const std::vector<Reader> fingers = root.member("fingers").list();
@@ -99,12 +112,14 @@ void read_fingers(const Reader& root, const Scene& scene, const std::string& fil
   const RodSpec upper = finger_of(scene, FingerName::upper).rod;
   const RodSpec lower = finger_of(scene, FingerName::lower).rod;
   plan.moments = read_moments(fingers[0], upper, file);
+  plan.turns = read_turns(root, upper, 0);
   plan.coordinates = fingers[0].member("coordinates").reals();
   plan.contacts = read_contacts(fingers[0], scene, upper.length());
   plan.backbone = read_backbone(fingers[0], upper.length());
   read_tip(fingers[0], plan.tip_x, plan.tip_y, plan.tip_angle);
   FingerPlan& below = plan.grasp->lower.emplace();
   below.moments = read_moments(fingers[1], lower, file);
+  below.turns = read_turns(root, lower, upper.actuators.size());
   below.coordinates = fingers[1].member("coordinates").reals();
   below.contacts = read_contacts(fingers[1], scene, lower.length());
   below.backbone = read_backbone(fingers[1], lower.length());
@@ -133,6 +148,7 @@ std::vector<TrajectoryStep> parse_steps(const std::string& text, const std::stri
     TrajectoryStep& step = steps.emplace_back();
     step.plan.moments = read_moments(entry, scene.rod, file);
     step.plan.place = read_place(entry);
+    step.plan.turns = read_turns(entry, scene.rod, 0);
     if (!entry.has("target")) continue;
     const Reader target = entry.member("target");
     if (target.has("position")) step.target.position = target.member("position").point();
@@ -162,6 +178,7 @@ Plan parse_start(const std::string& text, const std::string& file, const Scene& 
   plan.coordinates = coordinates.member("values").reals();
   plan.moments = read_moments(root, scene.rod, file);
   plan.place = read_place(root);
+  plan.turns = read_turns(root, scene.rod, 0);
   read_tip(root, plan.tip_x, plan.tip_y, plan.tip_angle);
   plan.contacts = read_contacts(root, scene, scene.rod.length());
   plan.backbone = read_backbone(root, scene.rod.length(), plan.place.insertion);

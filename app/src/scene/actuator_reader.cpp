@@ -17,7 +17,7 @@ Key<ActuatorDraft> input_quantity(std::string name, Range range, std::string des
       quantity<ActuatorDraft>(std::move(name), dimension::moment, range, "no limit", std::move(description), set);
   key.read = [spec = key.spec, set](const Context& context, const Node& node, ActuatorDraft& draft) {
     KeySpec own = spec;
-    own.dimension = ActuatorSpec{.kind = draft.kind}.input_dimension();
+    own.dimension = ActuatorSpec{.kind = draft.kind, .by_length = draft.by_length}.input_dimension();
     set(draft, read_quantity(context, node, own));
   };
   return key;
@@ -52,32 +52,41 @@ Key<ActuatorDraft> offset_key() {
   return key;
 }
 
-/// The coefficients of a law of pressure.
-Key<ActuatorDraft> law_key() {
-  Key<ActuatorDraft> key{
-      {"moment_per_pressure", KeyType::law, dimension::moment_per_pressure, "",
-       "Moment that a unit of pressure gives; negative if pressure bends to the right. Or coefficients "
-       "of the pressure, its square, and so on, which need limits of the pressure."},
-      {}};
-  key.read = [spec = key.spec](const Context& context, const Node& node, ActuatorDraft& draft) {
+/// The coefficients of a law of pressure. `unit`: of what a pressure gives, "N m" or "N".
+Key<ActuatorDraft> law_key(const std::string& name, const Dimension& dimension, const std::string& unit,
+                           const std::string& description, std::vector<double> ActuatorDraft::*law) {
+  Key<ActuatorDraft> key{{name, KeyType::law, dimension, "", description}, {}};
+  key.read = [spec = key.spec, unit, law](const Context& context, const Node& node, ActuatorDraft& draft) {
+    std::vector<double>& coefficients = draft.*law;
     const auto* list = std::get_if<Node::List>(&node.value);
     if (list == nullptr) {
-      draft.moment_per_pressure = {read_quantity(context, node, spec)};
+      coefficients = {read_quantity(context, node, spec)};
       return;
     }
-    constexpr std::array<std::string_view, 5> units{"N m/Pa", "N m/Pa^2", "N m/Pa^3", "N m/Pa^4", "N m/Pa^5"};
-    if (list->empty() || list->size() > units.size()) {
-      context.fail(node, "a moment per pressure, or a list of 1 to 5 coefficients of the pressure, its square, ...");
+    constexpr std::array<std::string_view, 5> pressures{"/Pa", "/Pa^2", "/Pa^3", "/Pa^4", "/Pa^5"};
+    if (list->empty() || list->size() > pressures.size()) {
+      context.fail(node,
+                   fmt::format("{} per pressure, or a list of 1 to 5 coefficients of the pressure, its square, ...",
+                               unit == "N" ? "a force" : "a moment"));
     }
     for (std::size_t i = 0; i < list->size(); ++i) {
       KeySpec own = spec;
-      own.dimension = {0, 0, units.at(i)};
-      draft.moment_per_pressure.push_back(read_quantity(context, (*list)[i], own));
+      const std::string of_power = unit + std::string(pressures.at(i));
+      own.dimension = {0, 0, of_power};
+      coefficients.push_back(read_quantity(context, (*list)[i], own));
     }
-    while (draft.moment_per_pressure.size() > 1 && draft.moment_per_pressure.back() == 0.0) {
-      draft.moment_per_pressure.pop_back();
-    }
+    while (coefficients.size() > 1 && coefficients.back() == 0.0) coefficients.pop_back();
   };
+  return key;
+}
+
+Key<ActuatorDraft> control_key() {
+  Key<ActuatorDraft> key = text<ActuatorDraft>(
+      "control", "tension",
+      "What a tendon is told: its tension, or its length, by which it is shorter than along the straight rod; the "
+      "tension then follows, and is 0 where the tendon is slack.",
+      [](ActuatorDraft& t, const std::string& word) { t.by_length = word == "length"; }, {"tension", "length"});
+  key.first = true;
   return key;
 }
 
@@ -97,22 +106,23 @@ Key<ActuatorDraft> kind_key() {
 /// The limits in what the actuator is told, as they stand in the scene.
 std::pair<double, double> written_limits(const Document& document, const std::string& path,
                                          const ActuatorDraft& actuator) {
-  const bool tendon = actuator.kind == ActuatorKind::tendon;
+  const bool pulls = actuator.kind == ActuatorKind::tendon && !actuator.by_length;
   if (actuator.limit) {
     if (actuator.minimum || actuator.maximum) {
       document.fail(document.find(path + "limit"),
                     "found 'limit' beside 'min' or 'max', expected either limit or min and max");
     }
-    return {tendon ? 0.0 : -*actuator.limit, *actuator.limit};
+    return {pulls ? 0.0 : -*actuator.limit, *actuator.limit};
   }
-  const std::pair limits{actuator.minimum.value_or(tendon ? 0.0 : -infinity), actuator.maximum.value_or(infinity)};
+  const std::pair limits{actuator.minimum.value_or(pulls ? 0.0 : -infinity), actuator.maximum.value_or(infinity)};
   const auto [low, high] = limits;
-  if (tendon && low < 0.0) {
+  if (pulls && low < 0.0) {
     document.fail(document.find(path + "min"),
                   fmt::format("found a tension of {} N, expected one that is not negative: a tendon only pulls", low));
   }
   if (low > high) {
-    const std::string_view unit = ActuatorSpec{.kind = actuator.kind}.input_dimension().unit;
+    const std::string_view unit =
+        ActuatorSpec{.kind = actuator.kind, .by_length = actuator.by_length}.input_dimension().unit;
     document.fail(document.find(path + (actuator.minimum ? "min" : "max")),
                   fmt::format("found min {} {} above max {} {}, expected min <= max", low, unit, high, unit));
   }
@@ -173,6 +183,28 @@ void finish_offset(const Document& document, const std::string& path, const Actu
   for (const Vec2& p : actuator.offset_table) spec.offset.push_back({p.x, p.y});
 }
 
+/// What only tendons that are told their length have.
+void check_control(const Document& document, const std::string& path, const ActuatorDraft& actuator) {
+  const bool tendon = actuator.kind == ActuatorKind::tendon;
+  if (!tendon && actuator.by_length) {
+    document.fail(document.find(path + "control"), "found a control by length, expected kind = \"tendon\" beside it");
+  }
+  if (actuator.largest_tension && !(tendon && actuator.by_length)) {
+    document.fail(document.find(path + "max_tension"),
+                  "found 'max_tension', expected control = \"length\" of a tendon beside it, or 'limit' or 'max'");
+  }
+}
+
+void finish_force(const Document& document, const std::string& path, const ActuatorDraft& actuator,
+                  ActuatorSpec& spec) {
+  if (actuator.force_per_pressure.empty()) return;
+  if (!knows_pressure(actuator)) {
+    document.fail(document.find(path + "force_per_pressure"),
+                  "found 'force_per_pressure', expected 'moment_per_pressure' beside it");
+  }
+  spec.force_per_pressure = actuator.force_per_pressure;
+}
+
 }  // namespace
 
 Table<ActuatorDraft> actuator_table() {
@@ -185,15 +217,26 @@ Table<ActuatorDraft> actuator_table() {
                    [](T& t, double v) { t.to = v; }),
        input_quantity(
            "limit", not_negative,
-           "Largest moment in either direction, or pressure, or the largest tension (N) of a tendon; instead of min "
-           "and max. 0 removes the actuator.",
+           "Largest moment in either direction, or pressure, or the largest tension (N) of a tendon, or, of one told "
+           "its length, what it is shorter or longer by (m); instead of min and max. 0 removes the actuator.",
            [](T& t, double v) { t.limit = v; }),
        input_quantity("min", any,
-                      "Smallest moment (positive moments bend to the left), pressure or tension; a tendon without one "
-                      "may be slack.",
+                      "Smallest moment (positive moments bend to the left), pressure, tension or shortening; a tendon "
+                      "without one may be slack.",
                       [](T& t, double v) { t.minimum = v; }),
-       input_quantity("max", any, "Largest moment, pressure or tension.", [](T& t, double v) { t.maximum = v; }),
-       offset_key(), law_key(),
+       input_quantity("max", any, "Largest moment, pressure, tension or shortening.",
+                      [](T& t, double v) { t.maximum = v; }),
+       offset_key(), control_key(),
+       quantity<T>("max_tension", dimension::force, positive, "no limit",
+                   "Largest tension of a tendon told its length.", [](T& t, double v) { t.largest_tension = v; }),
+       law_key("moment_per_pressure", dimension::moment_per_pressure, "N m",
+               "Moment that a unit of pressure gives; negative if pressure bends to the right. Or coefficients of the "
+               "pressure, its square, and so on, which need limits of the pressure.",
+               &T::moment_per_pressure),
+       law_key("force_per_pressure", dimension::force_per_pressure, "N",
+               "Axial force that comes with a unit of pressure on a rod that stretches; positive if pressure makes it "
+               "longer. Or coefficients, likewise.",
+               &T::force_per_pressure),
        quantity<T>("min_pressure", dimension::pressure, any, "no limit",
                    "Smallest pressure; with moment_per_pressure, instead of limits of the moment.",
                    [](T& t, double v) { t.smallest_pressure = v; }),
@@ -212,6 +255,7 @@ ActuatorSpec finish_actuator(const Document& document, const std::string& path, 
                   fmt::format("found an actuator from {} m to {} m, expected from < to", spec.from, spec.to));
   }
   finish_offset(document, path, actuator, spec);
+  check_control(document, path, actuator);
   if (spec.kind == ActuatorKind::pressure && !knows_pressure(actuator)) {
     document.fail(
         document.find(path + "kind"),
@@ -226,10 +270,18 @@ ActuatorSpec finish_actuator(const Document& document, const std::string& path, 
   const auto [low, high] =
       pressures ? pressure_limits(document, path, actuator) : written_limits(document, path, actuator);
   finish_law(document, path, actuator, low, high, pressures || spec.kind == ActuatorKind::pressure, spec);
+  finish_force(document, path, actuator, spec);
   // Limits of a moment stay moments, also where a pressure is known.
   const bool inputs = pressures || spec.kind != ActuatorKind::moment;
   if (spec.kind == ActuatorKind::tendon && spec.largest_offset() == 0.0) return spec;  // core tells it
   const auto moment = [&](double limit) { return inputs ? spec.moment_of(limit) : limit; };
+  if (actuator.by_length) {
+    spec.by_length = true;
+    std::tie(spec.least_shortening, spec.most_shortening) = std::pair(low, high);
+    std::tie(spec.minimum, spec.maximum) = std::minmax({0.0, moment(actuator.largest_tension.value_or(infinity))});
+    if (actuator.limit && *actuator.limit == 0.0) spec.minimum = spec.maximum = 0.0;
+    return spec;
+  }
   std::tie(spec.minimum, spec.maximum) = std::minmax({moment(low), moment(high)});
   return spec;
 }

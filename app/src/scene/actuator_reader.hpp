@@ -13,8 +13,10 @@ namespace tendril::app {
 struct ActuatorDraft {
   std::optional<double> from, to;
   std::optional<double> limit, minimum, maximum, smallest_pressure, largest_pressure;  ///< of what its kind is told
-  std::vector<double> moment_per_pressure{};  ///< of the pressure, its square, ...
+  std::vector<double> moment_per_pressure{}, force_per_pressure{};  ///< of the pressure, its square, ...
   ActuatorKind kind = ActuatorKind::moment;
+  bool by_length = false;
+  std::optional<double> largest_tension{};
   std::vector<double> offset{};      ///< at both ends, or one for all
   std::vector<Vec2> offset_table{};  ///< (arc length, offset)
   SourcePosition position{};

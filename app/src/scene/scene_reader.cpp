@@ -123,6 +123,12 @@ void finish_pressures(const Document& document, const std::vector<ActuatorSpec>&
   }
 }
 
+void finish_moments(const Document& document, const std::vector<ActuatorSpec>& actuators, const StudySpec& study) {
+  if (study.moments.empty() || actuators.empty() || !actuators.back().by_length) return;
+  document.fail(document.find("study.moments"),
+                "found changes of a moment, but the last actuator is told its length, expected one told its tension");
+}
+
 /// Limits of what the actuators are told have to fit each of them.
 void finish_limits(const Document& document, const std::vector<ActuatorSpec>& actuators, const StudySpec& study) {
   if (study.limits.empty() || study.limited.unit == dimension::moment.unit) return;
@@ -209,6 +215,7 @@ StudySpec read_study(const Document& document, const Units& units) {
   StudySpec study = std::move(*draft.study);
   const RodSpec rod = finish_rod(context, "rod", draft.rod);
   finish_pressures(document, rod.actuators, study);
+  finish_moments(document, rod.actuators, study);
   finish_limits(document, rod.actuators, study);
   for (const double insertion : study.insertions) {
     if (insertion <= rod.length() * (1.0 + 1e-9)) continue;

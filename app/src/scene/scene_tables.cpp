@@ -146,7 +146,7 @@ Dimension told_in(const Context& context, const Node::List& list) {
       return false;
     }
   };
-  for (const Dimension& other : {dimension::pressure, dimension::force}) {
+  for (const Dimension& other : {dimension::pressure, dimension::force, dimension::length}) {
     if (std::all_of(list.begin(), list.end(), [&](const Node& item) { return measures(item, other); })) return other;
   }
   return dimension::moment;
@@ -154,10 +154,11 @@ Dimension told_in(const Context& context, const Node::List& list) {
 
 Key<StudySpec> limits_key() {
   using T = StudySpec;
-  Key<T> key = quantities<T>("limits", dimension::moment, positive,
-                             "Largest moments in either direction, for all actuators, or pressures or tensions with "
-                             "their unit; a side that is 0 stays 0.",
-                             [](T& t, std::vector<double> v) { t.limits = std::move(v); });
+  Key<T> key =
+      quantities<T>("limits", dimension::moment, positive,
+                    "Largest moments in either direction, for all actuators, or pressures, tensions or shortenings "
+                    "with their unit; a side that is 0 stays 0.",
+                    [](T& t, std::vector<double> v) { t.limits = std::move(v); });
   key.read = [spec = key.spec, read = key.read](const Context& context, const Node& node, T& study) {
     const auto* list = std::get_if<Node::List>(&node.value);
     if (list == nullptr || list->empty()) return read(context, node, study);

@@ -17,6 +17,11 @@ std::vector<std::optional<T>> values_of(const std::vector<T>& sweep) {
 
 /// Limits what an actuator is told; a side that is 0 stays 0.
 void limit_input(ActuatorSpec& actuator, double limit) {
+  if (actuator.by_length) {
+    if (actuator.least_shortening < 0.0) actuator.least_shortening = -limit;
+    if (actuator.most_shortening > 0.0) actuator.most_shortening = limit;
+    return;
+  }
   // The ends of a law of several coefficients are its limits; what comes back from moments is rounded.
   const bool law = !actuator.more_moment_per_pressure.empty();
   auto [low, high] = law ? std::pair(actuator.least_pressure, actuator.most_pressure)

@@ -103,11 +103,11 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
     }
     const double value =
         read_number(texts[a], told ? actuator.input_dimension() : dimension::moment, where, session.units(), hint);
-    if (actuator.kind == ActuatorKind::tendon && value < 0.0) {
+    if (actuator.kind == ActuatorKind::tendon && !actuator.by_length && value < 0.0) {
       throw InputError(fmt::format(
           "{}: found a tension of {} N, expected one that is not negative: a tendon only pulls", where, value));
     }
-    moments.push_back(told ? actuator.moment_of(value) : value);
+    moments.push_back(told && !actuator.by_length ? actuator.moment_of(value) : value);
   }
   if (texts.size() != actuators.size()) {
     throw InputError(fmt::format("{}: found {} {}, expected one for each of the scene's {} actuators", option,
@@ -119,7 +119,7 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
 RodPlace place_of(const Inputs& inputs, const Session& session) {
   RodPlace place;
   const auto number = [&](const std::string& text, const Dimension& wanted, const char* option) {
-    return read_number(text, wanted, option, session.units());
+    return read_number(text, wanted, option, session.units(), {});
   };
   const bool grasp = session.scene().problem == ProblemKind::grasp;
   for (const char* option :
@@ -143,7 +143,7 @@ Plan held_of(const Inputs& inputs, const Session& session, const std::optional<P
   Plan plan;
   plan.place = place_of(inputs, session);
   const bool only_moves = inputs.kind == InputKind::none && (plan.place.insertion || plan.place.base);
-  plan.moments = only_moves && start ? start->moments : moments_of(inputs, session);
+  plan.moments = only_moves && start ? all_held(session.scene(), *start) : moments_of(inputs, session);
   return plan;
 }
 
@@ -175,7 +175,12 @@ std::vector<TrajectoryStep> way_points_of(const Inputs& inputs, const Session& s
     one.insertion = one_of(insertions, i, insertion_option);
     one.base = one_of(bases, i, base_option);
     one.shown = fmt::format("{}, way point {}", option, i + 1);
-    steps.emplace_back().plan = held_of(one, session, start);
+    Plan& plan = steps.emplace_back().plan = held_of(one, session, start);
+    plan.turns.assign(plan.moments.size(), 0.0);
+    for (std::size_t a = 0; a < plan.moments.size(); ++a) {
+      const ActuatorSpec& actuator = session.scene().rod.actuators[a];
+      if (actuator.by_length) plan.turns[a] = std::exchange(plan.moments[a], 0.0) / actuator.largest_offset();
+    }
     steps.back().target = session.scene().target;
   }
   return steps;
@@ -194,7 +199,7 @@ std::variant<Execution, Trajectory> execute_result(Session& session, const files
   const Plan plan = parse_start(earlier.text, earlier.name, session.scene(), "plan");
   std::optional<double> palm_distance;
   if (plan.grasp) palm_distance = plan.grasp->palm_distance;
-  return session.execute(all_moments(plan), start, palm_distance, moved(plan.place));
+  return session.execute(all_held(session.scene(), plan), start, palm_distance, moved(plan.place));
 }
 
 }  // namespace tendril::app

@@ -288,7 +288,7 @@ void Session::use(const Scene& scene) {
   located("", [&] { validate(scene_); });
 }
 
-Execution Session::execute(const std::vector<double>& moments, const std::optional<Plan>& start,
+Execution Session::execute(const std::vector<double>& held, const std::optional<Plan>& start,
                            std::optional<double> palm_distance, const RodPlace& place) {
   const bool grasp = scene_.problem == ProblemKind::grasp;
   if (grasp && !palm_distance) palm_distance = scene_.gripper->palm_distance;
@@ -301,12 +301,12 @@ Execution Session::execute(const std::vector<double>& moments, const std::option
   control.place = place;
   Execution done;
   if (plans_both_fingers(scene_)) {
-    done = located("", [&] { return execute_both_fingers(scene_, *palm_distance, moments, control); });
+    done = located("", [&] { return execute_both_fingers(scene_, *palm_distance, held, control); });
   } else {
     const std::vector<std::unique_ptr<Obstacle>> obstacles =
         grasp ? obstacles_of_finger(scene_, *palm_distance) : make_obstacles();
     const Scene executed = grasp ? finger_in_world(scene_) : scene_;
-    done = located("", [&] { return tendril::execute(executed, obstacles, moments, control); });
+    done = located("", [&] { return tendril::execute(executed, obstacles, held, control); });
     if (grasp && !done.result.backbone.empty())
       done.result.grasp = grasp_of(scene_, *palm_distance, done.result.contacts);
   }
@@ -350,7 +350,7 @@ Trajectory Session::execute(const std::vector<TrajectoryStep>& steps, const std:
     aimed.target = step.target;
     ExecuteControl control = execute_control(state);
     control.place = step.plan.place;
-    reached.plan = located("", [&] { return tendril::execute(aimed, obstacles, step.plan.moments, control).result; });
+    reached.plan = located("", [&] { return tendril::execute(aimed, obstacles, step.plan, control).result; });
     done.interrupted = stop().load();
     if (done.interrupted || reached.plan.backbone.empty()) break;
     find_uncertainty(reached.plan, true);

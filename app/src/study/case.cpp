@@ -168,7 +168,7 @@ class CaseRunner {
     ExecuteControl own;
     own.start = &outcome.plan;
     own.with_obstacles = scene.contact.mode != ContactModeName::ignore;
-    const Execution settled = execute(scene, obstacles, outcome.plan.moments, own);
+    const Execution settled = execute(scene, obstacles, outcome.plan, own);
     if (settled.result.status == PlanStatus::solved) {
       outcome.model_error = distance(settled.result, outcome.plan);
       if (*outcome.model_error > tolerance::model_error * scene.rod.length()) {
@@ -186,7 +186,7 @@ class CaseRunner {
     Json same = nullptr;
     if (!meets && settled.result.status == PlanStatus::solved) same = false;
     try {
-      const Execution e = execute(scene, obstacles, outcome.plan.moments, from_start);
+      const Execution e = execute(scene, obstacles, outcome.plan, from_start);
       loaded = execution_object(scene, e);
       if (e.result.status == PlanStatus::solved) {
         if (!same.is_null()) same = distance(e.result, settled.result) <= same_state * scene.rod.length();
@@ -292,7 +292,7 @@ class CaseRunner {
       ExecuteControl control;
       control.start = &plan;
       control.with_obstacles = scene.contact.mode != ContactModeName::ignore;
-      const Execution settled = execute(scene, obstacles, plan.moments, control);
+      const Execution settled = execute(scene, obstacles, plan, control);
       if (take(settled)) {
         outcomes.model_error = std::max(outcomes.model_error, distance(settled.result, plan));
         if (!meets) outcomes.reached.back() = settled.result;
@@ -300,7 +300,7 @@ class CaseRunner {
       if (!meets) continue;
       control.start = state ? &*state : nullptr;
       control.with_obstacles = true;
-      const Execution met = execute(scene, obstacles, plan.moments, control);
+      const Execution met = execute(scene, obstacles, plan, control);
       if (!take(met)) continue;
       state = met.result;
       outcomes.reached.back() = met.result;

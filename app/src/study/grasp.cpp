@@ -59,16 +59,15 @@ void run_grasp_case(Session& session, const StudyCase& one, Json& json) {
   if (plan.status == PlanStatus::solved) {
     reached = session.verify(plan, std::nullopt)->result;
     applied = plan;
-    std::vector<double> moments = plan.moments;
+    std::vector<double> told = held_of(finger_in_world(scene), plan);
     const double distance = plan.grasp->palm_distance;
     json["model_error"] = plan.model_error ? number(*plan.model_error) : Json(nullptr);
-    if (one.changes_input() && !moments.empty()) {
-      moments.back() = one.held(scene.rod.actuators.back(), moments.back());
-      json["moment_change"] = number(one.moment.value_or(moments.back() - plan.moments.back()));
+    if (one.changes_input() && !told.empty()) {
+      applied.moments.back() = told.back() = one.held(scene.rod.actuators.back(), told.back());
+      json["moment_change"] = number(one.moment.value_or(told.back() - plan.moments.back()));
       ExecuteControl control;
       control.start = &plan;
-      reached = execute(finger_in_world(scene), obstacles_of_finger(scene, distance), moments, control).result;
-      applied.moments = moments;
+      reached = execute(finger_in_world(scene), obstacles_of_finger(scene, distance), told, control).result;
       if (reached.status != PlanStatus::solved) {
         plan.status = reached.status;
         plan.message = fmt::format("with the {} changed: {}", one.pressure ? "pressure" : "moment", reached.message);

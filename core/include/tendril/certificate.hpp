@@ -21,6 +21,8 @@ struct Certificate {
   std::string stationarity_kind = "none";  ///< "S", "M", "C" or "none"
   double moment_balance = infinity;        ///< strong form: a direct measure of model error
   double stability = -infinity;            ///< margin mu
+  /// Taut tendons that are held by their length, which no disturbance of that margin changes; 0: all tensions are held.
+  int held_lengths = 0;
   /// Margin of a rod that may leave its plane (model.md section 12); none: its torsion is not known.
   std::optional<double> out_of_plane{};
   bool guided_in_plane = false;         ///< it may not leave it, whatever that margin

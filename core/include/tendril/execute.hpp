@@ -32,7 +32,8 @@ struct ExecuteControl {
   bool with_obstacles = true;
 };
 
-/// What the rod does. `result` reads like a plan: `moments` are those given (its certificate's `bounds` and its message
+/// What the rod does. `result` reads like a plan: `moments` are those given, of tendons told their length those that
+/// follow, 0 where they are slack (its certificate's `bounds` and its message
 /// say which of them are beyond their limits, which fails no certificate here), `contacts` the active ones only,
 /// `coordinates` those of the fine Legendre basis. Its status: `solved` (a stable equilibrium that the certificate
 /// accepts), `not_converged` (with the reason: a contact that spreads, a path that could not be followed),
@@ -43,16 +44,25 @@ struct Execution {
   double load = 0.0;        ///< load fraction reached; 1 unless the message says why not
   int steps = 0;            ///< along the path
   int contact_changes = 0;  ///< contacts made and released on the way
+  int tendon_changes = 0;   ///< tendons told their length that were drawn taut or went slack on the way
   int pieces = 0;           ///< of the fine basis at the end
 };
 
-/// The stable equilibrium that the rod of `scene` reaches under `moments` (N m, one per actuator of the scene, not held
-/// to their limits). `obstacles`: dimensionless, one per obstacle of the scene, not null; used whatever the contact
-/// mode says. From a start that overlaps obstacles these grow from nothing together with the loads. Throws SceneError
-/// for a scene that makes no sense and for a start that runs through an obstacle's core, which has no side; Error for
-/// moments of the wrong number or not finite.
+/// What execute() holds so that the rod does what it does in `plan`: of each actuator its moment (N m), or the
+/// shortening (m) of a tendon told its length.
+TENDRIL_API std::vector<double> held_of(const Scene& scene, const Plan& plan);
+
+/// The stable equilibrium that the rod of `scene` reaches under what its actuators are held at: moments (N m), or
+/// shortenings (m) of tendons told their length, one per actuator of the scene, not held to their limits. `obstacles`:
+/// dimensionless, one per obstacle of the scene, not null; used whatever the contact mode says. From a start that
+/// overlaps obstacles these grow from nothing together with the loads. Throws SceneError for a scene that makes no
+/// sense and for a start that runs through an obstacle's core, which has no side; Error for moments of the wrong number
+/// or not finite.
 TENDRIL_API Execution execute(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
-                              const std::vector<double>& moments, const ExecuteControl& control = {});
+                              const std::vector<double>& held, const ExecuteControl& control = {});
+/// The same of what a plan holds.
+TENDRIL_API Execution execute(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
+                              const Plan& plan, const ExecuteControl& control = {});
 
 /// Executes a plan's moments and fills its `model_error`, `local_model_error` and `verification`. Where execution ends
 /// elsewhere (other contacts, a tip farther off than tolerance::model_error, no certified state) a solved plan becomes
@@ -67,9 +77,9 @@ TENDRIL_API Execution verify(const Scene& scene, const std::vector<std::unique_p
 /// state, the lower one's in `grasp`, the worse of both certificates, snaps of both. Fingers that end up crossing are
 /// `not_converged`: contact between them is not computed.
 
-/// `moments`: N m, those of the upper finger and then those of the lower one, closing ones negative. `palm_distance`:
+/// `held`: as of execute(), of the upper finger and then of the lower one, closing moments negative. `palm_distance`:
 /// m. `control.start` may be a plan of one mirrored finger too. Throws as execute() does.
-TENDRIL_API Execution execute_both_fingers(const Scene& scene, double palm_distance, const std::vector<double>& moments,
+TENDRIL_API Execution execute_both_fingers(const Scene& scene, double palm_distance, const std::vector<double>& held,
                                            const ExecuteControl& control = {});
 
 /// `control.start`: null or `&plan`: from the plan's own shape. `model_error` and `local_model_error` are the larger of

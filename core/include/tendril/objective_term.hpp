@@ -15,6 +15,8 @@ struct Reads {
   bool tip_angle = false;           ///< of the tip, rad
   bool bending_energy = false;      ///< half the integral of EI (kappa - kappa0)^2, units of EI0/L
   bool moments = false;             ///< of the actuators, units of EI0/L
+  bool tensions = false;            ///< of tendons, units of EI0/L^2; the rod must have one
+  bool shortenings = false;         ///< of tendons, units of L; the rod must have one
   bool contact_point = false;       ///< where the rod touches, units of L
   bool contact_gap = false;         ///< distance of that point to the obstacle, units of L
   bool contact_normal = false;      ///< unit normal out of the obstacle there
@@ -40,6 +42,7 @@ struct BackboneQuantities {
   T y{};          ///< units of L
   T angle{};      ///< rad
   T curvature{};  ///< times L
+  T strain{};     ///< eps, of samples of a rod that stretches
 };
 
 /// One planned contact. The normal points out of the obstacle.
@@ -75,10 +78,13 @@ struct Quantities {
   std::span<const BackboneQuantities<T>> samples{};  ///< in the order of Reads::samples
   /// interior ones in order along the rod, then those at the tip
   std::span<const ContactQuantities<T>> contacts{};
-  std::span<const T> moments{};  ///< one per actuator, units of EI0/L
-  T bending_energy{};            ///< units of EI0/L
-  T palm_distance{};             ///< units of L
-  Target target{};               ///< what the scene asks for
+  std::span<const T> moments{};   ///< one per actuator, units of EI0/L
+  std::span<const T> tensions{};  ///< one per tendon, in the order of the actuators, units of EI0/L^2
+  /// one per tendon, units of L: by what its way along the rod is shorter than along the straight rod
+  std::span<const T> shortenings{};
+  T bending_energy{};  ///< units of EI0/L
+  T palm_distance{};   ///< units of L
+  Target target{};     ///< what the scene asks for
 };
 
 /// Collects what a term contributes: the cost is  sum of residuals squared + smooth part.

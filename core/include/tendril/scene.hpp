@@ -79,22 +79,43 @@ struct TENDRIL_API ActuatorSpec {
   double moment_per_pressure = 0.0;          ///< N m / Pa; 0: not given
   ActuatorKind kind = ActuatorKind::moment;  ///< as the scene has it
   std::vector<OffsetPoint> offset{};         ///< of a tendon, linear in between; one: the same all along
+  /// A tendon is told its length, and its tension follows: what it is shorter by than along the straight rod of its own
+  /// length. Slack, it is longer than its way along the rod.
+  bool by_length = false;
+  double least_shortening = -infinity;  ///< m, of such a tendon
+  double most_shortening = infinity;    ///< m, likewise
   /// N m / Pa^2, N m / Pa^3, ...: what the moment has beyond the share that goes with the pressure. It rises, or falls,
   /// all the way between the two pressures; beyond them it goes on along its tangents. Empty: nothing.
   std::vector<double> more_moment_per_pressure{};
   double least_pressure = -infinity;  ///< Pa
   double most_pressure = infinity;    ///< Pa
+  /// N / Pa, N / Pa^2, ...: the axial force that comes with a pressure on a rod that stretches, positive if it makes it
+  /// longer, likewise beyond the two pressures. Empty: none.
+  std::vector<double> force_per_pressure{};
 
   /// What it is told: also a pressure if it is known what moment that gives.
   ActuatorKind input() const;
   /// Of what it is told.
   Dimension input_dimension() const;
+  /// Of the tension, pressure or moment itself.
+  Dimension effort_dimension() const;
   /// The offset of largest size, m.
   double largest_offset() const;
   /// Whether it is known what moment a pressure gives.
   bool knows_pressure() const { return moment_per_pressure != 0.0 || !more_moment_per_pressure.empty(); }
-  double moment_of(double input) const;  ///< N m, under what it is told.
-  double input_of(double moment) const;  ///< What it is told under a moment.
+  double moment_of(double input) const;  ///< N m, under a pressure, a tension or a moment.
+  /// The axial force (N) that comes with a moment (N m), and its derivatives by it.
+  struct Pull {
+    double force = 0.0;  ///< N
+    double slope = 0.0;  ///< 1/m
+    double bend = 0.0;   ///< 1/(N m^2)
+  };
+  Pull pull_of(double moment) const;     ///< Of a pressure; no force where none is given.
+  bool pulls_in_proportion() const;      ///< Whether that force goes with the moment.
+  double input_of(double moment) const;  ///< Pressure, tension or moment under a moment.
+  /// What execute() holds where it has this moment (N m) and this turn (Plan::turns): the moment, or of a tendon told
+  /// its length its shortening (m).
+  double held(double moment, double turn) const { return by_length ? turn * largest_offset() : moment; }
 };
 
 /// N m by which `moment` exceeds the limits of `actuator`; negative: its distance to the nearer one.

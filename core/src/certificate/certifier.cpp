@@ -210,9 +210,13 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
     c.bounds = std::max({c.bounds, low - x[i], x[i] - high});
   }
 
-  for (int i = at.first_target; i < at.first_target + at.targets; ++i) {
-    c.bounds = std::max({c.bounds, d.program->row_lower()[i] - rows[i], rows[i] - d.program->row_upper()[i]});
-  }
+  const auto keep_rows = [&](int first, int count) {
+    for (int i = first; i < first + count; ++i) {
+      c.bounds = std::max({c.bounds, d.program->row_lower()[i] - rows[i], rows[i] - d.program->row_upper()[i]});
+    }
+  };
+  keep_rows(at.first_target, at.targets);
+  keep_rows(at.first_shortening, at.shortenings);
 
   c.penetration = 0.0;
   for (std::size_t o = 0; o < d.bodies(); ++o) {
@@ -233,6 +237,7 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
   }
   c.moment_balance = d.program->moment_defect(x, *d.curve);
   c.stability = spreads(c) ? -infinity : d.margin_to_both_sides(x);
+  c.held_lengths = spreads(c) ? 0 : d.stability.held_lengths();
   if (d.out_of_plane) c.out_of_plane = d.out_of_plane->margin(*d.program, *d.curve);
   c.guided_in_plane = d.spec.rod->guided;
   c.least_stretch = 1.0;
@@ -262,6 +267,7 @@ Certificate worse_of(const Certificate& a, const Certificate& b) {
   larger(c.moment_balance, b.moment_balance);
   larger(c.quadrature, b.quadrature);
   smaller(c.stability, b.stability);
+  c.held_lengths += b.held_lengths;
   smaller(c.contact_convexity, b.contact_convexity);
   smaller(c.least_stretch, b.least_stretch);
   if (b.out_of_plane) {

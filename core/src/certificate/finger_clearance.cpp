@@ -145,6 +145,7 @@ FingerClearance finger_clearance(const FingerCurve& upper, const FingerCurve& lo
   }
   FingerClearance out;
   std::vector<Crossing> found;
+  std::optional<Crossing> deepest;  // where the bodies lie in each other
   for (int pairs = 0; !open.empty(); ++pairs) {
     const auto [a, b] = open.back();
     open.pop_back();
@@ -160,6 +161,7 @@ FingerClearance finger_clearance(const FingerCurve& upper, const FingerCurve& lo
     if (apart > bend + (upper_most + lower_most)) continue;
     if (const double depth = upper_least + lower_least - apart - bend; depth > 0.0) {
       // The bodies lie in each other there, whether or not the backbones cross.
+      if (depth > out.depth) deepest = {place_of(upper, a, 0.5), place_of(lower, b, 0.5)};
       out.depth = std::max(out.depth, depth);
       continue;
     }
@@ -200,6 +202,12 @@ FingerClearance finger_clearance(const FingerCurve& upper, const FingerCurve& lo
     const Place bottom = extreme(lower, found[i].lower.along, -1.0 * normal);
     out.crossings.push_back({top.piece, top.sigma, bottom.piece, bottom.sigma, normal});
   }
+  if (!found.empty() || !deepest) return out;
+  // Bodies that meet beside backbones on their own sides are kept apart along what lies between.
+  const auto& [top, bottom] = *deepest;
+  const Vec2 between = at(upper, top) - at(lower, bottom);
+  if (!(norm(between) > 0.0)) return out;
+  out.crossings.push_back({top.piece, top.sigma, bottom.piece, bottom.sigma, (1.0 / norm(between)) * between});
   return out;
 }
 

@@ -23,7 +23,7 @@ struct FingerClearance {
   /// tolerance::clearance_sharpness); infinity where neither could be shown.
   double depth = 0.0;
   /// What would keep them apart where they cross: the ends that have passed each other, along the direction that halves
-  /// their tangents at the crossing.
+  /// their tangents at the crossing. Where only their bodies lie in each other: the places where they do most.
   std::vector<FingerSeparation> crossings;
 };
 

@@ -131,7 +131,7 @@ class LoadedRod::Pieces {
     by_place_ = factors_.asDiagonal() * by_place_;
     places_.second_pull_back(forces_, nullptr, out);
     for (Eigen::Index a = 0; a < actions_.cols() && force_count() > 0; ++a) {
-      if (strengths_[a] != 0.0) places_.add_moment_rates(static_cast<int>(a), strengths_[a], by_place_);
+      if (strengths_[a] != 0.0) places_.add_moment_rates(static_cast<int>(a), strengths_[a], strengths_[a], by_place_);
     }
     for (int k = 0; k < force_count(); ++k) {
       const int place = knots_[static_cast<std::size_t>(k)];
@@ -265,7 +265,7 @@ class LoadedRod::Pieces {
     if (actions_known_ && !chain_.has_moving_work()) return;
     actions_.setZero();
     for (Eigen::Index a = 0; a < actions_.cols(); ++a) {
-      places_.pull_back_moment(static_cast<int>(a), 1.0, actions_.col(a).data());
+      places_.pull_back_moment(static_cast<int>(a), 1.0, 1.0, actions_.col(a).data());
     }
     actions_known_ = true;
   }

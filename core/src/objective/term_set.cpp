@@ -9,13 +9,17 @@
 namespace tendril {
 
 template <class T>
-TermEvaluator::View<T>::View(const Reads& reads, int contact_count, int moment_count)
+TermEvaluator::View<T>::View(const Reads& reads, const TermCounts& counts)
     : samples(reads.samples.size()),
-      contacts(static_cast<std::size_t>(reads.any_contact() ? contact_count : 0)),
-      moments(static_cast<std::size_t>(reads.moments ? moment_count : 0)) {
+      contacts(static_cast<std::size_t>(reads.any_contact() ? counts.contacts : 0)),
+      moments(static_cast<std::size_t>(reads.moments ? counts.moments : 0)),
+      tensions(static_cast<std::size_t>(reads.tensions ? counts.tendons : 0)),
+      shortenings(static_cast<std::size_t>(reads.shortenings ? counts.tendons : 0)) {
   seen.samples = samples;
   seen.contacts = contacts;
   seen.moments = moments;
+  seen.tensions = tensions;
+  seen.shortenings = shortenings;
 }
 
 template <class T>
@@ -25,12 +29,12 @@ Contribution<T> TermEvaluator::View<T>::run(const ObjectiveTerm& term) {
   return out;
 }
 
-TermEvaluator::TermEvaluator(WeightedTerm term, const Target& target, int contacts, int moments, const TermUnits& units)
+TermEvaluator::TermEvaluator(WeightedTerm term, const Target& target, const TermCounts& counts, const TermUnits& units)
     : weighted_(std::move(term)),
       reads_(weighted_.term->reads()),
       units_(units),
-      plain_(reads_, contacts, moments),
-      dual_(reads_, contacts, moments) {
+      plain_(reads_, counts),
+      dual_(reads_, counts) {
   for (const double s : reads_.samples) {
     if (!(s >= 0.0 && s <= 1.0)) {
       throw Error("objective '" + weighted_.name + "' asks for a backbone sample outside the rod (s/L = " + shown(s) +
@@ -93,10 +97,19 @@ void TermEvaluator::bind(const BaseIndex& index, std::size_t first_sample) {
     add_input(plain.y, dual.y, at.y, length);
     add_input(plain.angle, dual.angle, at.angle, 1.0);
     add_input(plain.curvature, dual.curvature, at.curvature, 1.0 / length);
+    add_input(plain.strain, dual.strain, at.strain, 1.0);
   }
   for (std::size_t k = 0; k < plain_.contacts.size(); ++k) bind_contact(static_cast<int>(k));
   for (std::size_t a = 0; a < plain_.moments.size(); ++a) {
     add_input(plain_.moments[a], dual_.moments[a], index.moments[a], moment);
+  }
+  for (std::size_t t = 0; t < plain_.tensions.size(); ++t) {
+    const BaseIndex::Tendon& tendon = index.tendons[t];
+    add_input(plain_.tensions[t], dual_.tensions[t], index.moments[static_cast<std::size_t>(tendon.actuator)],
+              units_.force / tendon.offset);
+  }
+  for (std::size_t t = 0; t < plain_.shortenings.size(); ++t) {
+    add_input(plain_.shortenings[t], dual_.shortenings[t], index.tendons[t].turn, length * index.tendons[t].offset);
   }
   if (reads_.bending_energy) add_input(p.bending_energy, d.bending_energy, index.energy, moment);
   if (reads_.palm_distance) add_input(p.palm_distance, d.palm_distance, index.palm, length);
@@ -162,6 +175,12 @@ std::string place_of(const Reads& reads, const Quantities<double>& x) {
   }
   for (std::size_t a = 0; a < x.moments.size(); ++a) {
     add("moment " + std::to_string(a + 1) + " = " + shown(x.moments[a]) + " EI/L");
+  }
+  for (std::size_t a = 0; a < x.tensions.size(); ++a) {
+    add("tension " + std::to_string(a + 1) + " = " + shown(x.tensions[a]) + " EI/L^2");
+  }
+  for (std::size_t a = 0; a < x.shortenings.size(); ++a) {
+    add("shortening " + std::to_string(a + 1) + " = " + shown(x.shortenings[a]) + " L");
   }
   for (std::size_t k = 0; k < x.contacts.size(); ++k) {
     const ContactQuantities<double>& c = x.contacts[k];
@@ -310,10 +329,10 @@ void TermEvaluator::add_hessian(const BaseValues& at, double sigma, Eigen::Matri
   }
 }
 
-TermSet::TermSet(const std::vector<WeightedTerm>& terms, const Target& target, int contacts, int moments,
+TermSet::TermSet(const std::vector<WeightedTerm>& terms, const Target& target, const TermCounts& counts,
                  const TermUnits& units) {
   for (const WeightedTerm& term : terms) {
-    terms_.emplace_back(term, target, contacts, moments, units);
+    terms_.emplace_back(term, target, counts, units);
     residual_count_ += terms_.back().residual_count();
   }
 }
@@ -325,6 +344,10 @@ bool TermSet::reads_tip() const {
 
 bool TermSet::reads_energy() const {
   return std::any_of(terms_.begin(), terms_.end(), [](const TermEvaluator& t) { return t.reads().bending_energy; });
+}
+
+bool TermSet::reads_shortenings() const {
+  return std::any_of(terms_.begin(), terms_.end(), [](const TermEvaluator& t) { return t.reads().shortenings; });
 }
 
 std::vector<double> TermSet::sample_arc_lengths() const {

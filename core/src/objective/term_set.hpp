@@ -25,7 +25,7 @@ struct WeightedTerm {
 /// there.
 struct BaseIndex {
   struct Point {
-    int x = -1, y = -1, angle = -1, curvature = -1;
+    int x = -1, y = -1, angle = -1, curvature = -1, strain = -1;
   };
   struct Contact {
     Point point;
@@ -35,10 +35,22 @@ struct BaseIndex {
   std::vector<Point> samples;  ///< of all terms, one after the other
   std::vector<Contact> contacts;
   std::vector<int> moments;  ///< one per actuator; -1: fixed at zero
+  /// An actuator that is one.
+  struct Tendon {
+    int actuator = 0;
+    int turn = -1;        ///< the work of a unit of its moment; -1: nobody reads it
+    double offset = 0.0;  ///< Rod::Actuator::offset
+  };
+  std::vector<Tendon> tendons;
   int energy = -1;
   int palm = -1;       ///< palm distance; -1: no variable
   bool thick = false;  ///< the gap depends on where along the rod the contact is
   int count = 0;
+};
+
+/// Of how many things terms see something.
+struct TermCounts {
+  int contacts = 0, moments = 0, tendons = 0;
 };
 
 /// What a program knows at a point and terms read.
@@ -54,7 +66,7 @@ struct BaseValues {
 /// never be missing in silence.
 class TermEvaluator {
  public:
-  TermEvaluator(WeightedTerm term, const Target& target, int contacts, int moments, const TermUnits& units);
+  TermEvaluator(WeightedTerm term, const Target& target, const TermCounts& counts, const TermUnits& units);
   TermEvaluator(const TermEvaluator&) = delete;
   TermEvaluator(TermEvaluator&&) = default;
   TermEvaluator& operator=(const TermEvaluator&) = delete;
@@ -82,12 +94,12 @@ class TermEvaluator {
   /// What the term sees and says, with the storage behind it.
   template <class T>
   struct View {
-    View(const Reads& reads, int contact_count, int moment_count);
+    View(const Reads& reads, const TermCounts& counts);
     Contribution<T> run(const ObjectiveTerm& term);
 
     std::vector<BackboneQuantities<T>> samples;
     std::vector<ContactQuantities<T>> contacts;
-    std::vector<T> moments;
+    std::vector<T> moments, tensions, shortenings;
     Quantities<T> seen;
     std::vector<T> residuals;
   };
@@ -127,11 +139,12 @@ class TermEvaluator {
 /// The whole objective as a function of base quantities.
 class TermSet {
  public:
-  TermSet(const std::vector<WeightedTerm>& terms, const Target& target, int contacts, int moments,
+  TermSet(const std::vector<WeightedTerm>& terms, const Target& target, const TermCounts& counts,
           const TermUnits& units);
 
   bool reads_tip() const;
   bool reads_energy() const;
+  bool reads_shortenings() const;
   std::vector<double> sample_arc_lengths() const;
   void bind(const BaseIndex& index);
   void set_target(const Target& target);

@@ -21,9 +21,9 @@ namespace {
 
 class Executor {
  public:
-  Executor(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
-           const std::vector<double>& moments, const ExecuteControl& control)
-      : scene_(scene), moments_(moments), control_(control), deadline_(control.stop, control.time_limit) {
+  Executor(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, const std::vector<double>& held,
+           const ExecuteControl& control)
+      : scene_(scene), held_(held), control_(control), deadline_(control.stop, control.time_limit) {
     validate(scene);
     scale_ = scale_of(scene);
     names_ = obstacle_names(scene);
@@ -31,13 +31,13 @@ class Executor {
     move_rod();
     if (rod_.stretches()) rod_.stretch_order = Rod::stretch_as_fine;
     start_ = start_curvature(scene, scale_, rod_);
-    if (moments.size() != scene.rod.actuators.size()) {
+    if (held.size() != scene.rod.actuators.size()) {
       throw Error("expected " + std::to_string(scene.rod.actuators.size()) + " moments, one per actuator, found " +
-                  std::to_string(moments.size()));
+                  std::to_string(held.size()));
     }
-    for (const double m : moments) {
-      if (!std::isfinite(m)) throw Error("expected finite moments, found " + shown(m));
-      last_.moments.push_back(scale_.to_dimensionless(m, dimension::moment));
+    for (std::size_t a = 0; a < held.size(); ++a) {
+      if (!std::isfinite(held[a])) throw Error("expected finite moments, found " + shown(held[a]));
+      last_.moments.push_back(dimensionless(a, held[a]));
     }
     if (!control.friction.empty() && rod_.stretches()) {
       throw Error("contacts rub on rods of fixed length, expected no ratios of friction for one that stretches");
@@ -64,6 +64,12 @@ class Executor {
  private:
   /// Makes what is asked to move something that moves, and says where to.
   void move_rod();
+  /// What actuator a is held at.
+  double dimensionless(std::size_t a, double held) const {
+    const ActuatorSpec& actuator = scene_.rod.actuators[a];
+    return actuator.by_length ? round_to_12_digits(held / std::abs(actuator.largest_offset()))
+                              : scale_.to_dimensionless(held, dimension::moment);
+  }
   State earlier_state() const;
   /// Where the start lies inside of obstacles; empty if it does not.
   std::string overlaps(const Loading& loading) const;
@@ -71,14 +77,18 @@ class Executor {
   /// The part of a report that concerns the shape alone.
   void report_shape(const PoseProgram& program, const Eigen::VectorXd& x, Execution& out);
   void report(const Loading::Lying& lying, const LoadPath& path, Execution& out);
-  Snap to_si(TrackedSnap& snap, const LoadPath& path) const;
+  Snap to_si(TrackedSnap& snap) const;
+  /// Of the actuators of the scene, N m.
+  std::vector<double> moments_at(Settled& at) const;
+  /// Those of tendons that are held by their length.
+  void keep_tensions(Settled& at, Plan& plan) const;
   /// Friction that the scene has and this path does not.
   void tell_friction(Plan& plan) const;
-  /// Moments that are held beyond their limits: told, not refused.
+  /// Moments or lengths that are held beyond their limits, and tensions that follow: told, not refused.
   void tell_limits(Plan& plan) const;
 
   const Scene& scene_;
-  const std::vector<double>& moments_;
+  const std::vector<double>& held_;
   const ExecuteControl& control_;
   Deadline deadline_;
   Scale scale_;
@@ -110,6 +120,12 @@ void Executor::move_rod() {
 State Executor::earlier_state() const {
   State state;
   state.curvature = curvature_of(*control_.start, scale_.length);
+  for (std::size_t a = 0; a < last_.moments.size(); ++a) {
+    const double moment = control_.start->moments[a] / scale_.moment();
+    if (rod_.actuators[a].by_length && rod_.actuators[a].side() * moment > tolerance::force) {
+      state.tendons.push_back({static_cast<int>(a), moment});
+    }
+  }
   if (!control_.with_obstacles) return state;
   for (const PlannedContact& c : control_.start->contacts) {
     if (!(c.force > tolerance::force * scale_.force())) continue;
@@ -133,18 +149,17 @@ Execution Executor::run() {
   if (control_.start == nullptr) {
     if (start_) {
       // No loads are known that hold such a shape: the rod is let go from it.
-      loading.emplace(rod_, obstacles_, start_, last_, stop);
+      loading.emplace(rod_, obstacles_, start_, last_, stop, true);
     } else {
-      loading.emplace(rod_, obstacles_, scene_.start_tip_angle, last_, stop);
+      loading.emplace(rod_, obstacles_, scene_.start_tip_angle, last_, stop, true);
     }
   } else {
     if (control_.start->backbone.empty()) throw Error("the result to start from has no shape");
     if (control_.start->moments.size() != last_.moments.size())
       throw Error("the result to start from has other actuators");
-    for (const double m : control_.start->moments) {
-      first_.moments.push_back(scale_.to_dimensionless(m, dimension::moment));
-    }
-    loading.emplace(rod_, obstacles_, earlier_state(), first_, last_, stop);
+    const std::vector<double> before = held_of(scene_, *control_.start);
+    for (std::size_t a = 0; a < before.size(); ++a) first_.moments.push_back(dimensionless(a, before[a]));
+    loading.emplace(rod_, obstacles_, earlier_state(), first_, last_, stop, true);
   }
   if (const auto o = loading->without_side()) {
     throw SceneError(control_.start != nullptr ? "obstacle[" + std::to_string(*o) + "]"
@@ -155,7 +170,7 @@ Execution Executor::run() {
   }
   if (control_.with_obstacles && !control_.friction.empty()) loading->rub(control_.friction);
   const bool arrived = loading->run();
-  for (TrackedSnap& snap : loading->tracker().snaps()) out.snaps.push_back(to_si(snap, loading->path()));
+  for (TrackedSnap& snap : loading->tracker().snaps()) out.snaps.push_back(to_si(snap));
   report(loading->tracker(), arrived, out);
   if (!arrived) {
     if (const auto lying = loading->lie()) report(*lying, loading->path(), out);
@@ -185,18 +200,27 @@ void Executor::tell_friction(Plan& plan) const {
 
 void Executor::tell_limits(Plan& plan) const {
   double most = 0.0;
-  for (std::size_t a = 0; a < moments_.size(); ++a) {
-    const ActuatorSpec& actuator = scene_.rod.actuators[a];
-    const double over = excess(actuator, moments_[a]) / scale_.moment();
+  const auto tell = [&](std::size_t a, double over, const std::string& at, const std::string& limit) {
     most = std::max(most, over);
-    if (!(over > tolerance::bounds)) continue;
-    const double limit = moments_[a] > actuator.maximum ? actuator.maximum : actuator.minimum;
+    if (!(over > tolerance::bounds)) return;
+    plan.message += (plan.message.empty() ? "" : "; ") + std::string("actuator ") + std::to_string(a + 1) +
+                    " is held at " + at + ", beyond its limit of " + limit;
+  };
+  for (std::size_t a = 0; a < held_.size(); ++a) {
+    const ActuatorSpec& actuator = scene_.rod.actuators[a];
+    const double moment = actuator.by_length && !plan.moments.empty() ? plan.moments[a] : held_[a];
+    if (actuator.by_length) {
+      const double limit = held_[a] > actuator.most_shortening ? actuator.most_shortening : actuator.least_shortening;
+      const double over = std::max(held_[a] - actuator.most_shortening, actuator.least_shortening - held_[a]);
+      tell(a, over / std::abs(actuator.largest_offset()), shown(held_[a]) + " m", shown(limit + 0.0) + " m");
+      if (plan.moments.empty()) continue;
+    }
+    const double limit = moment > actuator.maximum ? actuator.maximum : actuator.minimum;
     const bool pressure = actuator.input() == ActuatorKind::pressure;
     const double unit = pressure ? 1e3 : 1.0;
-    const std::string name = pressure ? " kPa" : ' ' + std::string(actuator.input_dimension().unit);
-    plan.message += (plan.message.empty() ? "" : "; ") + std::string("actuator ") + std::to_string(a + 1) +
-                    " is held at " + shown(actuator.input_of(moments_[a]) / unit) + name + ", beyond its limit of " +
-                    shown(actuator.input_of(limit) / unit + 0.0) + name;
+    const std::string name = pressure ? " kPa" : ' ' + std::string(actuator.effort_dimension().unit);
+    tell(a, excess(actuator, moment) / scale_.moment(), shown(actuator.input_of(moment) / unit) + name,
+         shown(actuator.input_of(limit) / unit + 0.0) + name);
   }
   for (std::size_t i = 0; i < rod_.moves.size(); ++i) {
     const Rod::Move& m = rod_.moves[i];
@@ -234,18 +258,35 @@ void Executor::report_shape(const PoseProgram& program, const Eigen::VectorXd& x
   plan.backbone = sampled_backbone(program, scale_.length);
   plan.self_overlap = self_overlap(plan.backbone, scene_.rod.body());
   plan.turns.clear();
-  for (std::size_t a = 0; a < moments_.size(); ++a) plan.turns.push_back(program.turn_along(static_cast<int>(a)));
+  for (std::size_t a = 0; a < held_.size(); ++a) plan.turns.push_back(program.turn_along(static_cast<int>(a)));
+}
+
+void Executor::keep_tensions(Settled& at, Plan& plan) const {
+  const std::vector<double> moments = moments_at(at);
+  for (std::size_t a = 0; a < held_.size(); ++a) {
+    if (scene_.rod.actuators[a].by_length) plan.moments[a] = moments[a];
+  }
+}
+
+std::vector<double> Executor::moments_at(Settled& at) const {
+  at.statics->at(at.z);
+  std::vector<double> moments = held_;
+  for (std::size_t a = 0; a < held_.size(); ++a) moments[a] = at.statics->moment(static_cast<int>(a)) * scale_.moment();
+  return moments;
 }
 
 void Executor::report(const Loading::Lying& lying, const LoadPath& path, Execution& out) {
   const Descent& down = lying.down;
-  Statics statics(path, down.basis, {}, suggested_nodes(down.basis->function_count(), 4.0));
-  const Eigen::VectorXd z = statics.point({down.state.curvature, {}, 1.0});
-  const PoseProgram& program = statics.at(z);
+  Settled at{std::make_unique<Statics>(path, down.basis, std::vector<PointContact>{},
+                                       suggested_nodes(down.basis->function_count(), 4.0), down.state.tendons),
+             {}};
+  at.z = at.statics->point({down.state.curvature, {}, 1.0, down.state.tendons});
+  keep_tensions(at, out.result);
+  const PoseProgram& program = at.statics->at(at.z);
   Curve curve(program.chain().curve_tables());
   curve.follow(program.backbone());
   std::vector<PlannedContact> contacts;
-  const std::span<const double> knots = program.knots(statics.variables());
+  const std::span<const double> knots = program.knots(at.statics->variables());
   for (const PointContact& p : down.state.contacts) {
     const auto o = static_cast<std::size_t>(p.setup.obstacle);
     const int j = p.setup.at_tip ? program.chain().piece_count() - 1 : program.chain().piece_at(p.s, knots);
@@ -277,16 +318,15 @@ void Executor::report(const Loading::Lying& lying, const LoadPath& path, Executi
   }
   plan.certificate.failures = {plan.message};
   out.load = 1.0;
-  report_shape(program, statics.variables(), out);
+  report_shape(program, at.statics->variables(), out);
 }
 
-Snap Executor::to_si(TrackedSnap& snap, const LoadPath& path) const {
+Snap Executor::to_si(TrackedSnap& snap) const {
   Snap s;
   s.kind = snap.kind;
   s.load = snap.load;
   s.stability_after = snap.margin;
-  for (std::size_t a = 0; a < last_.moments.size(); ++a)
-    s.moments.push_back(path.moment(a, snap.load) * scale_.moment());
+  s.moments = moments_at(snap.before);
   const auto record = [&](Settled& at, std::vector<BackbonePoint>& shape, std::vector<PlannedContact>& contacts) {
     const PoseProgram& program = at.statics->at(at.z);
     shape = sampled_backbone(program, scale_.length);
@@ -301,12 +341,17 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   Plan& plan = out.result;
   out.steps = tracker.steps();
   out.contact_changes = tracker.contact_changes();
+  out.tendon_changes = tracker.tendon_changes();
   plan.coordinates_name = LegendreBasis::name;
   plan.split_at_contact = true;
   plan.solver_name = "continuation";
   plan.solver.status = arrived ? SolveStatus::converged : SolveStatus::stalled;
   plan.solver.iterations = tracker.steps();
-  plan.moments = moments_;
+  // Where lengths are held the tensions are those of the state reached.
+  plan.moments = held_;
+  for (std::size_t a = 0; a < held_.size(); ++a) {
+    if (scene_.rod.actuators[a].by_length) plan.moments[a] = 0.0;
+  }
   plan.message = tracker.trouble();
   const bool stopped = deadline_.interrupted();
   Settled& end = tracker.current();
@@ -341,6 +386,7 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   } else {
     plan.status = PlanStatus::not_converged;
   }
+  keep_tensions(end, plan);
   const PoseProgram& program = statics.at(end.z);
   report_shape(program, statics.variables(), out);
   plan.contacts = planned_contacts(program, names_, scale_);
@@ -349,9 +395,25 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
 
 }  // namespace
 
+std::vector<double> held_of(const Scene& scene, const Plan& plan) {
+  std::vector<double> held = plan.moments;
+  for (std::size_t a = 0; a < std::min(held.size(), scene.rod.actuators.size()); ++a) {
+    const ActuatorSpec& actuator = scene.rod.actuators[a];
+    if (!actuator.by_length) continue;
+    if (a >= plan.turns.size()) throw Error("the result does not say by how much its tendons are shorter");
+    held[a] = actuator.held(held[a], plan.turns[a]);
+  }
+  return held;
+}
+
 Execution execute(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
-                  const std::vector<double>& moments, const ExecuteControl& control) {
-  return Executor(scene, obstacles, moments, control).run();
+                  const std::vector<double>& held, const ExecuteControl& control) {
+  return Executor(scene, obstacles, held, control).run();
+}
+
+Execution execute(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, const Plan& plan,
+                  const ExecuteControl& control) {
+  return execute(scene, obstacles, held_of(scene, plan), control);
 }
 
 }  // namespace tendril

@@ -54,6 +54,7 @@ Execution joined(const Scene& scene, double palm_distance, const Execution& uppe
   whole.load = std::min(upper.load, lower.load);
   whole.steps += lower.steps;
   whole.contact_changes += lower.contact_changes;
+  whole.tendon_changes += lower.tendon_changes;
   whole.pieces += lower.pieces;
   add_snaps(scene, lower, whole);
   FingerPlan below = lower_in_world(scene, lower.result);
@@ -74,23 +75,22 @@ Execution joined(const Scene& scene, double palm_distance, const Execution& uppe
 
 }  // namespace
 
-Execution execute_both_fingers(const Scene& scene, double palm_distance, const std::vector<double>& moments,
+Execution execute_both_fingers(const Scene& scene, double palm_distance, const std::vector<double>& held,
                                const ExecuteControl& control) {
   std::array<Execution, 2> done;
   std::array<Scene, 2> scenes{finger_of(scene, FingerName::upper), finger_of(scene, FingerName::lower)};
   const std::size_t first = scenes[0].rod.actuators.size();
   const std::size_t all = first + scenes[1].rod.actuators.size();
-  if (moments.size() != all) {
-    throw Error("found " + std::to_string(moments.size()) + " moments, expected one for each of the fingers' " +
+  if (held.size() != all) {
+    throw Error("found " + std::to_string(held.size()) + " moments, expected one for each of the fingers' " +
                 std::to_string(all) + " actuators");
   }
   for (std::size_t which = 0; which < 2; ++which) {
     const std::optional<Plan> start = start_of(scene, control.start, both[which]);
     ExecuteControl own = control;
     own.start = start ? &*start : nullptr;
-    const auto begin = moments.begin() + static_cast<std::ptrdiff_t>(which == 0 ? 0 : first);
-    const std::vector<double> part(begin,
-                                   which == 0 ? moments.begin() + static_cast<std::ptrdiff_t>(first) : moments.end());
+    const auto begin = held.begin() + static_cast<std::ptrdiff_t>(which == 0 ? 0 : first);
+    const std::vector<double> part(begin, which == 0 ? held.begin() + static_cast<std::ptrdiff_t>(first) : held.end());
     done[which] = execute(finger_in_world(scenes[which]), obstacles_of_finger(scenes[which], palm_distance), part, own);
   }
   return joined(scene, palm_distance, done[0], done[1]);

@@ -57,7 +57,7 @@ void find_friction_range(const Task& task, Plan& plan, const std::atomic<bool>* 
   control.stop = stop;
   control.time_limit = scene.solver.time_limit;
   control.start = &plan;
-  const Execution without = execute(scene, task.components.obstacles, plan.moments, control);
+  const Execution without = execute(scene, task.components.obstacles, plan, control);
   if (without.result.status != PlanStatus::solved) {
     return refuse(without.result.status, "without friction the plan's shape did not settle: " + without.result.message);
   }
@@ -72,7 +72,7 @@ void find_friction_range(const Task& task, Plan& plan, const std::atomic<bool>* 
       control.friction[o] = ratio;
       where += (where.empty() ? "" : ", ") + shown(ratio) + " at '" + task.obstacle_names[o] + "'";
     }
-    const Execution slipping = execute(scene, task.components.obstacles, plan.moments, control);
+    const Execution slipping = execute(scene, task.components.obstacles, plan, control);
     if (slipping.result.status != PlanStatus::solved) {
       plan.friction.clear();
       const bool cut =

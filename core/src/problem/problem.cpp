@@ -53,6 +53,11 @@ void require_quantities(const Task& d, const Scene& scene, std::size_t i) {
     throw SceneError(path, name + "a place along the rod that may be inside its port, expected a larger arc length");
   }
   if (reads.palm_distance && !d.palm) throw SceneError(path, name + "a palm, but a pose has none");
+  const auto is_tendon = [](const Rod::Actuator& a) { return a.offset != 0.0; };
+  if ((reads.tensions || reads.shortenings) &&
+      std::none_of(d.rod.actuators.begin(), d.rod.actuators.end(), is_tendon)) {
+    throw SceneError(path, name + "a tendon, but the rod has none (kind = \"tendon\" in [[rod.actuator]])");
+  }
 }
 
 void take_terms(Task& d, const Scene& scene) {
@@ -71,7 +76,8 @@ void take_terms(Task& d, const Scene& scene) {
     PoseProgramTerm term{d.components.terms[i].get(), objective.weight, objective.plugin,
                          std::make_shared<std::string>()};
     if (count > 1) term.name += "#" + std::to_string(count);
-    reads_moments = reads_moments || term.term->reads().moments;
+    const Reads reads = term.term->reads();
+    reads_moments = reads_moments || reads.moments || reads.tensions;
     largest_weight = std::max(largest_weight, objective.weight);
     d.terms.push_back(term);
   }
@@ -267,6 +273,7 @@ Description Problem::describe() const {
     add(m.rows, "contact_order", at.orders, "inequality");
     add(m.rows, "force_balance", at.balances, "equality");
     add(m.rows, "target", at.targets, "inequality");
+    add(m.rows, "shortening", at.shortenings, "inequality");
     if (program.variable_count() > most) {
       most = program.variable_count();
       largest = out.modes.size();

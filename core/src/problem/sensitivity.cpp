@@ -397,6 +397,9 @@ std::string refused(const Plan& plan, const Rod& rod) {
   if (!rod.moves.empty() || plan.place.insertion || plan.place.base) {
     return "rods that are moved as a whole are not differentiated";
   }
+  if (std::any_of(rod.actuators.begin(), rod.actuators.end(), [](const Rod::Actuator& a) { return a.by_length; })) {
+    return "tendons that are told their length are not differentiated";
+  }
   if (plan.certificate.stability < tolerance::held_margin * 1.5) {
     return "the margin of stability is " + shown(plan.certificate.stability) +
            ": at the limit of stability results have no derivative";

@@ -56,13 +56,13 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
   Execution reached;
   std::string unmade;
   try {
-    reached = execute(scene, obstacles, plan.moments, placed);
+    reached = execute(scene, obstacles, plan, placed);
   } catch (const SceneError& error) {
     // A start that nothing can be loaded from says nothing of the plan, whose own shape is still a start.
     if (own) throw;
     unmade = std::string("it cannot be loaded from the start: ") + error.what() + "; ";
     own = true;
-    reached = execute(scene, obstacles, plan.moments, local);
+    reached = execute(scene, obstacles, plan, local);
   }
   const char* loaded = control.start == nullptr ? "loaded from the start" : "led on from the earlier result";
   const Scale scale = scale_of(scene);
@@ -97,7 +97,7 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
   if (own) {
     plan.local_model_error = plan.model_error;
   } else {
-    const Execution near = execute(scene, obstacles, plan.moments, local);
+    const Execution near = execute(scene, obstacles, plan, local);
     if (near.result.status == PlanStatus::solved) {
       plan.local_model_error = distance(near.result);
       plan.verification += "; settled from the plan's own shape " + percent(*plan.local_model_error);

@@ -12,13 +12,19 @@ std::vector<WeightedTerm> weighted_terms(const PoseProgramSpec& spec) {
   return terms;
 }
 
+TermCounts term_counts(const PoseProgramSpec& spec) {
+  const std::vector<Rod::Actuator>& actuators = spec.rod->actuators;
+  const auto tendons =
+      std::count_if(actuators.begin(), actuators.end(), [](const Rod::Actuator& a) { return a.offset != 0.0; });
+  return {static_cast<int>(spec.contacts.size()), static_cast<int>(actuators.size()), static_cast<int>(tendons)};
+}
+
 }  // namespace
 
 BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::Layout& layout,
                                const std::vector<int>& moment_variables, std::vector<int> contact_places,
                                Places& places)
-    : terms(weighted_terms(spec), spec.target, static_cast<int>(spec.contacts.size()),
-            static_cast<int>(spec.rod->actuators.size()), spec.term_units),
+    : terms(weighted_terms(spec), spec.target, term_counts(spec), spec.term_units),
       places_(places),
       first_move_(layout.first_move),
       contact_places_(std::move(contact_places)) {
@@ -39,9 +45,15 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
     sample_places_.push_back(places.add_fixed(arc_length));
     BaseIndex::Point p = point();
     p.curvature = next++;
+    if (spec.rod->stretches()) p.strain = next++;
     index.samples.push_back(p);
   }
   if (terms.reads_energy()) index.energy = next++;
+  for (const Rod::Actuator& a : spec.rod->actuators) {
+    if (a.offset == 0.0) continue;
+    const bool read = a.limits_length() || terms.reads_shortenings();
+    index.tendons.push_back({static_cast<int>(&a - spec.rod->actuators.data()), read ? next++ : -1, a.offset});
+  }
   dense_ = next;
   const auto alone = [&](int variable) {
     variables_.push_back(variable);
@@ -94,6 +106,7 @@ void BaseQuantities::move(ConstVectorRef x, const std::vector<PoseProgram::Conta
     values.base[p.y] = places_.point(place).y;
     values.base[p.angle] = places_.angle(place);
     if (p.curvature >= 0) values.base[p.curvature] = places_.side(place, 0).curvature;
+    if (p.strain >= 0) values.base[p.strain] = places_.side(place, 0).stretch - 1.0;
   };
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     fill(index.contacts[k].point, contact_places_[k]);
@@ -103,6 +116,9 @@ void BaseQuantities::move(ConstVectorRef x, const std::vector<PoseProgram::Conta
   if (tip_place_ >= 0) fill(index.tip, tip_place_);
   for (std::size_t i = 0; i < sample_places_.size(); ++i) fill(index.samples[i], sample_places_[i]);
   if (index.energy >= 0) values.base[index.energy] = places_.energy();
+  for (const BaseIndex::Tendon& t : index.tendons) {
+    if (t.turn >= 0) values.base[t.turn] = places_.turn_along(t.actuator);
+  }
   for (int b = dense_; b < index.count; ++b) values.base[b] = x[variable(b)];
 }
 
@@ -120,7 +136,16 @@ void BaseQuantities::differentiate() {
     for (const int r : {p.x, p.y, p.angle, p.curvature}) rows_.row(r).head(first_move_).setZero();
     for (int l = 0; l < places_.arc_lengths(); ++l) rows_(p.curvature, first_move_ + l) = 0.0;
     fill(p, sample_places_[i]);
-    places_.add_curvature_row(sample_places_[i], places_.side(sample_places_[i], 0), 1.0, part(p.curvature));
+    const Places::Side side = places_.side(sample_places_[i], 0);
+    places_.add_curvature_row(sample_places_[i], side, 1.0, part(p.curvature));
+    if (p.strain < 0) continue;
+    rows_.row(p.strain).setZero();
+    places_.add_stretch_row(sample_places_[i], side, 1.0, part(p.strain));
+  }
+  for (const BaseIndex::Tendon& t : index.tendons) {
+    if (t.turn < 0) continue;
+    rows_.row(t.turn).setZero();
+    places_.add_turn_row(t.actuator, part(t.turn));
   }
   if (index.energy < 0) return;
   rows_.row(index.energy).setZero();
@@ -168,6 +193,7 @@ void BaseQuantities::add_pushes(Forces& forces) const {
     push.force += {gradient[p.x], gradient[p.y]};
     push.moment += gradient[p.angle];
     if (p.curvature >= 0) push.bending += gradient[p.curvature];
+    if (p.strain >= 0) push.strain += gradient[p.strain];
   };
   for (std::size_t k = 0; k < contact_places_.size(); ++k) add(index.contacts[k].point, contact_places_[k]);
   if (tip_place_ >= 0) add(index.tip, tip_place_);

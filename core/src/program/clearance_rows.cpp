@@ -38,7 +38,8 @@ class ClearanceRows : public RowBlock {
       Check& c = checks_[static_cast<std::size_t>(i)];
       const Vec2 point = d_.places.point(c.place);
       c.surface = d_.surface(c.obstacle, c.carried ? point - d_.shift : point);
-      c.radius = c.carried ? Rod::Jet{} : d_.places.radius(c.place);
+      // A body stands on its palm, but is kept apart from that of another finger.
+      c.radius = c.carried && !d_.measures(c.obstacle) ? Rod::Jet{} : d_.places.radius(c.place);
       values[i] = c.surface.distance - c.radius.value;
       if (!derivatives) continue;
       fill(c, c.surface.normal, row_.data());

@@ -20,7 +20,7 @@ Equations::Equations(PoseProgram& program, std::vector<int> rows, std::vector<in
   jacobian_.setZero(size(), size());
 }
 
-Equations Equations::of_contacts(PoseProgram& program) {
+Equations Equations::of_contacts(PoseProgram& program, const std::vector<int>& taut) {
   const PoseProgram::Layout& at = program.layout();
   std::vector<int> rows, unknowns;
   append(rows, 0, at.coordinates);
@@ -28,6 +28,10 @@ Equations Equations::of_contacts(PoseProgram& program) {
   append(rows, at.first_gap, at.forces);
   append(unknowns, 0, at.coordinates);
   append(unknowns, at.first_arc_length, at.arc_lengths + at.forces);
+  for (const int tendon : taut) {
+    rows.push_back(program.shortening_row(tendon));
+    unknowns.push_back(program.moment_variable(tendon));
+  }
   return {program, std::move(rows), std::move(unknowns)};
 }
 

@@ -20,13 +20,19 @@ class EquilibriumRows : public RowBlock {
       const int variable = d_.moment_variable[a];
       if (variable < 0) continue;
       moments_[a] = x[variable];
-      d_.places.pull_back_moment(static_cast<int>(a), x[variable], values.data());
+      pulls_[a] = d_.chain.pull(static_cast<int>(a), x[variable]);
+      d_.places.pull_back_moment(static_cast<int>(a), x[variable], pulls_[a].value, values.data());
     }
     if (derivatives) differentiate(rows);
   }
 
   void add_second(ConstVectorRef lambda, Eigen::MatrixXd& hessian) override {
     if (profiles_move_) add_moments_second(lambda, hessian);
+    for (std::size_t a = 0; a < d_.moment_variable.size(); ++a) {
+      const int variable = d_.moment_variable[a];
+      if (variable < 0 || !d_.chain.pulls_by_law(static_cast<int>(a))) continue;
+      hessian(variable, variable) += pulls_[a].bend * d_.places.stretch_along(static_cast<int>(a), lambda.data());
+    }
     d_.places.displace(lambda.data());
     d_.base.displace();
     for (int k = 0; k < d_.layout.forces; ++k) {
@@ -69,7 +75,7 @@ class EquilibriumRows : public RowBlock {
       const int variable = d_.moment_variable[a];
       if (variable < 0) continue;
       mixed_.setZero();
-      d_.places.add_moment_second(static_cast<int>(a), moments_[a], lambda.data(), mixed_,
+      d_.places.add_moment_second(static_cast<int>(a), moments_[a], pulls_[a].slope, lambda.data(), mixed_,
                                   hessian.block(first, first, count, count));
       hessian.col(variable).segment(first, count) += mixed_;
       hessian.row(variable).segment(first, count) += mixed_.transpose();
@@ -86,8 +92,8 @@ class EquilibriumRows : public RowBlock {
     for (std::size_t a = 0; a < d_.moment_variable.size(); ++a) {
       const int variable = d_.moment_variable[a];
       if (variable < 0) continue;
-      d_.places.pull_back_moment(static_cast<int>(a), 1.0, rows.col(variable).data());
-      if (profiles_move_) d_.places.add_moment_rates(static_cast<int>(a), moments_[a], by.qs);
+      d_.places.pull_back_moment(static_cast<int>(a), 1.0, pulls_[a].slope, rows.col(variable).data());
+      if (profiles_move_) d_.places.add_moment_rates(static_cast<int>(a), moments_[a], pulls_[a].value, by.qs);
     }
     // Contact forces act along normals that turn with the contact point.
     for (int k = 0; k < at.forces; ++k) {
@@ -123,6 +129,7 @@ class EquilibriumRows : public RowBlock {
   /// Knots that move carry pieces along profiles that vary, and change what pulls along them.
   const bool profiles_move_ = d_.chain.has_moving_work() && d_.chain.knot_count() > 0;
   std::vector<double> moments_ = std::vector<double>(d_.moment_variable.size(), 0.0);
+  std::vector<Rod::Jet> pulls_ = std::vector<Rod::Jet>(d_.moment_variable.size());
   Eigen::VectorXd mixed_ = Eigen::VectorXd::Zero(d_.layout.slides());
   Eigen::VectorXd along_ = Eigen::VectorXd::Zero(d_.variables), turning_ = along_;
 };

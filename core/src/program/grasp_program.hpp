@@ -8,7 +8,8 @@
 
 namespace tendril {
 
-/// A point of either finger that must not pass the other along a direction: normal . (P_upper - P_lower) >= 0. Two
+/// A point of either finger that must not pass the other along a direction: normal . (P_upper - P_lower) is not below
+/// the sum of their bodies' radii there. Two
 /// points on the right sides of a line are more than two curves that do not cross need: fingers that hook behind each
 /// other are not found.
 struct FingerSeparation {

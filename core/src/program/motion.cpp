@@ -100,7 +100,7 @@ void MotionRates::Data::pull_back(const Eigen::VectorXd& by_base, VectorRef slop
   const BaseQuantities& base = state.base;
   const auto through_row = [&](int b) { slope += by_base[b] * base.row(b).transpose(); };
   const auto point = [&](const BaseIndex::Point& p) {
-    for (const int b : {p.x, p.y, p.angle, p.curvature}) {
+    for (const int b : {p.x, p.y, p.angle, p.curvature, p.strain}) {
       if (b >= 0) through_row(b);
     }
   };
@@ -113,6 +113,9 @@ void MotionRates::Data::pull_back(const Eigen::VectorXd& by_base, VectorRef slop
   if (base.index.tip.x >= 0) point(base.index.tip);
   for (const BaseIndex::Point& sample : base.index.samples) point(sample);
   if (base.index.energy >= 0) through_row(base.index.energy);
+  for (const BaseIndex::Tendon& t : base.index.tendons) {
+    if (t.turn >= 0) through_row(t.turn);
+  }
   for (std::size_t a = 0; a < base.index.moments.size(); ++a) {
     if (base.index.moments[a] >= 0) slope[state.moment_variable[a]] += by_base[base.index.moments[a]];
   }

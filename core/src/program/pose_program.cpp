@@ -14,6 +14,7 @@ PoseProgram::Data::Data(PoseProgramSpec s) : PoseState(std::move(s)) {
   add(layout.coordinates, equilibrium_rows);
   add(layout.forces, gap_rows);
   add(layout.forces, closest_point_rows);
+  add(layout.shortenings, shortening_rows);
   add(layout.checks, clearance_rows);
   add(layout.orders, order_rows);
   add(layout.balances, balance_rows);
@@ -23,6 +24,7 @@ PoseProgram::Data::Data(PoseProgramSpec s) : PoseState(std::move(s)) {
   pushes.on.resize(static_cast<std::size_t>(places.count()));
   mixed.setZero(layout.coordinates, layout.slides());
   moments.resize(moment_variable.size());
+  evaluated_at.setZero(variables);
 }
 
 PoseProgram::~PoseProgram() = default;
@@ -106,6 +108,14 @@ double PoseProgram::palm_distance(ConstVectorRef x) const {
 
 int PoseProgram::moment_variable(int actuator) const {
   return data_->moment_variable[static_cast<std::size_t>(actuator)];
+}
+
+int PoseProgram::shortening_row(int actuator) const {
+  const std::vector<Rod::Actuator>& all = data_->spec.rod->actuators;
+  const auto until = all.begin() + actuator;
+  if (!until->limits_length()) return -1;
+  return data_->layout.first_shortening +
+         static_cast<int>(std::count_if(all.begin(), until, [](const Rod::Actuator& a) { return a.limits_length(); }));
 }
 
 int PoseProgram::arc_length_variable(int contact) const {
@@ -200,6 +210,9 @@ void PoseProgram::do_hessian(ConstVectorRef /*x*/, double sigma, ConstVectorRef 
   const SecondPart by{h.topLeftCorner(q, q), d.mixed, h.block(first, first, s, s)};
   d.places.second_pull_back(d.pushes, &d.forces, by);
   d.places.add_energy_second(d.base.energy_slope(), multipliers.data(), by);
+  for (const BaseIndex::Tendon& t : d.base.index.tendons) {
+    if (t.turn >= 0) d.places.add_turn_second(t.actuator, d.base.gradient[t.turn], by);
+  }
   h.block(0, first, q, s) += d.mixed;
   h.block(first, 0, s, q) += d.mixed.transpose();
 }
@@ -209,7 +222,9 @@ double PoseProgram::potential(ConstVectorRef x) {
   Data& d = *data_;
   Eigen::VectorXd pulled = Eigen::VectorXd::Zero(d.layout.coordinates);
   for (std::size_t a = 0; a < d.moment_variable.size(); ++a) {
-    if (const int i = d.moment_variable[a]; i >= 0) d.places.pull_back_moment(static_cast<int>(a), x[i], pulled.data());
+    const int actuator = static_cast<int>(a);
+    const int i = d.moment_variable[a];
+    if (i >= 0) d.places.pull_back_moment(actuator, x[i], d.chain.pull(actuator, x[i]).value, pulled.data());
   }
   return d.places.energy() - d.places.work({{}, d.forces.tip, d.forces.gravity, d.forces.payload, d.forces.dead}) -
          pulled.dot(x.head(d.layout.coordinates));

@@ -47,6 +47,8 @@ struct Loads {
   /// Of each obstacle: the tangential part of its contact forces, along the rod, for each unit of the normal part
   /// (w of model.md section 11). Empty: there is none.
   std::vector<double> friction{};
+  /// Of each row of a shortening: what is held, which is subtracted there. Empty: nothing.
+  std::vector<double> shortening{};
 };
 
 /// What is known about a contact's complementarity g f = 0.
@@ -164,6 +166,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     int margins = 0;           ///< 1 if the margin of stability is kept up
     int first_convexity = 0;   ///< row; two per contact inside the rod, before and behind it
     int convexities = 0;       ///< rows that keep contacts from spreading
+    int first_shortening = 0;  ///< row
+    int shortenings = 0;       ///< one for each tendon whose length is limited, or held
     /// Of the arc lengths of Places: the moves, and those of contacts.
     int slides() const { return moves + arc_lengths; }
   };
@@ -172,6 +176,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   const Chain& chain() const;           ///< The rod's pieces.
   /// The moment variable of actuator a, or -1.
   int moment_variable(int actuator) const;
+  /// The row of actuator a's shortening, or -1.
+  int shortening_row(int actuator) const;
   /// Interior contact k's arc length variable, or -1 for a contact at the tip.
   int arc_length_variable(int contact) const;
   /// The chain's moving knots at x, which has to outlive them.

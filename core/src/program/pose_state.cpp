@@ -45,7 +45,10 @@ PoseProgram::Layout layout_of(const PoseProgramSpec& spec, const Chain& chain) {
   if (spec.palm && spec.palm->minimum != spec.palm->maximum) at.palm = at.first_force + at.forces;
   at.first_gap = at.coordinates;
   at.first_closest = at.first_gap + at.forces;
-  at.first_check = at.first_closest + at.forces;
+  at.first_shortening = at.first_closest + at.forces;
+  at.shortenings = static_cast<int>(std::count_if(spec.rod->actuators.begin(), spec.rod->actuators.end(),
+                                                  [](const Rod::Actuator& a) { return a.limits_length(); }));
+  at.first_check = at.first_shortening + at.shortenings;
   at.checks = static_cast<int>(spec.checks.size());
   at.first_order = at.first_check + at.checks;
   for (int k = -1; k + 1 < at.arc_lengths; ++k) at.orders += ordered(spec, at, k) ? 1 : 0;

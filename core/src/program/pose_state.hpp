@@ -46,6 +46,8 @@ struct PoseState {
   bool ordered(int contact) const;
   /// Obstacles that stand on the palm.
   bool carried(int obstacle) const { return obstacle >= static_cast<int>(spec.obstacles.size()) - spec.carried; }
+  /// Obstacles that bound no body.
+  bool measures(int obstacle) const { return obstacle >= static_cast<int>(spec.obstacles.size()) - spec.measures; }
   /// Of an obstacle in its present size, next to a point.
   SurfacePoint surface(int obstacle, Vec2 point) const;
   /// direction . dP of contact k by all variables.

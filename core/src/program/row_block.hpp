@@ -50,6 +50,7 @@ std::unique_ptr<RowBlock> balance_rows(PoseState& state);
 std::unique_ptr<RowBlock> target_rows(PoseState& state);
 std::unique_ptr<RowBlock> stability_rows(PoseState& state);
 std::unique_ptr<RowBlock> convexity_rows(PoseState& state);
+std::unique_ptr<RowBlock> shortening_rows(PoseState& state);
 ///@}
 
 /// d_ss of contact k with the curvature on one side of it.

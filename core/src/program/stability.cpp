@@ -16,6 +16,7 @@ Stability::Stability(const PoseProgram& program) {
   hessian_.resize(coordinates, coordinates);
   convexity_.resize(program.variable_count());
   touching_.reserve(program.spec().contacts.size());
+  taut_.reserve(program.spec().rod->actuators.size());
 }
 
 bool Stability::leans_on_end(const PoseProgram& program, int contact) {
@@ -70,20 +71,59 @@ void Stability::scale_to_energy(const PoseProgram& program, const Eigen::VectorX
   }
 }
 
+void Stability::find_held(PoseProgram& program, ConstVectorRef x) {
+  touching_.clear();
+  taut_.clear();
+  for (int k = 0; k < program.layout().forces; ++k) {
+    if (program.contacts()[static_cast<std::size_t>(k)].force > tolerance::force) touching_.push_back(k);
+  }
+  const std::vector<Rod::Actuator>& actuators = program.spec().rod->actuators;
+  for (std::size_t a = 0; a < actuators.size(); ++a) {
+    const int variable = program.moment_variable(static_cast<int>(a));
+    if (actuators[a].by_length && variable >= 0 && actuators[a].side() * x[variable] > tolerance::force) {
+      taut_.push_back(variable);
+    }
+  }
+}
+
+void Stability::fill_held(PoseProgram& program, ConstVectorRef x) {
+  const Eigen::Index n = hessian_.rows();
+  normals_.resize(n, held_count());
+  Eigen::Index i = 0;
+  for (const int k : touching_) {
+    turning_ = program.jacobian(x).row(program.layout().first_gap + k).head(n);
+    scale_to_energy(program, turning_, normals_.col(i++));
+  }
+  // A moment works along the shortening of its tendon.
+  for (const int variable : taut_) {
+    turning_ = program.jacobian(x).col(variable).head(n);
+    scale_to_energy(program, turning_, normals_.col(i++));
+  }
+}
+
+bool Stability::drop_dependent() {
+  constexpr double independent = 1e-9;
+  for (std::size_t i = 0; i < taut_.size(); ++i) {
+    const auto column = static_cast<Eigen::Index>(touching_.size() + i);
+    const bool beyond = column >= normals_.rows();
+    if (!beyond && std::abs(qr_.matrixQR()(column, column)) > independent * normals_.col(column).norm()) continue;
+    taut_.erase(taut_.begin() + static_cast<std::ptrdiff_t>(i));
+    return true;
+  }
+  return false;
+}
+
 /// Disturbed by y the contacts keep closed, D y = 0, and their forces change along what they do, B: H y = mu y + B f.
 /// With Z and W across D and B the eigenvalues are those of (W^T Z)^-1 W^T H Z.
 double Stability::slipping_margin(PoseProgram& program, ConstVectorRef x) {
   const Eigen::Index n = hessian_.rows();
-  const auto count = static_cast<Eigen::Index>(touching_.size());
+  const Eigen::Index count = held_count();
   if (n <= count) return infinity;
-  Eigen::MatrixXd held(n, count);
-  Eigen::MatrixXd pushed(n, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const int k = touching_[static_cast<std::size_t>(i)];
-    turning_ = program.jacobian(x).row(program.layout().first_gap + k).head(n);
-    scale_to_energy(program, turning_, held.col(i));
-    turning_ = program.jacobian(x).col(program.force_variable(k)).head(n);
-    scale_to_energy(program, turning_, pushed.col(i));
+  const Eigen::MatrixXd held = normals_;
+  Eigen::MatrixXd pushed = normals_;
+  for (std::size_t i = 0; i < touching_.size(); ++i) {
+    turning_ = program.jacobian(x).col(program.force_variable(touching_[i])).head(n);
+    scale_to_energy(program, turning_, pushed.col(static_cast<Eigen::Index>(i)));
   }
   const auto across = [n, count](const Eigen::MatrixXd& rows) -> Eigen::MatrixXd {
     return Eigen::MatrixXd(Eigen::HouseholderQR<Eigen::MatrixXd>(rows).householderQ()).rightCols(n - count);
@@ -99,24 +139,20 @@ double Stability::margin(PoseProgram& program, ConstVectorRef x) {
   const int n = program.layout().coordinates;
   Eigen::MatrixXd& h = hessian_;
   second_variation(program, x, h);
-  touching_.clear();
-  for (int k = 0; k < program.layout().forces; ++k) {
-    if (program.contacts()[static_cast<std::size_t>(k)].force > tolerance::force) touching_.push_back(k);
-  }
+  find_held(program, x);
   scale_to_energy(program, h);
   if (!h.allFinite()) return -infinity;
-  if (program.has_friction()) return slipping_margin(program, x);
-  const auto count = static_cast<Eigen::Index>(touching_.size());
-  if (count == 0) return eigen_.compute(h, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  const bool slips = program.has_friction();
+  if (held_count() == 0 && !slips) return eigen_.compute(h, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  do {
+    fill_held(program, x);
+    qr_.compute(normals_);
+  } while (!taut_.empty() && drop_dependent());
+  if (slips) return slipping_margin(program, x);
+  const Eigen::Index count = held_count();
   const Eigen::Index left = n - count;
   if (left <= 0) return infinity;
-  normals_.resize(n, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    turning_ = program.jacobian(x).row(program.layout().first_gap + touching_[static_cast<std::size_t>(i)]).head(n);
-    scale_to_energy(program, turning_, normals_.col(i));
-  }
   // The orthogonal complement of the rows spans what the contacts leave free: Q^T H Q, one reflection after the other.
-  qr_.compute(normals_);
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto essential = qr_.matrixQR().col(k).tail(n - k - 1);
     h.bottomRows(n - k).applyHouseholderOnTheLeft(essential, qr_.hCoeffs()[k], reflection_.data());
@@ -129,7 +165,7 @@ double Stability::margin(PoseProgram& program, ConstVectorRef x) {
 /// Inverse iteration. The shift lies off the eigenvalue by what rounding leaves of it, so that the system can be
 /// solved.
 void Stability::find_eigenvector(double eigenvalue) {
-  const auto count = static_cast<Eigen::Index>(touching_.size());
+  const Eigen::Index count = held_count();
   const Eigen::Index left = hessian_.rows() - count;
   shifted_ = hessian_.bottomRightCorner(left, left);
   const double size = std::max(1.0, shifted_.cwiseAbs().maxCoeff());
@@ -148,7 +184,7 @@ void Stability::find_eigenvector(double eigenvalue) {
 void Stability::find_direction(const PoseProgram& program) {
   const Chain& chain = program.chain();
   const Eigen::Index n = hessian_.rows();
-  const auto count = static_cast<Eigen::Index>(touching_.size());
+  const Eigen::Index count = held_count();
   next_.resize(n);
   next_.head(count).setZero();
   next_.tail(n - count) = vector_;
@@ -166,7 +202,7 @@ void Stability::find_direction(const PoseProgram& program) {
 
 /// (H - mu K) v = D lambda, D the rows that contacts hold: the part of Q^T H Q that the reflections left above.
 void Stability::find_multipliers() {
-  const auto count = static_cast<Eigen::Index>(touching_.size());
+  const Eigen::Index count = held_count();
   const Eigen::Index left = hessian_.rows() - count;
   holding_.noalias() = hessian_.topRightCorner(count, left) * vector_;
   if (count == 0) return;
@@ -196,6 +232,11 @@ void Stability::sum_gradient(PoseProgram& program, ConstVectorRef x, double eige
   }
   const MatrixView second = program.hessian(x, 0.0, multipliers_);
   gradient.noalias() += second.leftCols(n) * direction_;
+  // Rows of tendons change with their profiles' places alone: second derivatives of the equilibrium by their moments.
+  for (std::size_t i = 0; i < taut_.size(); ++i) {
+    const double along = 2.0 * holding_[static_cast<Eigen::Index>(touching_.size() + i)];
+    gradient.segment(at.first_move, at.slides()) += along * second.col(taut_[i]).segment(at.first_move, at.slides());
+  }
   const auto first_knot = program.knots(x).data() - x.data();
   for (int j = 0; j < chain.piece_count(); ++j) {
     const double* own = direction_.data() + j * chain.functions();

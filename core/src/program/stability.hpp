@@ -14,7 +14,8 @@ namespace tendril {
 /// smallest eigenvalue against the bending energy, and how that changes with the plan. Nothing allocates after the
 /// first evaluation with one number of pressing contacts. Where contacts slip, which push otherwise than along their
 /// normals, there is no energy: the margin is the smallest real part of the eigenvalues of a pencil that is not
-/// symmetric (model.md section 11), and has no gradient here.
+/// symmetric (model.md section 11), and has no gradient here. Taut tendons that are held by their length (model.md
+/// section 6) leave free only what does not lengthen them.
 class Stability {
  public:
   /// For programs on the chain of `program`, with its variables.
@@ -31,6 +32,8 @@ class Stability {
   void second_variation(PoseProgram& program, ConstVectorRef x, Eigen::MatrixXd& h);
   /// The margin mu at x. Infinity where contacts leave nothing free, minus infinity where H is not finite.
   double margin(PoseProgram& program, ConstVectorRef x);
+  /// Of the last margin: taut tendons whose length is held.
+  int held_lengths() const { return static_cast<int>(taut_.size()); }
   /// The margin, and d mu / dx: variable_count() entries, exact where the smallest eigenvalue is simple.
   double margin(PoseProgram& program, ConstVectorRef x, VectorRef gradient);
 
@@ -40,6 +43,12 @@ class Stability {
   /// A row by the coordinates in these.
   void scale_to_energy(const PoseProgram& program, const Eigen::VectorXd& row, Eigen::Ref<Eigen::VectorXd> out) const;
   double slipping_margin(PoseProgram& program, ConstVectorRef x);
+  void find_held(PoseProgram& program, ConstVectorRef x);
+  /// The rows of what is held, in coordinates in which the bending energy is the unit matrix.
+  void fill_held(PoseProgram& program, ConstVectorRef x);
+  /// Takes out a tendon whose row is made of the others': nothing more is held by it.
+  bool drop_dependent();
+  Eigen::Index held_count() const { return static_cast<Eigen::Index>(touching_.size() + taut_.size()); }
   void find_eigenvector(double eigenvalue);
   void find_direction(const PoseProgram& program);
   void find_multipliers();
@@ -47,6 +56,7 @@ class Stability {
 
   bool ends_hold_ = false;
   std::vector<int> touching_;
+  std::vector<int> taut_;  ///< moment variables
   Eigen::MatrixXd hessian_, block_, normals_, free_, shifted_;
   Eigen::VectorXd turning_;                    ///< a row of a contact, by the coordinates
   Eigen::VectorXd reflection_;                 ///< of Householder

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "rod/curve.hpp"
 #include "tendril/error.hpp"
@@ -120,6 +121,24 @@ void StretchBasis::evaluate(double sigma, double* value, double* slope) const {
     before_slope = here_slope;
     here_slope = after_slope;
   }
+}
+
+double StretchBasis::bend(double sigma, const double* e) const {
+  const double x = 2.0 * sigma - 1.0;
+  double before = 0.0, here = factor;
+  double before_slope = 0.0, here_slope = 0.0;
+  double before_bend = 0.0, here_bend = 0.0;
+  double sum = 0.0;
+  for (int k = 0; k < order; ++k) {
+    sum += e[k] * here_bend;
+    const double after_bend = before_bend + (2 * k + 1) * 2.0 * here_slope;
+    const double after_slope = before_slope + (2 * k + 1) * 2.0 * here;
+    const double after = ((2 * k + 1) * x * here - k * before) / (k + 1);
+    before_bend = std::exchange(here_bend, after_bend);
+    before_slope = std::exchange(here_slope, after_slope);
+    before = std::exchange(here, after);
+  }
+  return sum;
 }
 
 ChainTables::ChainTables(const CoordinateModel& model, int nodes, const StretchBasis& stretch)
@@ -239,11 +258,12 @@ void Chain::find_profiles(const Rod& rod) {
   varying_.setConstant(actuators, piece_count(), -1);
   for (Eigen::Index a = 0; a < actuators; ++a) {
     const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
+    pulls_.push_back(actuator.pull);
     for (int j = 0; j < piece_count(); ++j) {
       const auto r = static_cast<std::size_t>(pieces_[static_cast<std::size_t>(j)].stretch);
       const double middle = 0.5 * (fixed_knots_[r] + fixed_knots_[r + 1]);
       const bool acts = middle > actuator.from && middle < actuator.to;
-      if (acts && rod.stretches()) thrusts_(a, j) = actuator.thrust;
+      if (acts && rod.stretches()) thrusts_(a, j) = actuator.pull ? 1.0 : actuator.thrust;
       const ProfilePart* part = actuator.part_at(middle);
       if (part == nullptr || part->constant()) {
         levels_(a, j) = actuator.at(middle);

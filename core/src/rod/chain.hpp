@@ -18,6 +18,8 @@ struct StretchBasis {
   double factor = 1.0;  ///< such that the energy of a coordinate is of the size that it has in bending
   /// The functions at sigma, and their derivatives.
   void evaluate(double sigma, double* value, double* slope) const;
+  /// Second derivative of  sum_k e_k functions.
+  double bend(double sigma, const double* e) const;
   bool operator==(const StretchBasis&) const = default;
 };
 
@@ -145,8 +147,15 @@ class TENDRIL_API Chain {
     const int part = varying_(a, j);
     return part < 0 ? nullptr : &parts_[static_cast<std::size_t>(part)];
   }
-  /// Axial force by a unit of actuator a on piece j.
+  /// Axial force by a unit of pull() of actuator a on piece j.
   double thrust(int a, int j) const { return thrusts_(a, j); }
+  /// What goes with the axial force of actuator a under a moment, most often the moment itself, and its derivatives.
+  Rod::Jet pull(int a, double moment) const {
+    const auto& law = pulls_[static_cast<std::size_t>(a)];
+    return law ? law(moment) : Rod::Jet{moment, 1.0};
+  }
+  /// Whether it is anything else.
+  bool pulls_by_law(int a) const { return static_cast<bool>(pulls_[static_cast<std::size_t>(a)]); }
   /// Number of actuators of the rod.
   int actuator_count() const { return static_cast<int>(levels_.rows()); }
   /// Whether the work of any actuator changes as pieces move along it.
@@ -186,7 +195,8 @@ class TENDRIL_API Chain {
   Eigen::VectorXd start0_, length0_;
   Eigen::MatrixXd start_rate_, length_rate_;
   Eigen::MatrixXd levels_, thrusts_;  // actuators x pieces
-  Eigen::MatrixXi varying_;           // actuators x pieces: index into parts_, or -1
+  std::vector<std::function<Rod::Jet(double)>> pulls_{};
+  Eigen::MatrixXi varying_;  // actuators x pieces: index into parts_, or -1
   std::vector<ProfilePart> parts_{};
 };
 

@@ -62,6 +62,8 @@ Places::Places(const Rod& rod, const Chain& chain, int contacts)
     v->setZero(chain.nodes());
   }
   third_.setZero(chain.functions());
+  by_s_.setZero(arc_lengths);
+  still_.setZero(arc_lengths, arc_lengths);
   if (chain.stretches() == 0) return;
   eta_.setZero(chain.nodes(), pieces);
   strain_.setZero(chain.nodes(), pieces);
@@ -295,7 +297,7 @@ Places::Side Places::side(int place, int which) const {
 
 void Places::add_bend_row(int place, const Side& side, double factor, RowPart out) const {
   add_curvature_row(place, side, factor / side.stretch, out);
-  if (chain_->stretches() > 0) add_stretch_row(at(place), side, -factor * side.bend() / side.stretch, out);
+  if (chain_->stretches() > 0) add_stretch_row(place, side, -factor * side.bend() / side.stretch, out);
 }
 
 void Places::add_curvature_row(int place, const Side& side, double factor, RowPart out) const {

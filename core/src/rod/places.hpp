@@ -25,11 +25,16 @@ struct SecondPart {
   MatrixRef qq, qs, ss;
 };
 
-/// What acts on a place: the derivative of some sum by its position, its angle and the rod's curvature there.
+/// What acts on a place: the derivative of some sum by its position, its angle and the rod's curvature and stretch
+/// there.
 struct Push {
   Vec2 force{};
   double moment = 0.0;
-  double bending = 0.0;  ///< on places inside of pieces only
+  ///@{
+  /// on places inside of pieces only
+  double bending = 0.0;
+  double strain = 0.0;
+  ///@}
 };
 
 /// Forces on a rod: on its places, on its tip, and on all of its mass.
@@ -104,6 +109,8 @@ class TENDRIL_API Places {
   /// Adds the derivatives of the curvature beside a place, times a factor.
   void add_curvature_row(int place, const Side& side, double factor, RowPart out) const;
   void add_bend_row(int place, const Side& side, double factor, RowPart out) const;  ///< Likewise of Side::bend().
+  /// Likewise of the stretch there.
+  void add_stretch_row(int place, const Side& side, double factor, RowPart out) const;
 
   /// Virtual displacements of all places along coordinates: dP/dq times `lambda`, after differentiate().
   void displace(const double* lambda);
@@ -123,14 +130,21 @@ class TENDRIL_API Places {
   void pull_back(const Forces& forces, double* out);
   /// The work of an actuator by a unit of its moment: int p kappa ds, p its profile, and thrust times int eps ds.
   double turn_along(int actuator) const;
-  /// out += moment * derivative of that by the coordinates: for p = 1 of the angle over its span.
-  void pull_back_moment(int actuator, double moment, double* out) const;
+  /// out += its derivatives.
+  void add_turn_row(int actuator, RowPart out);
+  /// Adds its second derivatives times a factor, by coordinates and arc lengths and by arc lengths twice.
+  void add_turn_second(int actuator, double factor, SecondPart out);
+  /// out += moment * derivative of the former by the coordinates, for p = 1 of the angle over its span, and pull *
+  /// derivative of the latter.
+  void pull_back_moment(int actuator, double moment, double pull, double* out) const;
+  /// The latter along coordinates.
+  double stretch_along(int actuator, const double* coordinates) const;
   /// Derivatives of the former by the arc lengths, which move the pieces along the profile: adds to `by_q_and_s`.
-  void add_moment_rates(int actuator, double moment, MatrixRef by_q_and_s);
-  /// Adds second derivatives of  lambda . (what pull_back_moment() adds):  by the moment and the arc lengths, by the
-  /// arc lengths twice.
-  void add_moment_second(int actuator, double moment, const double* lambda, VectorRef by_moment_and_s,
-                         MatrixRef by_s_twice);
+  void add_moment_rates(int actuator, double moment, double pull, MatrixRef by_q_and_s);
+  /// Adds second derivatives of  lambda . (what pull_back_moment() adds):  by the moment, of which the pull changes by
+  /// `pull_slope`, and the arc lengths, by the arc lengths twice.
+  void add_moment_second(int actuator, double moment, double pull_slope, const double* lambda,
+                         VectorRef by_moment_and_s, MatrixRef by_s_twice);
   /// Adds second derivatives of the forces' work at fixed forces and, if there are `virtual_forces`, of these forces'
   /// work on the virtual displacements. With `ss` the former act on places alone.
   void second_pull_back(const Forces& forces, const Forces* virtual_forces, SecondPart out);
@@ -212,7 +226,6 @@ class TENDRIL_API Places {
                        const Curve& curve, double& beyond);
   void add_inside(const Forces& forces, const Forces* virtual_forces, int j, SecondPart& out);
   void add_inside_stretch(const Place& p, const Push& push, Vec2 v, bool turns, SecondPart& out);
-  void add_stretch_row(const Place& p, const Side& side, double factor, RowPart out) const;
   double stretch_energy() const;
   void add_stretch_energy_row(double factor, RowPart out) const;
   void add_stretch_energy_second(double factor, const double* lambda, SecondPart out) const;
@@ -239,6 +252,8 @@ class TENDRIL_API Places {
   Eigen::MatrixXd length_rate_, start_rate_, mass_rate_;
   Eigen::MatrixXd line_rate_;  ///< likewise of the dead force on what is beyond j, x and y one after the other
   bool dead_ = false;          ///< the rod has dead loads
+  Eigen::VectorXd by_s_;       ///< what nobody asks for
+  Eigen::MatrixXd still_;      ///< likewise
   Eigen::MatrixXd psi_, eta_;  ///< nodes x pieces: virtual rotation, and growth along the tangent
   Eigen::VectorXd psi_knot_;
   Integrals virtual_;

@@ -159,6 +159,7 @@ void Places::pull_back(const Forces& forces, double* out) {
       }
       if (push.moment != 0.0) sums_.add_point(j, push.moment, m.beta());
       for (int i = 0; i < chain_->bends(); ++i) sums_.vector(i, j) += push.bending / h * m.beta1()[i];
+      if (push.strain != 0.0) sums_.add_stretch_point(j, push.strain, m.stretch_functions());
     }
     sweep.leave(j);
   }

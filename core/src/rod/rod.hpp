@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "rod/profile.hpp"
@@ -56,12 +57,26 @@ struct TENDRIL_API Rod {
   };
   /// A moment between two arc lengths, with its limits: u p(s).
   struct TENDRIL_API Actuator {
-    double from = 0.0;                   ///< arc length, units of L
-    double to = 1.0;                     ///< arc length, units of L
-    double minimum = -infinity;          ///< of u, units of EI0/L
-    double maximum = infinity;           ///< of u, units of EI0/L
-    double thrust = 0.0;                 ///< axial force along its span by a unit of u, times L; positive: it stretches
+    double from = 0.0;           ///< arc length, units of L
+    double to = 1.0;             ///< arc length, units of L
+    double minimum = -infinity;  ///< of u, units of EI0/L
+    double maximum = infinity;   ///< of u, units of EI0/L
+    double thrust = 0.0;         ///< axial force along its span by a unit of u, times L; positive: it stretches
+    /// Instead of thrust times u, units of EI0/L^2, and its derivatives by u; empty: it is that.
+    std::function<Jet(double)> pull{};
     std::vector<ProfilePart> profile{};  ///< p from `from` to `to`, in order, without gaps; empty: 1
+    /// Of a tendon: its largest one, units of L. Its tension is u over it, and it is shorter by it times the work of a
+    /// unit of u. 0: this is none.
+    double offset = 0.0;
+    bool by_length = false;  ///< a tendon that is told its length, not its tension
+    /// Limits of what it then is shorter by, over the size of its offset.
+    double least_shortening = -infinity, most_shortening = infinity;
+    /// Sign of u under tension.
+    double side() const { return offset < 0.0 ? -1.0 : 1.0; }
+    /// Whether limits of the shortening are rows of a program.
+    bool limits_length() const {
+      return by_length && !fixed_at_zero() && (least_shortening > -infinity || most_shortening < infinity);
+    }
     /// The part of the profile that holds arc length s between `from` and `to`; null: there is none, p is 1.
     const ProfilePart* part_at(double s) const;
     /// p(s); 0 outside.

@@ -71,7 +71,8 @@ void Places::add_stretch_energy_second(double factor, const double* lambda, Seco
 }
 
 /// Adds the derivatives of the stretch beside a place, times a factor.
-void Places::add_stretch_row(const Place& p, const Side& side, double factor, RowPart out) const {
+void Places::add_stretch_row(int place, const Side& side, double factor, RowPart out) const {
+  const Place& p = at(place);
   const BasisTable& table = chain_->table();
   double* own = out.q + side.piece * table.functions + table.bends;
   const MovingPoint* m = side.where == Side::inside ? &moving_[static_cast<std::size_t>(p.own)] : nullptr;
@@ -115,12 +116,23 @@ void Places::add_inside_stretch(const Place& p, const Push& push, Vec2 v, bool t
   const double growing = along(m.tangent(), psi);
   double bent = turning * m.slope() + growing * m.stretch_slope();
   if (turns) bent += m.eta_slope() * dot(v, m.tangent());
+  const int first = j * chain_->functions() + chain_->bends();
+  const double bend =
+      push.strain != 0.0 ? chain_->table().stretch.bend(m.sigma(), backbone_.coordinates(j) + chain_->bends()) : 0.0;
   for (int l = 0; l < arc_lengths_; ++l) {
     PieceSums& sums = rate_sums_[static_cast<std::size_t>(l)];
-    sums.add_point(j, own_rate(p, l) * turning, m.beta());
-    sums.add_stretch_point(j, own_rate(p, l) * growing, m.stretch_functions());
+    const double run_l = own_rate(p, l);
+    sums.add_point(j, run_l * turning, m.beta());
+    sums.add_stretch_point(j, run_l * growing, m.stretch_functions());
+    for (int k = 0; push.strain != 0.0 && k < chain_->stretches(); ++k) {
+      out.qs(first + k, l) += push.strain * run_l / h * m.stretch_function_slopes()[k];
+    }
     for (int i = 0; l < out.ss.rows() && i < out.ss.cols(); ++i) {
-      out.ss(l, i) += bent * own_rate(p, l) * own_rate(p, i) / h;
+      const double run_i = own_rate(p, i);
+      out.ss(l, i) += bent * run_l * run_i / h;
+      // sigma of a place that stands still moves as the piece does.
+      const double mixed = length_rate_(j, l) * run_i + length_rate_(j, i) * run_l;
+      out.ss(l, i) += push.strain * (bend * run_l * run_i - m.stretch_slope() * mixed) / (h * h);
     }
   }
 }
@@ -134,7 +146,7 @@ double Places::stretch_defect(const Forces& forces, std::span<const double> mome
     const Ramp load = sweep.load(j);
     double pulled = 0.0;
     for (int a = 0; a < chain_->actuator_count(); ++a)
-      pulled += chain_->thrust(a, j) * moments[static_cast<std::size_t>(a)];
+      pulled += chain_->thrust(a, j) * chain_->pull(a, moments[static_cast<std::size_t>(a)]).value;
     for (int g = 0; g < chain_->nodes(); ++g) {
       Vec2 force = load.end + left_[g] * load.slope;
       if (load.share != nullptr) force += load.share[g] * load.heavy;

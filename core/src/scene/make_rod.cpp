@@ -48,6 +48,24 @@ void add_moves(const RodSpec& spec, const Scale& scale, Rod& rod) {
   require_out_of_port(rod, rod.moves.back().maximum, scale);
 }
 
+/// A pressure pushes along the rod with the moment that it gives, or by a law of its own.
+void add_pull(const ActuatorSpec& spec, const Scale& scale, Rod::Actuator& a) {
+  if (spec.force_per_pressure.empty()) return;
+  if (spec.pulls_in_proportion()) {
+    // Of equal coefficients any tells the proportion; without a linear one the pressure that gives most.
+    const double moment = spec.moment_per_pressure != 0.0
+                              ? spec.moment_per_pressure
+                              : spec.moment_of(spec.most_pressure > 0.0 ? spec.most_pressure : spec.least_pressure);
+    const double force = spec.moment_per_pressure != 0.0 ? spec.force_per_pressure.front() : spec.pull_of(moment).force;
+    a.thrust = round_to_12_digits(scale.length * force / moment);
+    return;
+  }
+  a.pull = [spec, scale](double u) {
+    const ActuatorSpec::Pull pull = spec.pull_of(u * scale.moment());
+    return Rod::Jet{pull.force / scale.force(), pull.slope * scale.length, pull.bend * scale.stiffness};
+  };
+}
+
 }  // namespace
 
 Rod make_rod(const Scene& scene, const Scale& scale) {
@@ -100,6 +118,14 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
     a.profile = profile_of(spec, a, scale);
     // A tendon pulls along the rod what it bends over its offset.
     if (spec.kind == ActuatorKind::tendon) a.thrust = -round_to_12_digits(length / spec.largest_offset());
+    a.offset = round_to_12_digits(spec.largest_offset() / length);
+    a.by_length = spec.by_length;
+    if (spec.by_length) {
+      const double offset = std::abs(spec.largest_offset());
+      a.least_shortening = round_to_12_digits(spec.least_shortening / offset);
+      a.most_shortening = round_to_12_digits(spec.most_shortening / offset);
+    }
+    add_pull(spec, scale, a);
     rod.actuators.push_back(std::move(a));
   }
   rod.base = {scale.to_dimensionless(scene.rod.base_position.x, dimension::length),

@@ -109,10 +109,34 @@ void validate_law(const ActuatorSpec& a, const std::string& path) {
   }
 }
 
+/// The axial force of a pressure goes with its moment, or the moment tells the pressure.
+void validate_pull(const ActuatorSpec& a, const std::string& path) {
+  if (a.force_per_pressure.empty()) return;
+  for (const double c : a.force_per_pressure) require_finite(c, path);
+  if (!a.knows_pressure())
+    throw SceneError(path, "an axial force comes with a pressure, expected 'moment_per_pressure'");
+  if (a.force_per_pressure.size() > 1 && !(std::isfinite(a.least_pressure) && std::isfinite(a.most_pressure))) {
+    throw SceneError(path, "a law of several coefficients needs limits of the pressure on both sides");
+  }
+  if (a.pulls_in_proportion()) return;
+  constexpr int samples = 200;
+  const bool limited = !a.more_moment_per_pressure.empty();
+  for (int i = 0; limited && i <= samples; ++i) {
+    const double p = a.least_pressure + i * (a.most_pressure - a.least_pressure) / samples;
+    if (std::isfinite(a.pull_of(a.moment_of(p)).slope)) continue;
+    throw SceneError(path, "the moment does not change with the pressure at " + shown(p) +
+                               " Pa, expected it to wherever the axial force goes by a law of its own");
+  }
+}
+
 /// `path`: of the key. `length`: of the rod.
 void validate_offset(const ActuatorSpec& a, const std::string& path, double length) {
   if (a.kind != ActuatorKind::tendon) {
     if (!a.offset.empty()) throw SceneError(path, "an offset belongs to an actuator of kind \"tendon\"");
+    if (a.by_length) {
+      throw SceneError(path.substr(0, path.rfind('.')) + ".control",
+                       "a length is held by an actuator of kind \"tendon\"");
+    }
     return;
   }
   for (std::size_t i = 0; i < a.offset.size(); ++i) {
@@ -134,6 +158,12 @@ void validate_offset(const ActuatorSpec& a, const std::string& path, double leng
     throw SceneError(path, "the table of offsets reaches from " + shown(a.offset.front().arc_length) + " m to " +
                                shown(a.offset.back().arc_length) + " m, expected from " + shown(a.from) + " m to " +
                                shown(a.to) + " m as the tendon does");
+  }
+  if (std::isnan(a.least_shortening) || std::isnan(a.most_shortening) || a.least_shortening > a.most_shortening ||
+      a.least_shortening == infinity || a.most_shortening == -infinity) {
+    throw SceneError(path.substr(0, path.rfind('.')) + ".min",
+                     "the limits contradict each other: shorter by at least " + shown(a.least_shortening) +
+                         " m and at most " + shown(a.most_shortening) + " m");
   }
   const double low = std::min(a.minimum / a.largest_offset(), a.maximum / a.largest_offset());
   if (low < 0.0) {
@@ -329,6 +359,7 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
       throw SceneError(path + ".limit", "no moment is within the limits");
     }
     validate_law(a, path + ".moment_per_pressure");
+    validate_pull(a, path + ".force_per_pressure");
     validate_offset(a, path + ".offset", length);
   }
 }

@@ -51,7 +51,7 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, int lo
 std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from, int looks) const {
   if (d_.coordinate_count({}) > search_parameters().few_values) return executed(moments, looks);
   const std::vector<double> moves = d_.rod.starts();
-  const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false, moves, moves});
+  const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false, false, moves, moves});
   Allowance allowance(steps_.deadline(), looks);
   const Descent down =
       descend_in(*d_.components.coordinates, path, 1.0, from.curvature, [&allowance] { return allowance.spent(); });

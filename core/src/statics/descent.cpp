@@ -30,7 +30,7 @@ class Valley {
     const Chain& chain = program_->chain();
     const int functions = chain.functions();
     n_ = chain.coordinate_count();
-    held_ = Eigen::VectorXd::Zero(program_->layout().checks);
+    held_ = Eigen::VectorXd::Zero(program_->layout().checks + program_->layout().shortenings);
     x_ = Eigen::VectorXd::Zero(program_->variable_count());
     for (int a = 0; a < static_cast<int>(path.rod().actuators.size()); ++a) {
       x_[program_->moment_variable(a)] = path.moment(static_cast<std::size_t>(a), load);
@@ -57,23 +57,22 @@ class Valley {
     if (step != nullptr) x.head(n_) += scale_ * *step;
     const Eigen::VectorXd rows = program_->constraints(x);
     double sum = program_->potential(x);
-    for (int i = 0; i < program_->layout().checks; ++i) {
-      const double depth = std::min(0.0, rows[program_->layout().first_check + i] - held_[i] / stiffness);
+    for (int i = 0; i < held_.size(); ++i) {
+      const double depth = std::min(0.0, rows[row_of(i)] - held_[i] / stiffness);
       sum += 0.5 * stiffness * depth * depth;
     }
     return sum;
   }
 
   void derivatives(double stiffness, Eigen::VectorXd& gradient, Eigen::MatrixXd& hessian) {
-    const PoseProgram::Layout& at = program_->layout();
     const Eigen::VectorXd rows = program_->constraints(x_);
     const Eigen::MatrixXd jacobian = program_->jacobian(x_).leftCols(n_);
     Eigen::VectorXd g = -rows.head(n_);
     Eigen::MatrixXd h = -jacobian.topRows(n_);
     Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(rows.size());
     bool touches = false;
-    for (int i = 0; i < at.checks; ++i) {
-      const int row = at.first_check + i;
+    for (int i = 0; i < held_.size(); ++i) {
+      const int row = row_of(i);
       const double depth = rows[row] - held_[i] / stiffness;
       if (!(depth < 0.0)) continue;
       touches = true;
@@ -91,8 +90,8 @@ class Valley {
   double hold(double stiffness) {
     const Eigen::VectorXd rows = program_->constraints(x_);
     double worst = 0.0;
-    for (int i = 0; i < program_->layout().checks; ++i) {
-      const double gap = rows[program_->layout().first_check + i];
+    for (int i = 0; i < held_.size(); ++i) {
+      const double gap = rows[row_of(i)];
       worst = std::max(worst, std::abs(std::min(gap, held_[i] / stiffness)));
       held_[i] = std::max(0.0, held_[i] - stiffness * gap);
     }
@@ -157,7 +156,27 @@ class Valley {
     return all;
   }
 
+  /// Tendons held by their length that the penalty keeps from being longer.
+  std::vector<TautTendon> tendons(double stiffness) {
+    const Eigen::VectorXd rows = program_->constraints(x_);
+    std::vector<TautTendon> all;
+    for (int a = 0; a < static_cast<int>(path_.rod().actuators.size()); ++a) {
+      const int row = program_->shortening_row(a);
+      if (row < 0) continue;
+      const double held = held_[program_->layout().checks + row - program_->layout().first_shortening];
+      const double moment = held - stiffness * rows[row];
+      if (moment > 0.0) all.push_back({a, path_.rod().actuators[static_cast<std::size_t>(a)].side() * moment});
+    }
+    return all;
+  }
+
  private:
+  /// Of what is kept from one side: check points, and behind them tendons held by their length.
+  int row_of(int i) const {
+    const PoseProgram::Layout& at = program_->layout();
+    return i < at.checks ? at.first_check + i : at.first_shortening + i - at.checks;
+  }
+
   PointContact contact_at(int check) const {
     const Backbone& rod = program_->backbone();
     const CheckPoint& c = program_->spec().checks[static_cast<std::size_t>(check)];
@@ -191,7 +210,7 @@ class Valley {
   std::unique_ptr<PoseProgram> program_;
   int n_ = 0;
   Eigen::VectorXd x_;
-  Eigen::VectorXd held_;  ///< forces of the check points that the penalty does not have to bring up
+  Eigen::VectorXd held_;  ///< forces that the penalty does not have to bring up
   Eigen::MatrixXd scale_;
 };
 
@@ -270,7 +289,8 @@ Descent go_down(Valley& valley, const std::function<bool()>& must_stop, bool rig
     ++round;
   }
   result.converged = true;
-  result.state = {valley.curvature(), rigid ? valley.points() : valley.runs(result.stiffness), 0.0};
+  result.state = {valley.curvature(), rigid ? valley.points() : valley.runs(result.stiffness), 0.0,
+                  valley.tendons(result.stiffness)};
   if (rigid) result.depth = valley.depth();
   result.energy = valley.energy(nullptr, result.stiffness);
   return result;

@@ -14,7 +14,8 @@ struct Descent {
   bool converged = false;
   const char* reason = "";  ///< why not
   /// Each stretch of check points that press against one obstacle is one contact at the centre of its force, whose
-  /// region is not filled in. With rigid obstacles: every check point that presses is one.
+  /// region is not filled in. With rigid obstacles: every check point that presses is one. Tendons that are held by
+  /// their length are kept from being longer as obstacles are kept out.
   State state;
   double energy = 0.0;
   double stiffness = 0.0;                      ///< of the penalty at last, energy per length squared

@@ -32,8 +32,8 @@ std::optional<std::vector<Tracker::Event>> Tracker::events(const Step& step, con
   std::vector<Event> found;
   Statics& s = *now_.statics;
   const int load = s.size();
-  const bool good = add_releases(step, found) && add_touches(step, found) && add_tip(step, tangent, found) &&
-                    add_instability(step, tangent, found);
+  const bool good = add_releases(step, found) && add_touches(step, found) && add_taut(step, found) &&
+                    add_tip(step, tangent, found) && add_instability(step, tangent, found);
   if (!good) return std::nullopt;
   // The final loads may lie before the step's end, or between here and a fold at still higher ones.
   double beyond = step.z[load] >= 1.0 ? step.tau : infinity;
@@ -73,9 +73,9 @@ std::optional<std::vector<Tracker::Event>> Tracker::events(const Step& step, con
 
 bool Tracker::add_releases(const Step& step, std::vector<Event>& found) {
   Statics& s = *now_.statics;
-  for (int k = 0; k < s.contact_count(); ++k) {
+  for (int k = 0; k < s.hold_count(); ++k) {
     const int i = s.force_index(k);
-    if (!(step.z[i] < -1e-12)) continue;
+    if (!(s.hold_force(step.z, k) < -1e-12)) continue;
     Event e;
     e.kind = EventKind::release;
     e.contact = k;
@@ -105,25 +105,44 @@ bool Tracker::add_touches(const Step& step, std::vector<Event>& found) {
     }
     state.contacts.push_back(c);
     sort_contacts(state.contacts);
-    Event e;
-    e.kind = EventKind::touch;
-    e.statics = make(state.contacts);
-    e.z = e.statics->point(state);
-    for (int k = 0; k < e.statics->contact_count(); ++k) {
-      const PointContact& at = state.contacts[static_cast<std::size_t>(k)];
-      if (at.s == c.s && at.setup.obstacle == c.setup.obstacle) e.contact = k;
+    int made = -1;
+    for (std::size_t k = 0; k < state.contacts.size(); ++k) {
+      const PointContact& at = state.contacts[k];
+      if (at.s == c.s && at.setup.obstacle == c.setup.obstacle) made = static_cast<int>(k);
     }
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(e.statics->size() + 1);
-    row[e.statics->force_index(e.contact)] = 1.0;
-    if (!e.statics->solve(e.z, row, 0.0, 1e-9).converged) return false;
-    // The new contact has no force yet: without it this is a point of the current system.
-    State before = e.statics->state(e.z);
-    before.contacts.erase(before.contacts.begin() + e.contact);
-    const Eigen::VectorXd here = s.point(before);
-    e.tau = step.row.dot(here - now_.z);
-    if (!(e.tau >= -1e-6 && e.tau <= step.tau + 1e-6)) return false;
-    found.push_back(std::move(e));
+    if (!add_hold(step, state, made, found)) return false;
   }
+  return true;
+}
+
+bool Tracker::add_taut(const Step& step, std::vector<Event>& found) {
+  Statics& s = *now_.statics;
+  for (int a = 0; a < static_cast<int>(path_.rod().actuators.size()); ++a) {
+    if (!(s.slack(step.z, a) < drawn)) continue;
+    if (s.lengths_hold(step.z, a)) return false;
+    State state = s.state(step.z);
+    state.tendons.push_back({a, 0.0});
+    if (!add_hold(step, state, s.hold_count(), found)) return false;
+  }
+  return true;
+}
+
+bool Tracker::add_hold(const Step& step, const State& state, int k, std::vector<Event>& found) {
+  Statics& s = *now_.statics;
+  Event e;
+  e.kind = EventKind::touch;
+  e.contact = k;
+  e.statics = make(state);
+  e.z = e.statics->point(state);
+  const Eigen::VectorXd row = Eigen::VectorXd::Unit(e.statics->size() + 1, e.statics->force_index(k));
+  if (!e.statics->solve(e.z, row, 0.0, 1e-9).converged) return false;
+  // What is new has no force yet: without it this is a point of the current system.
+  State before = e.statics->state(e.z);
+  let_go(before, k);
+  const Eigen::VectorXd here = s.point(before);
+  e.tau = step.row.dot(here - now_.z);
+  if (!(e.tau >= -1e-6 && e.tau <= step.tau + 1e-6)) return false;
+  found.push_back(std::move(e));
   return true;
 }
 

@@ -8,10 +8,13 @@ namespace tendril {
 
 LoadPath::LoadPath(Rod rod, const std::vector<const Obstacle*>& obstacles, Ends ends)
     : rod_(std::move(rod)), obstacles_(obstacles), ends_(std::move(ends)), shrink_(obstacles.size(), 0.0) {
-  // Moments are given: no limit applies, and a limit of zero must not remove an actuator.
+  // What is held is given: no limit applies, and a limit of zero must not remove an actuator.
   for (Rod::Actuator& a : rod_.actuators) {
     a.minimum = -infinity;
     a.maximum = infinity;
+    a.by_length = a.by_length && ends_.holds_lengths;
+    a.least_shortening = 0.0;  // than what is held: it may be slack
+    a.most_shortening = infinity;
   }
 }
 
@@ -21,6 +24,9 @@ Loads LoadPath::loads(double load) const {
   for (double& by : now.shrink) by *= 1.0 - load;
   now.friction = friction_;
   for (double& ratio : now.friction) ratio *= load;
+  for (std::size_t a = 0; a < rod_.actuators.size(); ++a) {
+    if (holds_length(a)) now.shortening.push_back(held(a, load));
+  }
   return now;
 }
 

@@ -11,8 +11,11 @@ namespace tendril {
 class LoadPath {
  public:
   struct Ends {
-    std::vector<double> first, last;  ///< moments at load 0 and 1, one per actuator of the rod
-    bool loads_grow = true;           ///< gravity and tip force start from 0; else they act from the beginning
+    /// Moments at load 0 and 1, one per actuator of the rod; with `holds_lengths` of tendons told their length their
+    /// shortenings over the size of their largest offsets.
+    std::vector<double> first, last;
+    bool loads_grow = true;      ///< gravity and tip force start from 0; else they act from the beginning
+    bool holds_lengths = false;  ///< of tendons told their length; else their tensions
     std::vector<double> first_moves{}, last_moves{};  ///< of Rod::moves at load 0 and 1
   };
   LoadPath(Rod rod, const std::vector<const Obstacle*>& obstacles, Ends ends);
@@ -29,10 +32,17 @@ class LoadPath {
   const Rod& rod() const { return rod_; }
   const std::vector<const Obstacle*>& obstacles() const { return obstacles_; }
   Loads loads(double load) const;
-  double moment(std::size_t actuator, double load) const {
+  /// Whether the actuator is a tendon that is held by its length: its moment follows.
+  bool holds_length(std::size_t actuator) const { return rod_.actuators[actuator].by_length; }
+  /// Of such a tendon, where the path begins.
+  void begin_at(std::size_t actuator, double shortening) { ends_.first[actuator] = shortening; }
+  /// What is held at a load: moment, or shortening.
+  double held(std::size_t actuator, double load) const {
     return (1.0 - load) * ends_.first[actuator] + load * ends_.last[actuator];
   }
-  double moment_rate(std::size_t actuator) const { return ends_.last[actuator] - ends_.first[actuator]; }
+  double held_rate(std::size_t actuator) const { return ends_.last[actuator] - ends_.first[actuator]; }
+  /// 0 where a length is held.
+  double moment(std::size_t actuator, double load) const { return holds_length(actuator) ? 0.0 : held(actuator, load); }
   double move(std::size_t i, double load) const {
     return (1.0 - load) * ends_.first_moves[i] + load * ends_.last_moves[i];
   }

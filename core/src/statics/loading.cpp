@@ -17,7 +17,7 @@ constexpr double longest_load_step = 0.1;
 
 /// Moments that hold a constant curvature against the rod's own stiffness, and what they leave over: one more actuator
 /// per stretch whose moment fades as the loads grow.
-LoadPath::Ends ends_from_rest(Rod& rod, double curvature, const std::vector<double>& last) {
+LoadPath::Ends ends_from_rest(Rod& rod, double curvature, const std::vector<double>& last, bool holds_lengths) {
   const std::vector<double> knots = rod.fixed_knots();
   const auto stretches = static_cast<Eigen::Index>(knots.size()) - 1;
   const auto count = static_cast<Eigen::Index>(last.size());
@@ -31,10 +31,12 @@ LoadPath::Ends ends_from_rest(Rod& rod, double curvature, const std::vector<doub
     for (Eigen::Index a = 0; a < count; ++a) {
       // A profile that varies leaves no constant moment to be held by others: such an actuator starts without one.
       const Rod::Actuator& actuator = rod.actuators[static_cast<std::size_t>(a)];
-      if (!actuator.varies()) spans(r, a) = actuator.at(middle);
+      const bool follows = holds_lengths && actuator.by_length;
+      if (!actuator.varies() && !follows) spans(r, a) = actuator.at(middle);
     }
   }
   LoadPath::Ends ends;
+  ends.holds_lengths = holds_lengths;
   Eigen::VectorXd left = wanted;
   if (count > 0) {
     const Eigen::VectorXd u = spans.completeOrthogonalDecomposition().solve(wanted);
@@ -76,26 +78,28 @@ Curvature held_shape(const Rod& rod, double curvature) {
 }  // namespace
 
 Loading::Set Loading::set_from_rest(Rod rod, const std::vector<const Obstacle*>& obstacles, double curvature,
-                                    const Held& held) {
-  LoadPath::Ends ends = ends_from_rest(rod, curvature, held.moments);
+                                    const Held& held, bool holds_lengths) {
+  LoadPath::Ends ends = ends_from_rest(rod, curvature, held.moments, holds_lengths);
   ends.first_moves = ends.last_moves = held.moves;
   const Curvature shape = held_shape(rod, curvature);
   return {LoadPath(std::move(rod), obstacles, ends), {shape, {}, 0.0}, Tracker::Start::exact, true};
 }
 
 Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature, const Held& held,
-                 std::function<bool()> must_stop)
-    : Loading(set_from_rest(rod, obstacles, curvature, held), obstacles, std::move(must_stop)) {}
+                 std::function<bool()> must_stop, bool holds_lengths)
+    : Loading(set_from_rest(rod, obstacles, curvature, held, holds_lengths), obstacles, std::move(must_stop)) {
+  draw_tendons();
+}
 
 Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, State earlier, const Held& first,
-                 const Held& last, std::function<bool()> must_stop)
-    : Loading({LoadPath(rod, obstacles, {first.moments, last.moments, false, first.moves, last.moves}),
+                 const Held& last, std::function<bool()> must_stop, bool holds_lengths)
+    : Loading({LoadPath(rod, obstacles, {first.moments, last.moments, false, holds_lengths, first.moves, last.moves}),
                std::move(earlier), Tracker::Start::near, first != last},
               obstacles, std::move(must_stop)) {}
 
 Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, Curvature shape, const Held& held,
-                 std::function<bool()> must_stop)
-    : Loading({LoadPath(rod, obstacles, {held.moments, held.moments, false, held.moves, held.moves}),
+                 std::function<bool()> must_stop, bool holds_lengths)
+    : Loading({LoadPath(rod, obstacles, {held.moments, held.moments, false, holds_lengths, held.moves, held.moves}),
                {std::move(shape), {}, 0.0},
                Tracker::Start::let_go,
                false},
@@ -109,6 +113,17 @@ Loading::Loading(Set set, const std::vector<const Obstacle*>& obstacles, std::fu
       must_stop_(std::move(must_stop)),
       tracker_(path_, must_stop_) {
   grow_overlapped(obstacles);
+}
+
+/// Tendons that are held by their length begin as long as they have to be at the start.
+void Loading::draw_tendons() {
+  const std::vector<Rod::Actuator>& all = path_.rod().actuators;
+  if (std::none_of(all.begin(), all.end(), [](const Rod::Actuator& a) { return a.by_length; })) return;
+  Statics free(path_, std::make_shared<LegendreBasis>(12, 1), {}, suggested_nodes(12, 4.0));
+  const PoseProgram& program = free.at(free.point(start_));
+  for (std::size_t a = 0; a < all.size(); ++a) {
+    if (all[a].by_length) path_.begin_at(a, all[a].side() * program.turn_along(static_cast<int>(a)));
+  }
 }
 
 void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {

@@ -11,23 +11,25 @@
 namespace tendril {
 
 /// A rod that is loaded from a start to given moments: where it comes to rest, by the stable equilibria in between.
-/// Obstacles that the start overlaps grow from nothing together with the loads.
+/// Obstacles that the start overlaps grow from nothing together with the loads. With `holds_lengths` it is the
+/// shortenings of tendons told their length that are given, as in LoadPath::Ends; from a rest these begin taut without
+/// tension.
 class Loading {
  public:
-  /// What is held: moments (EI/L), one per actuator, and where the rod was moved to (Rod::moves).
+  /// What is held: moments (EI/L) or shortenings, one per actuator, and where the rod was moved to (Rod::moves).
   struct Held {
     std::vector<double> moments, moves;
     bool operator==(const Held&) const = default;
   };
   /// From a constant curvature, which moments hold without any other load; all loads then grow.
   Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, double curvature, const Held& held,
-          std::function<bool()> must_stop);
+          std::function<bool()> must_stop, bool holds_lengths = false);
   /// From an earlier state that holds `first` under all other loads; only what is held then changes.
   Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, State earlier, const Held& first,
-          const Held& last, std::function<bool()> must_stop);
+          const Held& last, std::function<bool()> must_stop, bool holds_lengths = false);
   /// From a shape that no loads are known to hold: it is let go under all loads.
   Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, Curvature shape, const Held& held,
-          std::function<bool()> must_stop);
+          std::function<bool()> must_stop, bool holds_lengths = false);
   Loading(const Loading&) = delete;
   Loading& operator=(const Loading&) = delete;
 
@@ -66,7 +68,9 @@ class Loading {
     bool moves = true;  ///< something changes along the path
   };
   Loading(Set set, const std::vector<const Obstacle*>& obstacles, std::function<bool()> must_stop);
-  static Set set_from_rest(Rod rod, const std::vector<const Obstacle*>& obstacles, double curvature, const Held& held);
+  static Set set_from_rest(Rod rod, const std::vector<const Obstacle*>& obstacles, double curvature, const Held& held,
+                           bool holds_lengths);
+  void draw_tendons();
   void grow_overlapped(const std::vector<const Obstacle*>& obstacles);
 
   LoadPath path_;

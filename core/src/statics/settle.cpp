@@ -25,8 +25,18 @@ constexpr Push pushes[] = {{0.03, 0.0}, {0.1, 0.0}, {0.1, 1e-3}, {0.3, 1e-3}, {0
 
 }  // namespace
 
-std::unique_ptr<Statics> Tracker::make(const std::vector<PointContact>& contacts) {
-  return std::make_unique<Statics>(path_, std::make_shared<LegendreBasis>(order_, pieces_), contacts, nodes_);
+std::unique_ptr<Statics> Tracker::make(const State& state) {
+  return std::make_unique<Statics>(path_, std::make_shared<LegendreBasis>(order_, pieces_), state.contacts, nodes_,
+                                   state.tendons);
+}
+
+void Tracker::let_go(State& state, int k) {
+  const int contacts = static_cast<int>(state.contacts.size());
+  if (k < contacts) {
+    state.contacts.erase(state.contacts.begin() + k);
+  } else {
+    state.tendons.erase(state.tendons.begin() + (k - contacts));
+  }
 }
 
 /// Enough nodes for the angle that the rod turns through now, and some more.
@@ -47,7 +57,7 @@ void Tracker::choose_nodes() {
 bool Tracker::rebuild() {
   choose_nodes();
   const State state = now_.statics->state(now_.z);
-  std::unique_ptr<Statics> statics = make(state.contacts);
+  std::unique_ptr<Statics> statics = make(state);
   Eigen::VectorXd z = statics->point(state);
   if (!statics->solve_at_load(z, state.load, 1e-9).converged) return false;
   now_ = {std::move(statics), std::move(z)};
@@ -97,7 +107,9 @@ bool Tracker::begin(const State& guess, Start start) {
   const auto stable = [](Settled& s) { return s.statics->margin(s.z) > tolerance::stability; };
   if (near && start == Start::near && stable(*near)) {
     // Newton's method may have gone to another equilibrium than the one below the guess.
-    Eigen::VectorXd from = near->statics->point({guess.curvature, near->statics->state(near->z).contacts, 0.0});
+    State there = near->statics->state(near->z);
+    there.curvature = guess.curvature;
+    Eigen::VectorXd from = near->statics->point(there);
     from -= near->z;
     from[near->statics->size()] = 0.0;
     if (std::sqrt(near->statics->metric(near->z, from).dot(from)) > 1.0) near.reset();
@@ -115,7 +127,7 @@ bool Tracker::begin(const State& guess, Start start) {
     jump.kind = SnapKind::start;
     jump.before.statics = make({});
     jump.before.z = jump.before.statics->point({guess.curvature, {}, 0.0});
-    jump.after.statics = make(below->statics->state(below->z).contacts);
+    jump.after.statics = make(below->statics->state(below->z));
     jump.after.z = below->z;
     jump.margin = below->statics->margin(below->z);
     snaps_.push_back(std::move(jump));
@@ -136,8 +148,15 @@ std::optional<Settled> Tracker::settle(State guess, double load) {
   }
   for (int attempt = 0; attempt < most_repairs && !must_stop_(); ++attempt) {
     sort_contacts(guess.contacts);
-    Settled s{make(guess.contacts), {}};
+    Settled s{make(guess), {}};
     s.z = s.statics->point(guess);
+    // Of tendons whose lengths are one the lengths decide one tension.
+    const auto held = std::find_if(guess.tendons.rbegin(), guess.tendons.rend(),
+                                   [&](const TautTendon& t) { return s.statics->lengths_hold(s.z, t.actuator); });
+    if (held != guess.tendons.rend()) {
+      guess.tendons.erase(std::prev(held.base()));
+      continue;
+    }
     const Statics::NewtonResult r = s.statics->solve_at_load(s.z, load);
     if (r.leaning >= 0) {
       PointContact& c = guess.contacts[static_cast<std::size_t>(r.leaning)];
@@ -168,15 +187,15 @@ std::optional<Settled> Tracker::settle(State guess, double load) {
 
 Tracker::Repair Tracker::repair(State& guess, Settled& s) {
   const State found = s.statics->state(s.z);
-  std::size_t weakest = 0;
+  int weakest = 0;
   bool at_tip = false;
-  for (std::size_t k = 0; k < found.contacts.size(); ++k) {
-    if (found.contacts[k].force < found.contacts[weakest].force) weakest = k;
-    at_tip = at_tip || found.contacts[k].setup.at_tip;
+  for (int k = 0; k < s.statics->hold_count(); ++k) {
+    if (s.statics->hold_force(s.z, k) < s.statics->hold_force(s.z, weakest)) weakest = k;
+    at_tip = at_tip || (k < s.statics->contact_count() && s.statics->contact(k).at_tip);
   }
-  if (!found.contacts.empty() && found.contacts[weakest].force < pull) {
+  if (s.statics->hold_count() > 0 && s.statics->hold_force(s.z, weakest) < pull) {
     guess = found;
-    guess.contacts.erase(guess.contacts.begin() + static_cast<std::ptrdiff_t>(weakest));
+    let_go(guess, weakest);
     return Repair::made;
   }
   const double tip_slope = at_tip ? s.statics->tip_slope(s.z) : -1.0;
@@ -189,7 +208,28 @@ Tracker::Repair Tracker::repair(State& guess, Settled& s) {
     }
     return Repair::made;
   }
-  return repair_penetration(guess, s);
+  const Repair repaired = repair_penetration(guess, s);
+  return repaired == Repair::needless ? repair_slack(guess, s) : repaired;
+}
+
+int Tracker::longest_tendon(Statics& statics, const Eigen::VectorXd& z) const {
+  int longest = -1;
+  double most = drawn;
+  for (int a = 0; a < static_cast<int>(path_.rod().actuators.size()); ++a) {
+    const double slack = statics.slack(z, a);
+    if (!(slack < most)) continue;
+    most = slack;
+    longest = a;
+  }
+  return longest;
+}
+
+Tracker::Repair Tracker::repair_slack(State& guess, Settled& s) {
+  const int longest = longest_tendon(*s.statics, s.z);
+  if (longest < 0) return Repair::needless;
+  guess = s.statics->state(s.z);
+  guess.tendons.push_back({longest, 0.0});
+  return Repair::made;
 }
 
 Tracker::Repair Tracker::repair_penetration(State& guess, Settled& s) {
@@ -292,12 +332,12 @@ bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::
   jump.load = critical[here.size()];
   // Systems are rebuilt for the record: the originals go on.
   const State before = here.state(critical);
-  jump.before = {make(before.contacts), {}};
+  jump.before = {make(before), {}};
   jump.before.z = jump.before.statics->point(before);
   if (!best) {
     trouble_ = "the rod snaps at load fraction " + shown(jump.load, 9) + ", and the state after that was not found" +
                (reason.empty() ? "" : ": " + reason);
-    jump.after = {make(before.contacts), jump.before.z};
+    jump.after = {make(before), jump.before.z};
     jump.margin = 0.0;
     snaps_.push_back(std::move(jump));
     return false;
@@ -306,7 +346,7 @@ bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::
   rebuild();
   resolve(coarse_balance);
   const State after = now_.statics->state(now_.z);
-  jump.after = {make(after.contacts), {}};
+  jump.after = {make(after), {}};
   jump.after.z = jump.after.statics->point(after);
   jump.margin = now_.statics->margin(now_.z);
   snaps_.push_back(std::move(jump));

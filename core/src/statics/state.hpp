@@ -27,11 +27,18 @@ struct PointContact {
   bool extended = false;  ///< one of a run that stands for a stretch along which the rod lies
 };
 
+/// A tendon that is held by its length and pulls.
+struct TautTendon {
+  int actuator = 0;
+  double moment = 0.0;
+};
+
 /// A state of the rod, whatever the basis; dimensionless.
 struct State {
   Curvature curvature;
   std::vector<PointContact> contacts;
   double load = 0.0;  ///< fraction of a path of loads
+  std::vector<TautTendon> tendons{};
 };
 
 /// The curvature of coordinates on the pieces of a backbone, which it outlives.

@@ -1,6 +1,7 @@
 #include "statics/statics.hpp"
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -15,6 +16,12 @@ constexpr int most_newton_steps = 30;
 /// A Newton step may turn the rod by this much in the metric of the bending energy.
 constexpr double longest_newton_step = 1.0;
 constexpr double newton_small = 1e-9;  ///< residual, and step in the metric, after which one more step follows
+
+std::vector<int> actuators_of(const std::vector<TautTendon>& tendons) {
+  std::vector<int> actuators;
+  for (const TautTendon& t : tendons) actuators.push_back(t.actuator);
+  return actuators;
+}
 
 PoseProgramSpec spec_of(const LoadPath& path, const LegendreBasis& basis, std::vector<PointContact> contacts,
                         int nodes) {
@@ -31,12 +38,13 @@ PoseProgramSpec spec_of(const LoadPath& path, const LegendreBasis& basis, std::v
 }  // namespace
 
 Statics::Statics(const LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std::vector<PointContact> contacts,
-                 int nodes)
+                 int nodes, const std::vector<TautTendon>& tendons)
     : path_(path),
       basis_(std::move(basis)),
       program_(spec_of(path, *basis_, std::move(contacts), nodes)),
+      taut_(actuators_of(tendons)),
       certifier_(program_.spec()),
-      equations_(Equations::of_contacts(program_)) {
+      equations_(Equations::of_contacts(program_, taut_)) {
   for (int k = 0; k < contact_count(); ++k) program_.set_branch(k, Branch::touching);
   x_.setZero(program_.variable_count());
   rate_.setZero(size());
@@ -51,6 +59,8 @@ Eigen::VectorXd Statics::full(const Eigen::VectorXd& y) const {
 void Statics::place(const Eigen::VectorXd& z) {
   x_ = full(z);
   for (int a = 0; a < static_cast<int>(path_.rod().actuators.size()); ++a) {
+    // The moment of a tendon that is held by its length is an unknown, or 0.
+    if (path_.holds_length(static_cast<std::size_t>(a))) continue;
     if (const int variable = program_.moment_variable(a); variable >= 0) {
       x_[variable] = path_.moment(static_cast<std::size_t>(a), z[size()]);
     }
@@ -63,9 +73,9 @@ void Statics::place(const Eigen::VectorXd& z) {
 Eigen::VectorXd Statics::given_rates() const {
   Eigen::VectorXd rates = Eigen::VectorXd::Zero(program_.variable_count());
   for (int a = 0; a < static_cast<int>(path_.rod().actuators.size()); ++a) {
-    if (const int variable = program_.moment_variable(a); variable >= 0) {
-      rates[variable] = path_.moment_rate(static_cast<std::size_t>(a));
-    }
+    const int variable = program_.moment_variable(a);
+    if (variable < 0 || path_.holds_length(static_cast<std::size_t>(a))) continue;
+    rates[variable] = path_.held_rate(static_cast<std::size_t>(a));
   }
   for (int l = 0; l < program_.layout().moves; ++l) {
     rates[program_.layout().first_move + l] = path_.move_rate(static_cast<std::size_t>(l));
@@ -102,6 +112,10 @@ bool Statics::evaluate(const Eigen::VectorXd& z) {
   set_load(z[size()]);
   const bool finite = equations_.evaluate(x_);
   rate += program_.jacobian(x_) * given_rates();
+  for (int a = 0; a < static_cast<int>(path_.rod().actuators.size()); ++a) {
+    if (!path_.holds_length(static_cast<std::size_t>(a))) continue;
+    rate[program_.shortening_row(a)] -= path_.held_rate(static_cast<std::size_t>(a));
+  }
   const int first_gap = program_.layout().first_gap;
   for (int k = 0; k < contact_count(); ++k) rate[first_gap + k] += path_.distance_rate(contact(k).obstacle);
   for (int r = 0; r < size(); ++r) rate_[r] = rate[equations_.row(r)];
@@ -123,6 +137,9 @@ Eigen::VectorXd Statics::point(const State& state) {
     if (!contact(k).at_tip) z[arc_length_index(k)] = c.s;
     z[force_index(k)] = c.force;
   }
+  for (std::size_t i = 0; i < std::min(taut_.size(), state.tendons.size()); ++i) {
+    z[force_index(contact_count() + static_cast<int>(i))] = state.tendons[i].moment;
+  }
   z[size()] = state.load;
   z.head(coordinates()) = program_.chain().coordinates_of(state.curvature, knots(z), state.curvature.stretch);
   return z;
@@ -138,6 +155,9 @@ State Statics::state(const Eigen::VectorXd& z) {
   for (int k = 0; k < contact_count(); ++k) {
     const int index = arc_length_index(k);
     s.contacts.push_back({contact(k), index < 0 ? 1.0 : z[index], z[force_index(k)]});
+  }
+  for (int k = contact_count(); k < hold_count(); ++k) {
+    s.tendons.push_back({taut_[static_cast<std::size_t>(k - contact_count())], z[force_index(k)]});
   }
   s.load = z[size()];
   return s;
@@ -301,6 +321,34 @@ double Statics::margin(const Eigen::VectorXd& z) { return certifier(z).stability
 double Statics::moment_balance(const Eigen::VectorXd& z) { return certifier(z).moment_balance(x_); }
 double Statics::convexity(const Eigen::VectorXd& z, int k) { return certifier(z).contact_convexity(x_, k); }
 Certificate Statics::certify(const Eigen::VectorXd& z) { return certifier(z).certify(program_, x_); }
+
+double Statics::hold_force(const Eigen::VectorXd& z, int k) const {
+  const double force = z[force_index(k)];
+  if (k < contact_count()) return force;
+  const auto a = static_cast<std::size_t>(taut_[static_cast<std::size_t>(k - contact_count())]);
+  return path_.rod().actuators[a].side() * force;
+}
+
+double Statics::slack(const Eigen::VectorXd& z, int actuator) {
+  if (!path_.holds_length(static_cast<std::size_t>(actuator))) return infinity;
+  if (std::find(taut_.begin(), taut_.end(), actuator) != taut_.end()) return infinity;
+  at(z);
+  return program_.constraints(x_)[program_.shortening_row(actuator)];
+}
+
+bool Statics::lengths_hold(const Eigen::VectorXd& z, int actuator) {
+  constexpr double dependent = 1e-9;
+  at(z);
+  const auto row = [&](int a) -> Eigen::VectorXd {
+    return program_.jacobian(x_).row(program_.shortening_row(a)).head(coordinates()).transpose();
+  };
+  Eigen::MatrixXd held(coordinates(), std::find(taut_.begin(), taut_.end(), actuator) - taut_.begin());
+  if (held.cols() == 0) return false;
+  for (Eigen::Index i = 0; i < held.cols(); ++i) held.col(i) = row(taut_[static_cast<std::size_t>(i)]);
+  const Eigen::VectorXd own = row(actuator);
+  const Eigen::VectorXd left = own - held * held.completeOrthogonalDecomposition().solve(own);
+  return left.norm() <= dependent * own.norm();
+}
 
 double Statics::tip_slope(const Eigen::VectorXd& z) {
   double slope = -1.0;

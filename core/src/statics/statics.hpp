@@ -13,22 +13,32 @@
 
 namespace tendril {
 
-/// Equilibrium with a given set of closed contacts along a load path: a square system F(y, load) = 0 over
-/// y = (coordinates, arc lengths, forces), with exact derivatives. A point is z = (y, load).
+/// Equilibrium with a given set of closed contacts and taut tendons along a load path: a square system F(y, load) = 0
+/// over y = (coordinates, arc lengths, forces, moments of taut tendons), with exact derivatives. A point is z = (y,
+/// load). What holds the rod from one side are its `holds`: the contacts, and behind them the taut tendons.
 class Statics {
  public:
   /// `contacts` in any order; they are sorted along the rod.
   Statics(const LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std::vector<PointContact> contacts,
-          int nodes);
+          int nodes, const std::vector<TautTendon>& tendons = {});
 
   int size() const { return equations_.size(); }  ///< of y
   int coordinates() const { return program_.layout().coordinates; }
   int contact_count() const { return program_.layout().forces; }
   const ContactSetup& contact(int k) const { return program_.spec().contacts[static_cast<std::size_t>(k)]; }
   int arc_length_index(int k) const { return contact(k).at_tip ? -1 : coordinates() + k; }
-  int force_index(int k) const { return coordinates() + program_.layout().arc_lengths + k; }
+  int force_index(int k) const { return coordinates() + program_.layout().arc_lengths + k; }  ///< of a hold
+  int hold_count() const { return contact_count() + static_cast<int>(taut_.size()); }
+  /// With what a hold presses, or pulls: below 0 it would do the other.
+  double hold_force(const Eigen::VectorXd& z, int k) const;
+  /// How far a tendon that is held by its length is from being taut, over the size of its largest offset; infinity for
+  /// one that is taut here.
+  double slack(const Eigen::VectorXd& z, int actuator);
+  /// The taut tendons, of one that is taut itself those before it, hold that of an actuator, too: nothing that they
+  /// leave free changes its length.
+  bool lengths_hold(const Eigen::VectorXd& z, int actuator);
 
-  /// The point of a state, whose contacts are those of this system in any order.
+  /// The point of a state, whose contacts are those of this system in any order, and whose tendons are its own.
   Eigen::VectorXd point(const State& state);
   State state(const Eigen::VectorXd& z);
   /// Of z or of a direction there.
@@ -68,6 +78,8 @@ class Statics {
   /// Moves the program to z; the reference stays valid until the next call.
   PoseProgram& at(const Eigen::VectorXd& z);
   const Eigen::VectorXd& variables() const { return x_; }
+  /// Of an actuator, where the program was moved to.
+  double moment(int actuator) const { return x_[program_.moment_variable(actuator)]; }
 
  private:
   /// The equations at z and their rate with the load; false: something is no number.
@@ -88,6 +100,7 @@ class Statics {
   const LoadPath& path_;
   std::shared_ptr<const LegendreBasis> basis_;
   PoseProgram program_;
+  std::vector<int> taut_;  ///< actuators
   Certifier certifier_;
   Equations equations_;
   double load_ = std::nan("");  ///< of the program, and of the certifier; none at first

@@ -16,6 +16,7 @@ constexpr double not_critical = 1e-3;         ///< margin that a fold of the equ
 constexpr double vanishing_convexity = 1e-2;  ///< d_ss (per L) at a turn of the path that a spreading contact explains
 constexpr double pinched_length = 1e-4;       ///< between opposite contacts (L)
 constexpr double pinching_force = 1e4;        ///< of each; a moment of one over the length above (EI/L^2)
+constexpr double overdrawn_slack = 1e-6;      ///< of a tendon that is about to be taut
 constexpr int most_steps = 20000;
 constexpr int most_snaps = 50;
 
@@ -53,7 +54,7 @@ bool Tracker::go_back_to_end() {
     State state = now_.statics->state(now_.z);
     PointContact& c = state.contacts[static_cast<std::size_t>(here.leaning)];
     if (hand_over(c, here.upward, path_.rod().fixed_knots(), 0.1 * knot_distance) && !c.setup.at_tip) {
-      std::unique_ptr<Statics> beside = make(state.contacts);
+      std::unique_ptr<Statics> beside = make(state);
       z = beside->point(state);
       if (beside->solve_at_load(z, 1.0, at_knot).converged) {
         now_ = {std::move(beside), std::move(z)};
@@ -80,7 +81,7 @@ bool Tracker::advance() {
   for (double length = length_;; length *= 0.5) {
     if (length < shortest_step || must_stop_()) {
       // Where d_ss vanishes the contact has no place of its own.
-      if (!must_stop_() && spreads(vanishing_convexity)) return false;
+      if (!must_stop_() && (spreads(vanishing_convexity) || overdrawn())) return false;
       trouble_ = "the path could not be followed beyond load fraction " + shown(now_.z[now_.statics->size()], 9);
       return false;
     }
@@ -109,7 +110,7 @@ bool Tracker::advance() {
         *std::min_element(found->begin(), found->end(), [](const Event& a, const Event& b) { return a.tau < b.tau; });
     // Nothing may be violated there that the step's end did not show.
     Statics& at_event = first.statics ? *first.statics : *now_.statics;
-    if (!at_event.penetrations(first.z).empty()) continue;
+    if (!at_event.penetrations(first.z).empty() || longest_tendon(at_event, first.z) >= 0) continue;
     if (first.kind == EventKind::touch && at_event.tip_slope(first.z) > tolerance::closest_point) continue;
     if (first.kind == EventKind::end) {
       now_.z = first.z;
@@ -198,7 +199,7 @@ bool Tracker::take(Event& event) {
     case EventKind::release:
       return release(event);
     case EventKind::touch: {
-      ++contact_changes_;
+      count_change(event.contact < event.statics->contact_count());
       now_ = {std::move(event.statics), std::move(event.z)};
       return true;
     }
@@ -225,7 +226,7 @@ bool Tracker::take_fold(Event& event) {
   while (now_.statics->moment_balance(z) > 1e-9 && order_ < 40) {
     order_ += 8;
     const State state = now_.statics->state(z);
-    std::unique_ptr<Statics> finer = make(state.contacts);
+    std::unique_ptr<Statics> finer = make(state);
     Eigen::VectorXd there = finer->point(state);
     State direction = state;
     direction.curvature = now_.statics->curvature(z, event.direction);
@@ -276,12 +277,24 @@ bool Tracker::pinched() {
   return false;
 }
 
+bool Tracker::overdrawn() {
+  Statics& s = *now_.statics;
+  for (int a = 0; a < static_cast<int>(path_.rod().actuators.size()); ++a) {
+    if (!(s.slack(now_.z, a) < overdrawn_slack) || !s.lengths_hold(now_.z, a)) continue;
+    trouble_ = "the lengths of tendons contradict each other at load fraction " +
+               shown(std::max(0.0, now_.z[s.size()]), 9) + ": the others hold that of actuator " +
+               std::to_string(a + 1) + ", which cannot be as short";
+    return true;
+  }
+  return false;
+}
+
 bool Tracker::release(Event& event) {
   State state = now_.statics->state(event.z);
-  state.contacts.erase(state.contacts.begin() + event.contact);
-  std::unique_ptr<Statics> statics = make(state.contacts);
+  let_go(state, event.contact);
+  count_change(event.contact < now_.statics->contact_count());
+  std::unique_ptr<Statics> statics = make(state);
   Eigen::VectorXd z = statics->point(state);
-  ++contact_changes_;
   const Statics::NewtonResult r = statics->solve_at_load(z, state.load, 1e-9);
   if (r.converged && statics->margin(z) > tolerance::stability) {
     now_ = {std::move(statics), std::move(z)};
@@ -303,7 +316,7 @@ bool Tracker::pass_knot(Event& event) {
   }
   const bool to_tip = c.setup.at_tip;
   const double s = c.s;
-  std::unique_ptr<Statics> statics = make(state.contacts);
+  std::unique_ptr<Statics> statics = make(state);
   Eigen::VectorXd z = statics->point(state);
   Eigen::VectorXd row = Eigen::VectorXd::Zero(statics->size() + 1);
   double value = state.load;
@@ -332,7 +345,7 @@ bool Tracker::leave_tip(Event& event) {
   State state = now_.statics->state(event.z);
   PointContact& c = state.contacts[static_cast<std::size_t>(event.contact)];
   place_inside(c, 1.0, path_.rod().fixed_knots(), knot_distance);
-  std::unique_ptr<Statics> statics = make(state.contacts);
+  std::unique_ptr<Statics> statics = make(state);
   // Sorted: the contact is now the last interior one.
   sort_contacts(state.contacts);
   int k = 0;

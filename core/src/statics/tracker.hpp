@@ -15,6 +15,8 @@ namespace tendril {
 
 /// Where a contact is handed over to the next stretch or the tip (L).
 inline constexpr double knot_distance = 1e-6;
+/// What a tendon that is held by its length may be longer by, over the size of its largest offset, before it is taut.
+inline constexpr double drawn = -1e-10;
 /// Cosine between the tangents at both ends of a step, and with that at an event in between.
 inline constexpr double straightness = 0.9;
 
@@ -33,8 +35,9 @@ struct TrackedSnap {
 };
 
 /// Follows the stable equilibrium along a load path by arc-length continuation. Events (a contact made, released,
-/// sliding over a knot or the tip, a fold, a bifurcation) are located exactly, each as one more equation with the load
-/// as its unknown, and the first along the path is taken.
+/// sliding over a knot or the tip, a tendon drawn taut or gone slack, a fold, a bifurcation) are located exactly, each
+/// as one more equation with the load as its unknown, and the first along the path is taken. A tendon that is held by
+/// its length is drawn taut as a contact is made, and goes slack as one is released.
 class Tracker {
  public:
   Tracker(const LoadPath& path, std::function<bool()> must_stop) : path_(path), must_stop_(std::move(must_stop)) {}
@@ -55,6 +58,7 @@ class Tracker {
   std::vector<TrackedSnap>& snaps() { return snaps_; }
   int steps() const { return steps_; }
   int contact_changes() const { return contact_changes_; }
+  int tendon_changes() const { return tendon_changes_; }
   int order() const { return order_; }
 
  private:
@@ -62,7 +66,7 @@ class Tracker {
   struct Event {
     EventKind kind = EventKind::end;
     double tau = infinity;  ///< along the step
-    int contact = -1;
+    int contact = -1;       ///< or another hold
     bool upward = false;
     Eigen::VectorXd z{};
     Eigen::VectorXd direction{};
@@ -79,13 +83,20 @@ class Tracker {
     std::optional<Handover> handover{};  ///< a contact reaches the end of its stretch
   };
 
-  std::unique_ptr<Statics> make(const std::vector<PointContact>& contacts);
+  /// With the contacts and tendons of a state.
+  std::unique_ptr<Statics> make(const State& state);
+  /// Without hold k: a contact, or behind these a tendon.
+  static void let_go(State& state, int k);
+  void count_change(bool contact) { ++(contact ? contact_changes_ : tendon_changes_); }
   /// Newton at fixed load with contacts added and released until nothing is violated.
   std::optional<Settled> settle(State guess, double load);
   enum class Repair { needless, made, impossible };
   /// Changes the contacts of `guess` where the equilibrium found with them violates something.
   Repair repair(State& guess, Settled& s);
   Repair repair_penetration(State& guess, Settled& s);
+  Repair repair_slack(State& guess, Settled& s);
+  /// The actuator that is longest of the tendons that are longer than they are held; -1: none is.
+  int longest_tendon(Statics& statics, const Eigen::VectorXd& z) const;
   bool rebuild();  ///< on the basis as it is set now
   bool resolve(double enough);
   bool coarse() const;
@@ -102,6 +113,9 @@ class Tracker {
   std::optional<std::vector<Event>> events(const Step& step, const Eigen::VectorXd& tangent);
   bool add_releases(const Step& step, std::vector<Event>& found);
   bool add_touches(const Step& step, std::vector<Event>& found);
+  bool add_taut(const Step& step, std::vector<Event>& found);
+  /// Where hold k of `state`, which is not yet one, begins to hold.
+  bool add_hold(const Step& step, const State& state, int k, std::vector<Event>& found);
   bool add_tip(const Step& step, const Eigen::VectorXd& tangent, std::vector<Event>& found);
   bool add_instability(const Step& step, const Eigen::VectorXd& tangent, std::vector<Event>& found);
   /// Between the step's beginning and `until` along it the rod passes through an obstacle.
@@ -123,6 +137,8 @@ class Tracker {
   bool turns_by_spreading();
   /// Two obstacles leave the rod no room: `trouble_` says where.
   bool pinched();
+  /// Tendons are held shorter than any shape of the rod lets them be together: `trouble_` says which.
+  bool overdrawn();
 
   const LoadPath& path_;
   std::function<bool()> must_stop_;
@@ -132,7 +148,7 @@ class Tracker {
   bool spread_ = false;
   double length_ = 0.05;  ///< of the next step
   int order_ = 12, pieces_ = 1, nodes_ = 30;
-  int steps_ = 0, contact_changes_ = 0;
+  int steps_ = 0, contact_changes_ = 0, tendon_changes_ = 0;
   bool done_ = false;
 };
 

@@ -23,6 +23,7 @@ inline constexpr Dimension force_per_length{0, 0, "N/m"};
 inline constexpr Dimension mass{0, 0, "kg"};
 inline constexpr Dimension time{0, 0, "s"};
 inline constexpr Dimension moment_per_pressure{0, 0, "N m/Pa"};
+inline constexpr Dimension force_per_pressure{0, 0, "N/Pa"};
 }  // namespace dimension
 
 /// "a length", "a force", ...; "a pure number" where the dimension has no unit.
