@@ -65,7 +65,7 @@ void Places::add_turn_row(int actuator, RowPart out) {
                     still_);
 }
 
-void Places::add_turn_second(int actuator, double factor, SecondPart out) {
+void Places::add_turn_second(int actuator, double factor, const SecondPart& out) {
   if (factor == 0.0 || arc_lengths_ == 0 || !chain_->has_moving_work()) return;
   add_moment_rates(actuator, factor, factor, out.qs);
   by_s_.setZero();

@@ -133,7 +133,7 @@ class TENDRIL_API Places {
   /// out += its derivatives.
   void add_turn_row(int actuator, RowPart out);
   /// Adds its second derivatives times a factor, by coordinates and arc lengths and by arc lengths twice.
-  void add_turn_second(int actuator, double factor, SecondPart out);
+  void add_turn_second(int actuator, double factor, const SecondPart& out);
   /// out += moment * derivative of the former by the coordinates, for p = 1 of the angle over its span, and pull *
   /// derivative of the latter.
   void pull_back_moment(int actuator, double moment, double pull, double* out) const;
