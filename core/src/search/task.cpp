@@ -143,8 +143,9 @@ bool Task::contact_planned() const {
 double Task::least_cost(double distance) const {
   double least = 0.0;
   for (const PoseProgramTerm& t : terms) {
-    const auto* bounded = distance > 0.0 ? dynamic_cast<const BoundedOffTarget*>(t.term) : nullptr;
-    least += t.weight * (bounded != nullptr ? bounded->lower_bound_off_target(distance) : t.term->lower_bound());
+    const ObjectiveTerm& term = *t.term;
+    const auto* bounded = distance > 0.0 ? dynamic_cast<const BoundedOffTarget*>(&term) : nullptr;
+    least += t.weight * (bounded != nullptr ? bounded->lower_bound_off_target(distance) : term.lower_bound());
   }
   return least;
 }

@@ -19,6 +19,7 @@ constexpr double newton_small = 1e-9;  ///< residual, and step in the metric, af
 
 std::vector<int> actuators_of(const std::vector<TautTendon>& tendons) {
   std::vector<int> actuators;
+  actuators.reserve(tendons.size());
   for (const TautTendon& t : tendons) actuators.push_back(t.actuator);
   return actuators;
 }
