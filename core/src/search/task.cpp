@@ -143,9 +143,12 @@ bool Task::contact_planned() const {
 double Task::least_cost(double distance) const {
   double least = 0.0;
   for (const PoseProgramTerm& t : terms) {
-    const ObjectiveTerm& term = *t.term;
-    const auto* bounded = distance > 0.0 ? dynamic_cast<const BoundedOffTarget*>(&term) : nullptr;
-    least += t.weight * (bounded != nullptr ? bounded->lower_bound_off_target(distance) : term.lower_bound());
+    double bound = t.term->lower_bound();
+    if (const auto* off_target = dynamic_cast<const BoundedOffTarget*>(t.term);
+        off_target != nullptr && distance > 0.0) {
+      bound = off_target->lower_bound_off_target(distance);
+    }
+    least += t.weight * bound;
   }
   return least;
 }
