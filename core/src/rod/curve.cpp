@@ -57,29 +57,25 @@ CurveTables::CurveTables(const Quadrature& rule) {
   }
 }
 
-double CurveTables::sum(const double* coefficients, int count, double z) const {
-  double sum = 0.0;
-  double above = 0.0;
+template <class Coefficient>
+auto CurveTables::recur(double z, int count, const Coefficient& coefficient) const {
+  decltype(coefficient(0)) sum{}, above{};
   for (int k = count - 1; k >= 0; --k) {
     const auto i = static_cast<std::size_t>(k);
-    const double own = coefficients[k] + rise_[i] * z * sum - fall_[i] * above;
+    // What waits for the sum before is one product: the chain of these is what a point costs.
+    const auto rest = coefficient(k) - fall_[i] * above;
     above = sum;
-    sum = own;
+    sum = rise_[i] * z * sum + rest;
   }
   return sum;
 }
 
+double CurveTables::sum(const double* coefficients, int count, double z) const {
+  return recur(z, count, [&](int k) { return coefficients[k]; });
+}
+
 Vec2 CurveTables::sum(const double* x, const double* y, int count, double z) const {
-  Vec2 sum, above;
-  for (int k = count - 1; k >= 0; --k) {
-    const auto i = static_cast<std::size_t>(k);
-    const double rise = rise_[i] * z;
-    // What waits for the sum before is one product: the chain of these is what a point costs.
-    const Vec2 rest{x[k] - fall_[i] * above.x, y[k] - fall_[i] * above.y};
-    above = sum;
-    sum = {rise * sum.x + rest.x, rise * sum.y + rest.y};
-  }
-  return sum;
+  return recur(z, count, [&](int k) { return Vec2{x[k], y[k]}; });
 }
 
 CurveSamples::CurveSamples(const CurveTables& tables, int steps) : steps_(steps), values_(tables.intervals()) {

@@ -32,6 +32,10 @@ class TENDRIL_API CurveTables {
   Vec2 sum(const double* x, const double* y, int count, double z) const;
 
  private:
+  /// Clenshaw's recurrence for coefficient(k), k < count.
+  template <class Coefficient>
+  auto recur(double z, int count, const Coefficient& coefficient) const;
+
   std::vector<double> ends_;
   std::vector<double> rise_, fall_;  ///< of the recurrence that sums (Clenshaw)
   Eigen::MatrixXd transform_, cumulative_;
