@@ -150,6 +150,7 @@ class LoadedRod::Pieces {
     return true;
   }
   Eigen::MatrixXd follow(const Eigen::MatrixXd& forces) const {
+    if (forces.cols() == 0) return forces;  // Eigen would refer to the first of its numbers
     return stable_ ? Eigen::MatrixXd(cholesky_.solve(forces)) : Eigen::MatrixXd(lu_.solve(forces));
   }
 
@@ -511,7 +512,9 @@ LoadedRod::Imbalance LoadedRod::imbalance(const Curvature& curvature, std::span<
   Pieces& p = pieces(Shape{{}, coordinates({}, curvature)});
   const Eigen::LLT<Eigen::MatrixXd> elastic(p.elastic());
   const Eigen::VectorXd missing = -p.residual();
-  return {elastic.matrixL().solve(missing), elastic.matrixL().solve(p.unit_forces(places, 1.0))};
+  Eigen::MatrixXd by_places = p.unit_forces(places, 1.0);
+  if (by_places.cols() > 0) elastic.matrixL().solveInPlace(by_places);
+  return {elastic.matrixL().solve(missing), by_places};
 }
 
 std::vector<LoadedRod::Point> LoadedRod::points(const Shape& shape, std::span<const double> arc_lengths) const {

@@ -78,7 +78,8 @@ Vec2 CurveTables::sum(const double* x, const double* y, int count, double z) con
   return recur(z, count, [&](int k) { return Vec2{x[k], y[k]}; });
 }
 
-CurveSamples::CurveSamples(const CurveTables& tables, int steps) : steps_(steps), values_(tables.intervals()) {
+CurveSamples::CurveSamples(const CurveTables& tables, int steps)
+    : steps_(steps), values_(static_cast<std::size_t>(tables.intervals())) {
   const int most = tables.per_interval() + 1;
   Eigen::VectorXd column(most);
   int from = 0;
