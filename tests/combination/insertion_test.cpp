@@ -155,6 +155,26 @@ TEST(Base, MovedIsASceneThatStandsThere) {
   ASSERT_TRUE(certified(led.result));
 }
 
+// It begins where it is, whatever stands where it is led to.
+TEST(Base, LoweredOntoAnObstacleLiesOnIt) {
+  const Scene here = scene("brace");
+  const std::vector<double> moments{2.2e-3};
+  const Execution expected = execute(here, obstacles_of(here), moments);
+  ASSERT_EQ(expected.result.contacts.size(), 1U);
+  ExecuteControl control;
+  control.place.base = {{0.0, 0.03}, 0.0};
+  const Execution above = execute(here, obstacles_of(here), moments, control);
+  ASSERT_TRUE(certified(above.result));
+  ASSERT_TRUE(above.result.contacts.empty());
+  control.start = &above.result;
+  control.place.base = {{}, 0.0};
+  const Execution lowered = execute(here, obstacles_of(here), moments, control);
+  ASSERT_TRUE(certified(lowered.result));
+  EXPECT_EQ(lowered.result.message, "");
+  EXPECT_EQ(lowered.contact_changes, 1);
+  expect_same(lowered.result, expected.result, 1e-10);
+}
+
 TEST(Base, OfAPlanReachesWhatAFixedOneCannot) {
   const std::vector<std::string> range{"rod.base.position_range=[[\"-20 mm\", \"-20 mm\"], [\"20 mm\", \"20 mm\"]]",
                                        "rod.base.angle_range=[\"-20 deg\", \"30 deg\"]"};

@@ -128,7 +128,8 @@ void Loading::draw_tendons() {
 
 void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
   Statics free(path_, std::make_shared<LegendreBasis>(12, 4), {}, suggested_nodes(12, 4.0));
-  const Eigen::VectorXd z = free.point({start_.curvature, {}, 1.0});
+  // Where the rod is moved to along the path it is not yet.
+  const Eigen::VectorXd z = free.point({start_.curvature, {}, 0.0});
   Curve curve(free.at(z).chain().curve_tables());
   curve.follow(free.at(z).backbone());
   for (std::size_t o = 0; o < obstacles.size(); ++o) {
