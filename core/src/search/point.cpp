@@ -273,7 +273,7 @@ Completion Planner::bring_to_certificate(ModeState& state, const std::vector<int
                                          const std::vector<Branch>& branches, Candidate& c) {
   Completing steps{*this, state, regions, branches, every_check, every_check, c};
   const Completion completion = tendril::bring_to_certificate(steps_, state, c, std::move(x), steps);
-  if (completion == Completion::lost) keep_unique(every_check);
+  keep_unique(every_check);
   if (completion == Completion::judged && !c.has_point) note_unfit_term(*c.program, c.x);
   return completion;
 }
