@@ -68,15 +68,25 @@ OptimalityReport solve_mpcc(Solver& solver, const KnownMpcc& problem, MpccTreatm
   return report;
 }
 
-class MacMpec : public testing::TestWithParam<std::tuple<std::string, std::size_t, MpccTreatment>> {};
+/// Of MacMPEC, then with friction.
+const std::vector<KnownMpcc>& mpccs() {
+  static const std::vector<KnownMpcc> all = [] {
+    std::vector<KnownMpcc> both = macmpec();
+    both.insert(both.end(), friction().begin(), friction().end());
+    return both;
+  }();
+  return all;
+}
+
+class Mpcc : public testing::TestWithParam<std::tuple<std::string, std::size_t, MpccTreatment>> {};
 
 std::string treatment_name(MpccTreatment treatment) {
   return treatment == MpccTreatment::penalty ? "penalty" : "scholtes";
 }
 
-TEST_P(MacMpec, ContinuationEndsAtThePublishedOptimum) {
+TEST_P(Mpcc, ContinuationEndsAtThePublishedOptimum) {
   const auto& [solver_name, index, treatment] = GetParam();
-  const KnownMpcc& problem = macmpec()[index];
+  const KnownMpcc& problem = mpccs()[index];
   const auto solver = make_solver(solver_name);
   const OptimalityReport report = solve_mpcc(*solver, problem, treatment);
   std::string wrong;
@@ -97,12 +107,12 @@ TEST_P(MacMpec, ContinuationEndsAtThePublishedOptimum) {
   expect_known(solver_name, problem.name + " " + treatment_name(treatment), wrong);
 }
 
-INSTANTIATE_TEST_SUITE_P(EverySolver, MacMpec,
+INSTANTIATE_TEST_SUITE_P(EverySolver, Mpcc,
                          testing::Combine(testing::ValuesIn(solver_names()),
-                                          testing::Range<std::size_t>(0, macmpec().size()),
+                                          testing::Range<std::size_t>(0, mpccs().size()),
                                           testing::Values(MpccTreatment::penalty, MpccTreatment::scholtes)),
                          [](const auto& each) {
-                           return word(std::get<0>(each.param) + "_" + macmpec()[std::get<1>(each.param)].name + "_" +
+                           return word(std::get<0>(each.param) + "_" + mpccs()[std::get<1>(each.param)].name + "_" +
                                        treatment_name(std::get<2>(each.param)));
                          });
 

@@ -47,5 +47,7 @@ struct KnownMpcc {
 
 /// S. Leyffer, MacMPEC: AMPL collection of MPECs (optima as printed there).
 const std::vector<KnownMpcc>& macmpec();
+/// Published programs with Coulomb friction, whose optima are closed forms.
+const std::vector<KnownMpcc>& friction();
 
 }  // namespace tendril::conformance
