@@ -12,6 +12,7 @@
 #include "campaign/ablation.hpp"
 #include "campaign/campaign.hpp"
 #include "campaign/random_scene.hpp"
+#include "campaign/reach.hpp"
 #include "campaign/relaxations.hpp"
 #include "common/workload.hpp"
 #include "report/parts.hpp"
@@ -33,9 +34,11 @@ struct Arguments {
   bool treatments = false;
   std::string seeds = "1:1000";
   int jobs = 1;
-  double time_limit = bench::CampaignSetup{}.time_limit, share = 0.995;
+  double time_limit = bench::CampaignSetup{}.time_limit, share = bench::CampaignSetup{}.share;
+  int targets = bench::ReachSetup{}.targets, way_points = bench::ReachSetup{}.way_points;
+  double tolerance = bench::ReachSetup{}.tolerance;
   std::string relaxation;
-  bool one = false, print_scene = false, ablation = false, relaxed = false, list_search = false;
+  bool one = false, print_scene = false, ablation = false, relaxed = false, list_search = false, outlines = false;
   bench::Extent extent;
 };
 
@@ -152,22 +155,24 @@ int campaign(const Arguments& arguments) {
   std::tie(setup.first, setup.last) = read_seeds(arguments.seeds);
   setup.solvers = arguments.solvers.empty() ? registry_of(arguments).names(ComponentKind::solver) : arguments.solvers;
   if (setup.solvers.empty()) throw Error("no solver was found");
+  setup.time_limit = arguments.time_limit;
+  setup.outlines = arguments.outlines;
+  setup.relaxation = arguments.relaxation;
   if (arguments.print_scene) {
     const std::set<std::string> names = bench::names_at_hand(registry_of(arguments));
     for (std::uint64_t seed = setup.first; seed <= setup.last; ++seed) {
-      const bench::RandomScene scene = bench::random_scene(seed, setup.solvers.front(), arguments.time_limit, names);
+      const bench::RandomScene scene =
+          bench::random_scene(seed, setup.solvers.front(), setup.time_limit, names, setup.outlines);
       fmt::print("# seed {}: {}\n{}", seed, scene.summary, scene.text);
     }
     return 0;
   }
   if (arguments.one) {
     plugins::Registry registry = registry_of(arguments);
-    fmt::print("{}\n", bench::campaign_line(registry, setup.first, setup.solvers.front(), arguments.time_limit,
-                                            arguments.relaxation));
+    fmt::print("{}\n", bench::campaign_line(registry, setup.first, setup));
     return 0;
   }
   setup.jobs = arguments.jobs;
-  setup.time_limit = arguments.time_limit;
   setup.share = arguments.share;
   setup.plugin_directories = arguments.plugin_directories;
   setup.stop = arguments.extent.stop;
@@ -178,10 +183,24 @@ int campaign(const Arguments& arguments) {
     const bench::Section section = bench::relaxation_section(setup, violations);
     return show(arguments, {section}) != 0 || violations > 0 ? 1 : 0;
   }
-  setup.relaxation = arguments.relaxation;
   const std::vector<bench::CampaignCase> cases = bench::run_campaign(setup);
   const int shown = show(arguments, {bench::campaign_section(setup, cases)});
   return shown != 0 || !bench::acceptable(setup, cases) ? 1 : 0;
+}
+
+int reach(const Arguments& arguments) {
+  plugins::Registry registry = registry_of(arguments);
+  bench::ReachSetup setup;
+  setup.scene = bench::scene_from_file(arguments.extent.scenes.front(), arguments.settings);
+  setup.targets = arguments.targets;
+  setup.seed = arguments.extent.seed;
+  setup.tolerance = arguments.tolerance;
+  setup.way_points = arguments.way_points;
+  setup.stop = arguments.extent.stop;
+  const std::vector<bench::ReachCase> cases = bench::run_reach(registry, setup);
+  const auto reached = std::count_if(cases.begin(), cases.end(), [](const auto& c) { return c.reached; });
+  const int shown = show(arguments, {bench::reach_section(setup, cases)});
+  return shown != 0 || static_cast<double>(reached) < arguments.share * static_cast<double>(cases.size()) ? 1 : 0;
 }
 
 /// A command with what all commands take; with `output` also where its tables go.
@@ -248,12 +267,29 @@ CLI::App* add_campaign(CLI::App& program, Arguments& arguments) {
                     "What each strategy of the search, or each --search, is worth, one at a time");
   command->add_flag("--relaxed", arguments.relaxed,
                     "Whether changes that allow more give no worse plan, and how often the best known plan is found");
+  command->add_flag("--outlines", arguments.outlines, "Obstacles that are not convex: stars, bars with notches, rooms");
   std::vector<std::string> names;
   for (const bench::Relaxation& relaxation : bench::relaxations()) names.push_back(relaxation.name);
   command->add_option("--relaxation", arguments.relaxation, "Changes every scene by one of these first")
       ->check(CLI::IsMember(names));
   command->add_flag("--one", arguments.one, "Plans the first seed in this process: one line of JSON");
   command->add_flag("--print-scene", arguments.print_scene, "Prints the scenes instead of planning them");
+  return command;
+}
+
+CLI::App* add_reach(CLI::App& program, Arguments& arguments) {
+  CLI::App* command =
+      add_command(program, arguments, "reach", "Plans to random targets that the rod of a scene is known to reach");
+  command->add_option("SCENE", arguments.extent.scenes, "Scene file (TOML) of a pose")->required()->expected(1);
+  command->add_option("--targets", arguments.targets, "How many")->check(CLI::Range(1, 1000000));
+  command->add_option("--seed", arguments.extent.seed, "Seed of the first target; the next one has the next seed");
+  command->add_option("--tolerance", arguments.tolerance, "Of the rod's length: a tip within it is there")
+      ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--way-points", arguments.way_points, "Random inputs that lead the rod to each target in turn")
+      ->check(CLI::Range(1, 100));
+  command->add_option("--share", arguments.share, "Share of the targets that have to be reached")
+      ->check(CLI::Range(0.0, 1.0));
+  add_list(command, "--set", arguments.settings, "Sets a key of the scene: KEY=VALUE");
   return command;
 }
 
@@ -279,6 +315,7 @@ int run(int argc, char** argv) {
   std::vector<const CLI::App*> part_commands;
   for (const bench::Part& part : bench::parts()) part_commands.push_back(add_part(program, arguments, part));
   const CLI::App* campaign_command = add_campaign(program, arguments);
+  const CLI::App* reach_command = add_reach(program, arguments);
   add_report(program, arguments);
   try {
     program.parse(argc, argv);
@@ -287,6 +324,7 @@ int run(int argc, char** argv) {
     if (accuracy_command->parsed()) return accuracy(arguments);
     if (solvers_command->parsed()) return solvers(arguments);
     if (campaign_command->parsed()) return campaign(arguments);
+    if (reach_command->parsed()) return reach(arguments);
     for (std::size_t i = 0; i < part_commands.size(); ++i) {
       if (!part_commands[i]->parsed()) continue;
       plugins::Registry registry = registry_of(arguments);

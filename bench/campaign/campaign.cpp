@@ -38,12 +38,13 @@ CampaignCase run_case(const CampaignSetup& setup, const std::set<std::string>& p
   CampaignCase result;
   result.seed = seed;
   result.solver = solver;
-  result.summary = random_scene(seed, solver, setup.time_limit, plugins).summary;
+  result.summary = random_scene(seed, solver, setup.time_limit, plugins, setup.outlines).summary;
   std::vector<std::string> arguments{"campaign", "--seeds",      fmt::format("{0}:{0}", seed),        "--solver",
                                      solver,     "--time-limit", fmt::format("{}", setup.time_limit), "--one"};
   for (const std::string& directory : setup.plugin_directories) {
     arguments.insert(arguments.end(), {"--plugin-dir", directory});
   }
+  if (setup.outlines) arguments.push_back("--outlines");
   if (!setup.relaxation.empty()) arguments.insert(arguments.end(), {"--relaxation", setup.relaxation});
   for (const std::string& setting : setup.search) arguments.insert(arguments.end(), {"--search", setting});
   const double most = patience * setup.time_limit + 10.0;
@@ -89,15 +90,15 @@ std::set<std::string> names_at_hand(const plugins::Registry& registry) {
   return names;
 }
 
-std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const std::string& solver, double time_limit,
-                          const std::string& relaxation) {
-  const RandomScene random = random_scene(seed, solver, time_limit, names_at_hand(registry));
+std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const CampaignSetup& setup) {
+  const std::string& solver = setup.solvers.front();
+  const RandomScene random = random_scene(seed, solver, setup.time_limit, names_at_hand(registry), setup.outlines);
   Scene scene = scene_from_text(random.text, fmt::format("seed {}", seed), registry);
   if (scene.solver.plugin != solver) throw Error("the solver '" + solver + "' was not found");
   Json json;
   json["campaign"] = seed;
   for (const Relaxation& r : relaxations()) {
-    if (r.name != relaxation || r.apply(scene)) continue;
+    if (r.name != setup.relaxation || r.apply(scene)) continue;
     json["status"] = nothing_to_relax;
     return json.dump();
   }
@@ -175,15 +176,15 @@ Section campaign_section(const CampaignSetup& setup, const std::vector<CampaignC
   section.name = "campaign";
   section.title = "Random scenes";
   section.prose.push_back(fmt::format(
-      "Each seed from {} to {} draws a scene: sizes, units, loads, segments, actuators, obstacles of every kind, "
-      "target, "
+      "Each seed from {} to {} draws a scene: sizes, units, loads, segments, actuators, obstacles {}, target, "
       "coordinate model and treatment of complementarity. Each is planned in a process of its own with a time limit of "
       "{} s. A case is met if its plan is solved and confirmed by a second computation from the plan's own numbers, or "
       "if "
       "the scene is infeasible by a bound or from the stated number of starts. At least {} % have to be met; a crash, "
       "a "
       "hang, a plan that is not confirmed, or a time limit missed by more than 10 % is never allowed.",
-      setup.first, setup.last, setup.time_limit, 100.0 * setup.share));
+      setup.first, setup.last, setup.outlines ? "that are not convex" : "of every kind", setup.time_limit,
+      100.0 * setup.share));
 
   Table counts{"campaign_counts",
                "Outcomes",

@@ -23,6 +23,7 @@ struct CampaignSetup {
   double share = 0.995;  ///< of the cases that have to be met
   std::vector<std::string> plugin_directories;
   std::vector<std::string> search;  ///< parameters of the search, NAME=VALUE
+  bool outlines = false;            ///< obstacles that are not convex alone
   std::string relaxation;           ///< by which every scene is changed first (relaxations.hpp); empty: none
   const std::atomic<bool>* stop = nullptr;
 };
@@ -48,10 +49,9 @@ std::set<std::string> names_at_hand(const plugins::Registry& registry);
 /// Verdict on a scene to which a relaxation does not apply.
 inline constexpr const char* nothing_to_relax = "nothing to relax";
 
-/// Plans the scene of one seed, relaxed if that is asked for, checks the plan, and returns one line of JSON. Throws
-/// where the scene cannot be used.
-std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const std::string& solver, double time_limit,
-                          const std::string& relaxation);
+/// Plans the scene of one seed with the first solver of `setup`, relaxed if that is asked for, checks the plan, and
+/// returns one line of JSON. Throws where the scene cannot be used.
+std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const CampaignSetup& setup);
 
 /// Every case, in order of solver and seed; those not reached before `stop` are missing.
 std::vector<CampaignCase> run_campaign(const CampaignSetup& setup);

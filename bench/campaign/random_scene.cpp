@@ -66,8 +66,8 @@ struct Shape {
 
 class Drawer {
  public:
-  Drawer(std::uint64_t seed, std::string solver, double time_limit, const std::set<std::string>& plugins)
-      : dice_(seed), solver_(std::move(solver)), time_limit_(time_limit), plugins_(plugins) {}
+  Drawer(std::uint64_t seed, std::string solver, double time_limit, const std::set<std::string>& plugins, bool outlines)
+      : dice_(seed), solver_(std::move(solver)), time_limit_(time_limit), plugins_(plugins), outlines_(outlines) {}
 
   RandomScene draw() {
     units_ = systems[static_cast<std::size_t>(dice_.whole(0, 2))];
@@ -268,13 +268,78 @@ class Drawer {
     return shape;
   }
 
+  /// Corners around `center` at angles that rise, the distances of every other one smaller.
+  std::vector<Vec2> star(Vec2 center, double size, double smaller, int points) {
+    std::vector<Vec2> corners;
+    const double turn = dice_.between(0.0, 2.0 * pi);
+    for (int i = 0; i < 2 * points; ++i) {
+      const double angle = turn + pi * (i + dice_.between(-0.2, 0.2)) / points;
+      const double reach = size * dice_.between(0.8, 1.0) * (i % 2 == 0 ? 1.0 : smaller);
+      corners.push_back(center + reach * direction(angle));
+    }
+    return corners;
+  }
+
+  /// A bar of size 2 x 2 `half` with notches from above, each as deep as half of it.
+  static std::vector<Vec2> comb(double half, int notches) {
+    std::vector<Vec2> corners{{-1.0, -half}, {1.0, -half}, {1.0, half}};
+    const double tooth = 2.0 / (2 * notches + 1);
+    for (int i = 0; i < notches; ++i) {
+      const double right = 1.0 - (2 * i + 1) * tooth;
+      for (const Vec2 p : {Vec2{right, half}, Vec2{right, 0.0}, Vec2{right - tooth, 0.0}, Vec2{right - tooth, half}}) {
+        corners.push_back(p);
+      }
+    }
+    corners.push_back({-1.0, half});
+    return corners;
+  }
+
+  std::string points_of(const std::vector<Vec2>& corners) const {
+    std::string text;
+    for (const Vec2 p : corners) text += (text.empty() ? "" : ", ") + point(p);
+    return text;
+  }
+
+  /// A polygon that is not convex, near the rod's reach or around all of it. All in L.
+  Shape outline(int index) {
+    Shape shape;
+    const double rounding = dice_.log_between(1e-3, 0.03);
+    const double kind = dice_.unit();
+    const double size = dice_.log_between(0.05, 0.5);
+    const Vec2 surface = base_ + dice_.between(0.05, 1.1) * direction(base_angle_ + dice_.between(-1.6, 1.6));
+    const double turn = dice_.between(-pi, pi);
+    const Vec2 center = surface - (size + rounding) * direction(turn);
+    std::string sizes;
+    std::vector<Vec2> corners;
+    shape.free_base = norm(center - base_) > 1.5 * size + rounding;
+    if (kind < 0.4) {
+      corners = star(center, size, dice_.between(0.35, 0.7), dice_.whole(3, 6));
+    } else if (kind < 0.8) {
+      const double half = dice_.between(0.2, 0.6);
+      for (const Vec2 p : comb(half, dice_.whole(1, 3)))
+        corners.push_back(center + size * (p.x * direction(turn) + p.y * turned(direction(turn))));
+    } else {
+      // A room with walls that stand in: its hole runs clockwise.
+      const double far = 2.0;
+      corners = {base_ + Vec2{-far, -far}, base_ + Vec2{far, -far}, base_ + Vec2{far, far}, base_ + Vec2{-far, far}};
+      std::vector<Vec2> room = star(base_, 1.3, dice_.between(0.3, 0.7), dice_.whole(3, 6));
+      std::reverse(room.begin(), room.end());
+      corners.insert(corners.end(), room.begin(), room.end());
+      sizes = fmt::format("outlines = [4, {}]\n", room.size());
+      shape.free_base = true;
+    }
+    shape.text = fmt::format("[[obstacle]]\nname = \"o{}\"\nshape = \"polygon\"\nvertices = [{}]\n{}rounding = {}\n",
+                             index, points_of(corners), sizes, length(rounding));
+    return shape;
+  }
+
   void obstacles() {
     const double many = dice_.unit();
     obstacles_ = many < 0.15 ? 0 : many < 0.65 ? 1 : many < 0.9 ? 2 : dice_.whole(3, 5);
     for (int i = 0; i < obstacles_; ++i) {
       // No rod is free of an obstacle around its base, so such a scene is refused; it is drawn again.
-      Shape drawn = shape(i + 1);
-      while (!drawn.free_base) drawn = shape(i + 1);
+      Shape drawn = outlines_ ? outline(i + 1) : shape(i + 1);
+      while (!drawn.free_base) drawn = outlines_ ? outline(i + 1) : shape(i + 1);
       body_ += drawn.text;
     }
     note("{} obstacles", obstacles_);
@@ -355,6 +420,7 @@ class Drawer {
   std::string solver_;
   double time_limit_;
   const std::set<std::string>& plugins_;
+  bool outlines_;
   UnitSystem units_{};
   double length_ = 1.0, stiffness_ = 1.0;
   Vec2 base_{};
@@ -367,8 +433,8 @@ class Drawer {
 }  // namespace
 
 RandomScene random_scene(std::uint64_t seed, const std::string& solver, double time_limit,
-                         const std::set<std::string>& plugins) {
-  return Drawer(seed, solver, time_limit, plugins).draw();
+                         const std::set<std::string>& plugins, bool outlines) {
+  return Drawer(seed, solver, time_limit, plugins, outlines).draw();
 }
 
 }  // namespace tendril::bench

@@ -20,7 +20,8 @@ struct RandomScene {
 /// force limits to 1e4, targets to 1e3, weights 1e-12 to 1e12. Most draws are from the middle of these ranges.
 /// `plugins`: names of the coordinate models and objectives at hand. In place of a model that is missing the scene's
 /// default is taken, and a missing objective is left out.
+/// `outlines`: obstacles are polygons that are not convex: stars, bars with notches, and rooms around the base.
 RandomScene random_scene(std::uint64_t seed, const std::string& solver, double time_limit,
-                         const std::set<std::string>& plugins);
+                         const std::set<std::string>& plugins, bool outlines = false);
 
 }  // namespace tendril::bench

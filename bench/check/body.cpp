@@ -84,6 +84,7 @@ std::vector<std::vector<Vec2>> outlines_of(const ObstacleSpec& spec, const Quant
 }  // namespace
 
 Body body_of(const ObstacleSpec& spec, const QuantityReader& read, double length) {
+  if (spec.place.moves()) throw Error("no geometry is known here for an obstacle that was moved");
   const auto at = [&](const char* name) { return point_of(spec.options.at(name), read, length); };
   const auto real = [&](const char* name) {
     return number_of(spec.options.at(name), read, dimension::length) / length;
