@@ -48,6 +48,7 @@ std::vector<std::unique_ptr<Obstacle>> make_obstacles(Registry& registry, const 
     run(at, numbered("obstacle", i), [&] {
       made.push_back(guarded_if_foreign(registry, ComponentKind::obstacle, spec.shape,
                                         make(registry.obstacle(spec.shape), spec.options, "obstacle shape")));
+      made.back() = moved(std::move(made.back()), (1.0 / make.scale.length) * spec.place.shift, spec.place.turn);
     });
   }
   return made;

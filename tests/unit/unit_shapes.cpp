@@ -168,25 +168,71 @@ TEST_P(Shape, LiesInItsBox) {
 }
 
 std::vector<ShapeCase> shapes() {
-  return {{"circle", std::make_shared<Circle>(Vec2{0.3, -0.2}, 0.4)},
-          {"wall", std::make_shared<Wall>(Vec2{0.1, -0.3}, Vec2{0.6, 1.9})},
-          {"table", std::make_shared<Wall>(Vec2{0.0, -0.4}, Vec2{0.0, 2.0})},
-          {"ceiling", std::make_shared<Wall>(Vec2{0.0, 0.3}, Vec2{0.0, -1.0})},
-          {"left_side", std::make_shared<Wall>(Vec2{-0.2, 0.0}, Vec2{3.0, 0.0})},
-          {"right_side", std::make_shared<Wall>(Vec2{0.3, 0.0}, Vec2{-1.0, 0.0})},
-          {"capsule", std::make_shared<RoundedHull>(std::vector<Vec2>{{-0.4, 0.1}, {0.6, 0.5}}, 0.2)},
-          {"slim_capsule", std::make_shared<RoundedHull>(std::vector<Vec2>{{0.0, -0.9}, {0.0, 0.8}}, 0.04)},
-          {"triangle", std::make_shared<RoundedHull>(std::vector<Vec2>{{-0.5, -0.4}, {0.7, -0.3}, {0.1, 0.6}}, 0.1)},
-          {"square",
-           std::make_shared<RoundedHull>(std::vector<Vec2>{{0.0, 0.0}, {0.8, 0.0}, {0.8, 0.8}, {0.0, 0.8}}, 0.05)},
-          {"square_of_any_outline",
-           std::make_shared<Part>(std::vector<ClosedLine>{{{0.0, 0.0}, {0.8, 0.0}, {0.8, 0.8}, {0.0, 0.8}}}, 0.05)},
-          {"pentagon", std::make_shared<RoundedHull>(
-                           std::vector<Vec2>{{-0.6, -0.5}, {0.5, -0.7}, {0.9, 0.1}, {0.2, 0.8}, {-0.7, 0.3}}, 0.15)}};
+  return {
+      {"circle", std::make_shared<Circle>(Vec2{0.3, -0.2}, 0.4)},
+      {"wall", std::make_shared<Wall>(Vec2{0.1, -0.3}, Vec2{0.6, 1.9})},
+      {"table", std::make_shared<Wall>(Vec2{0.0, -0.4}, Vec2{0.0, 2.0})},
+      {"ceiling", std::make_shared<Wall>(Vec2{0.0, 0.3}, Vec2{0.0, -1.0})},
+      {"left_side", std::make_shared<Wall>(Vec2{-0.2, 0.0}, Vec2{3.0, 0.0})},
+      {"right_side", std::make_shared<Wall>(Vec2{0.3, 0.0}, Vec2{-1.0, 0.0})},
+      {"capsule", std::make_shared<RoundedHull>(std::vector<Vec2>{{-0.4, 0.1}, {0.6, 0.5}}, 0.2)},
+      {"slim_capsule", std::make_shared<RoundedHull>(std::vector<Vec2>{{0.0, -0.9}, {0.0, 0.8}}, 0.04)},
+      {"triangle", std::make_shared<RoundedHull>(std::vector<Vec2>{{-0.5, -0.4}, {0.7, -0.3}, {0.1, 0.6}}, 0.1)},
+      {"square",
+       std::make_shared<RoundedHull>(std::vector<Vec2>{{0.0, 0.0}, {0.8, 0.0}, {0.8, 0.8}, {0.0, 0.8}}, 0.05)},
+      {"square_of_any_outline",
+       std::make_shared<Part>(std::vector<ClosedLine>{{{0.0, 0.0}, {0.8, 0.0}, {0.8, 0.8}, {0.0, 0.8}}}, 0.05)},
+      {"pentagon", std::make_shared<RoundedHull>(
+                       std::vector<Vec2>{{-0.6, -0.5}, {0.5, -0.7}, {0.9, 0.1}, {0.2, 0.8}, {-0.7, 0.3}}, 0.15)},
+      {"moved_circle", moved(std::make_unique<Circle>(Vec2{0.3, -0.2}, 0.4), {-0.5, 0.1}, 0.0)},
+      {"turned_wall", moved(std::make_unique<Wall>(Vec2{0.1, -0.3}, Vec2{0.6, 1.9}), {0.2, 0.1}, 2.0)},
+      {"shifted_wall", moved(std::make_unique<Wall>(Vec2{0.0, -0.4}, Vec2{0.0, 2.0}), {0.3, 0.2}, 0.0)},
+      {"turned_capsule",
+       moved(std::make_unique<RoundedHull>(std::vector<Vec2>{{-0.4, 0.1}, {0.6, 0.5}}, 0.2), {-0.2, -0.3}, 0.8)},
+      {"turned_triangle",
+       moved(std::make_unique<RoundedHull>(std::vector<Vec2>{{-0.5, -0.4}, {0.7, -0.3}, {0.1, 0.6}}, 0.1), {}, -2.5)},
+      {"turned_square_of_any_outline",
+       moved(std::make_unique<Part>(std::vector<ClosedLine>{{{0.0, 0.0}, {0.8, 0.0}, {0.8, 0.8}, {0.0, 0.8}}}, 0.05),
+             {-0.5, -0.5}, 0.6)}};
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Shape, testing::ValuesIn(shapes()),
                          [](const auto& each) { return std::string(each.param.name); });
+
+// What it is moved to is what its options could have said.
+TEST(MovedShape, IsThatOfItsOwnPlace) {
+  const double turn = 0.7;
+  const Vec2 shift{0.2, -0.1};
+  const std::vector<Vec2> corners{{-0.5, -0.4}, {0.7, -0.3}, {0.1, 0.6}};
+  const Vec2 middle = RoundedHull(corners, 0.1).reference_point();
+  std::vector<Vec2> there;
+  for (const Vec2 c : corners) {
+    const Vec2 d = c - middle;
+    there.push_back(middle + shift +
+                    Vec2{std::cos(turn) * d.x - std::sin(turn) * d.y, std::sin(turn) * d.x + std::cos(turn) * d.y});
+  }
+  const RoundedHull expected(there, 0.1);
+  const std::unique_ptr<Obstacle> made = moved(std::make_unique<RoundedHull>(corners, 0.1), shift, turn);
+  EXPECT_NEAR(norm(made->reference_point() - expected.reference_point()), 0.0, 1e-15);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> d(-1.5, 1.5);
+  for (int trial = 0; trial < 500; ++trial) {
+    const Vec2 p{d(random), d(random)};
+    const SurfacePoint a = made->at(p);
+    const SurfacePoint b = expected.at(p);
+    EXPECT_NEAR(a.distance, b.distance, 1e-14);
+    if (b.distance > -0.1) {
+      EXPECT_NEAR(norm(a.normal - b.normal), 0.0, 1e-12);
+    }
+    EXPECT_NEAR(made->core_distance(p), expected.core_distance(p), 1e-14);
+  }
+}
+
+TEST(MovedShape, IsTheShapeItselfWhereItDoesNotMove) {
+  auto circle = std::make_unique<Circle>(Vec2{0.3, -0.2}, 0.4);
+  const Obstacle* itself = circle.get();
+  EXPECT_EQ(moved(std::move(circle), {}, 0.0).get(), itself);
+}
 
 // A capsule from (0, 0) to (2, 0): its patches are both sides of the line, then both ends.
 TEST(RoundedHull, SeamsOfACapsuleStandAtItsEnds) {

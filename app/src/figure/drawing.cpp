@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "figure/backbones.hpp"
 #include "figure/drawing_numbers.hpp"
@@ -116,7 +117,7 @@ class Draft {
       add_snaps(frames);
       frames.push_back(plan_frame(result_, problem() == "execute" ? "at rest" : ""));
     }
-    drawing["obstacles"] = obstacles(Reach(frames, length_));
+    add_obstacles(drawing, frames, Reach(frames, length_));
     drawing["frames"] = std::move(frames);
     drawing["notes"] = notes_;
     return drawing;
@@ -135,38 +136,60 @@ class Draft {
     }
   }
 
-  /// Outlines of the scene's obstacles, which are made as the scene made them.
-  Json obstacles(const Reach& reach) {
-    Json array = Json::array();
-    if (problem() == "grasp" || problem() == "estimate") return array;
+  /// Outlines of the scene's obstacles: those that move in the frames that have them, which name them and their places.
+  void add_obstacles(Json& drawing, Json& frames, const Reach& reach) {
+    if (problem() == "grasp" || problem() == "estimate") return;
     if (!result_.has("obstacles")) {
       notes_.push_back("the result does not say which obstacles there were, so none are drawn");
-      return array;
+      return;
     }
+    std::set<std::string> moving;
+    for (const Json& frame : frames) {
+      for (const Json& moved : frame.value("moved", Json::array())) moving.insert(moved["obstacle"]);
+    }
+    for (const Reader& entry : result_.member("obstacles").list()) {
+      const std::string name = entry.member("name").text();
+      if (!moving.contains(name)) {
+        add_outline(drawing["obstacles"], entry, Json::object(), reach);
+        continue;
+      }
+      for (Json& frame : frames) {
+        for (const Json& moved : frame.value("moved", Json::array())) {
+          if (moved["obstacle"] == name) add_outline(frame["obstacles"], entry, moved, reach);
+        }
+      }
+    }
+    for (Json& frame : frames) frame.erase("moved");
+  }
+
+  /// An obstacle, which is made as the scene made it. `moved`: its `shift` and `turn` if they are others.
+  void add_outline(Json& to, const Reader& entry, const Json& moved, const Reach& reach) {
     Scene scene;
     scene.rod.segments = {{length_, 1.0}};
     const auto mode = result_.optional("contact_mode");
     const bool ignored = mode && mode->text() == "ignore" && problem() != "execute";
-    for (const Reader& entry : result_.member("obstacles").list()) {
-      ObstacleSpec spec{entry.member("name").text(), entry.member("shape").text()};
-      for (const auto& [name, value] : entry.json().items()) {
-        if (name != "name" && name != "shape" && name != "friction") spec.options[name] = raw_of(value);
-      }
-      scene.obstacles = {std::move(spec)};
-      try {
-        const auto made = plugins::make_obstacles(registry_, scene);
-        std::vector<ClosedLine> outlines = outlines_of(*made[0], reach.low, reach.high);
-        if (outlines.empty()) continue;
-        for (ClosedLine& line : outlines) {
-          for (Vec2& p : line) p = length_ * p;
-        }
-        array.push_back(shape(scene.obstacles[0].name, outlines));
-        if (ignored) array.back()["ignored"] = true;
-      } catch (const Error& error) {
-        notes_.push_back(fmt::format("'{}' is not drawn: {}", scene.obstacles[0].name, error.what()));
-      }
+    ObstacleSpec& spec = scene.obstacles.emplace_back();
+    spec.name = entry.member("name").text();
+    spec.shape = entry.member("shape").text();
+    for (const auto& [name, value] : entry.json().items()) {
+      if (!std::set<std::string>{"name", "shape", "friction", "shift", "turn"}.contains(name))
+        spec.options[name] = raw_of(value);
     }
-    return array;
+    const Json& turn = moved.contains("turn") ? moved["turn"] : entry.json().value("turn", Json(0.0));
+    const Json& shift = moved.contains("shift") ? moved["shift"] : entry.json().value("shift", Json{0.0, 0.0});
+    spec.place = {turn.get<double>(), {shift[0].get<double>(), shift[1].get<double>()}};
+    try {
+      const auto made = plugins::make_obstacles(registry_, scene);
+      std::vector<ClosedLine> outlines = outlines_of(*made[0], reach.low, reach.high);
+      if (outlines.empty()) return;
+      for (ClosedLine& line : outlines) {
+        for (Vec2& p : line) p = length_ * p;
+      }
+      to.push_back(shape(spec.name, outlines));
+      if (ignored) to.back()["ignored"] = true;
+    } catch (const Error& error) {
+      notes_.push_back(fmt::format("'{}' is not drawn: {}", spec.name, error.what()));
+    }
   }
 
   Json shape(const std::string& name, const std::vector<ClosedLine>& outlines) const {
@@ -272,6 +295,7 @@ class Draft {
       if (const auto value = plan.optional(key)) frame[key] = value->text();
     }
     if (const auto target = plan.optional("target")) frame["target"] = target_of(*target);
+    if (const auto moved = plan.optional("moved_obstacles")) frame["moved"] = moved->json();
     frame["rods"] = Json::array();
     frame["contacts"] = Json::array();
     if (const auto fingers = plan.optional("fingers")) {
@@ -361,6 +385,7 @@ class Draft {
       frame["target"] = {{"position", {target->point().x, target->point().y}}};
     }
     if (mode && mode->text() == "ignore") frame["ignored"] = true;
+    if (const auto moved = one.optional("moved_obstacles")) frame["moved"] = moved->json();
     frame["rods"] = Json::array();
     if (const auto lines = one.optional("lines")) {
       for (const Reader& line : lines->list()) {

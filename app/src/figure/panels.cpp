@@ -345,6 +345,9 @@ void ShapePanel::add(const Json& frame) {
     return points;
   };
   for (const Json& rod : frame["rods"]) rods.push_back(points_of(rod["line"]));
+  if (const auto own = frame.find("obstacles"); own != frame.end()) {
+    for (const Json& shape : *own) obstacles.push_back({lines_of(shape), shape.value("ignored", false)});
+  }
   if (has_target(frame)) targets.push_back(point(frame["target"]["position"]));
   if (has<path_key>(frame)) {
     ordered = true;

@@ -101,6 +101,10 @@ Json si_json(const RawValue& value, const QuantityReader& read) {
   return text;
 }
 
+Json place_json(const ObstaclePlace& place) {
+  return {{"shift", numbers({place.shift.x, place.shift.y})}, {"turn", number(place.turn)}};
+}
+
 Json obstacles_json(const Scene& scene) {
   Json array = Json::array();
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
@@ -108,6 +112,7 @@ Json obstacles_json(const Scene& scene) {
     Json one{{"name", obstacle.name}, {"shape", obstacle.shape}};
     for (const auto& [name, value] : obstacle.options) one[name] = si_json(value, scene.read_quantity);
     if (const double friction = friction_of(scene, i); friction > 0.0) one["friction"] = friction;
+    if (obstacle.place.moves()) one.update(place_json(obstacle.place));
     array.push_back(std::move(one));
   }
   return array;
@@ -187,6 +192,16 @@ Json target_json(const TargetSpec& target) {
   if (target.position) json["position"] = numbers({target.position->x, target.position->y});
   if (target.angle) json["angle"] = number(*target.angle);
   return json;
+}
+
+Json moved_obstacles_json(const Scene& scene, const std::vector<MovedObstacle>& moved) {
+  Json array = Json::array();
+  for (const MovedObstacle& m : moved) {
+    Json one = place_json(m.place);
+    one["obstacle"] = scene.obstacles[static_cast<std::size_t>(m.obstacle)].name;
+    array.push_back(std::move(one));
+  }
+  return array;
 }
 
 void add_surroundings(Json& json, const Scene& scene) {

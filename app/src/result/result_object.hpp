@@ -25,6 +25,8 @@ Json plan_result(const Scene& scene, const Plan& plan, const RunInfo& run);
 Json execution_result(const Scene& scene, const Execution& execution, const RunInfo& run);
 /// The parts of a target that are there.
 Json target_json(const TargetSpec& target);
+/// Where obstacles of the scene are that move: `obstacle`, `shift`, `turn`.
+Json moved_obstacles_json(const Scene& scene, const std::vector<MovedObstacle>& moved);
 /// Adds the diameters of a body at the points of a backbone, if there is a body.
 void add_thickness(Json& json, const RodSpec& rod, const std::vector<BackbonePoint>& backbone);
 /// Adds what a rod of the scene meets: its obstacles, their sizes in SI, how contact with them is planned, gravity.

@@ -45,6 +45,21 @@ std::vector<PlannedContact> read_contacts(const Reader& root, const Scene& scene
   return contacts;
 }
 
+/// Where obstacles of the scene are at a step.
+std::vector<MovedObstacle> read_moved_obstacles(const Reader& step, const Scene& scene) {
+  std::vector<MovedObstacle> moved;
+  const auto given = step.optional("moved_obstacles");
+  if (!given) return moved;
+  const std::vector<std::string> names = obstacle_names(scene);
+  for (const Reader& entry : given->list()) {
+    const auto obstacle = std::find(names.begin(), names.end(), entry.member("obstacle").text());
+    if (obstacle == names.end()) entry.member("obstacle").fail("the name of an obstacle of the scene");
+    const Vec2 shift = entry.member("shift").point();
+    moved.push_back({static_cast<int>(obstacle - names.begin()), {entry.member("turn").real(), shift}});
+  }
+  return moved;
+}
+
 /// What may be moved of a rod, absent where it may not.
 RodPlace read_place(const Reader& root) {
   RodPlace place;
@@ -149,6 +164,7 @@ std::vector<TrajectoryStep> parse_steps(const std::string& text, const std::stri
     step.plan.moments = read_moments(entry, scene.rod, file);
     step.plan.place = read_place(entry);
     step.plan.turns = read_turns(entry, scene.rod, 0);
+    step.target.obstacles = read_moved_obstacles(entry, scene);
     if (!entry.has("target")) continue;
     const Reader target = entry.member("target");
     if (target.has("position")) step.target.position = target.member("position").point();

@@ -92,6 +92,7 @@ Json trajectory_object(const Scene& scene, const Trajectory& trajectory) {
   for (const TrajectoryStep& step : trajectory.steps) {
     Json one = plan_object(scene, step.plan);
     one["target"] = target_json(step.target);
+    if (!step.target.obstacles.empty()) one["moved_obstacles"] = moved_obstacles_json(scene, step.target.obstacles);
     one["method"] = to_string(step.method);
     one["intermediate_targets"] = step.intermediate;
     one["effort"] = effort_json(step.effort);

@@ -217,10 +217,22 @@ Table<ObstacleDraft> obstacle_table() {
                [](T& t, const std::string& v) { t.spec.shape = v; }, {}, Need::required),
            quantity<T>("friction", none, not_negative, "that of [contact]", "Coefficient of friction of its contacts.",
                        [](T& t, double v) { t.spec.friction = v; }),
+           quantity<T>("turn", dimension::angle, any, "0",
+                       "Turned so far, about the point that stands for it: the centre of a circle, the point of a "
+                       "wall, the middle of others.",
+                       [](T& t, double v) { t.spec.place.turn = v; }),
+           point<T>("shift", dimension::length, "[0, 0]", "Moved so far from where its shape has it, after the turn.",
+                    [](T& t, Vec2 v) { t.spec.place.shift = v; }),
            table<T>(
                "file", "obstacle.file", "Instead of the points of a polygon or a channel: a file that holds them.",
                file_table(), [](T & t) -> auto& { return t.file.emplace(); })},
           [](T& t, const std::string& name, RawValue value) { t.spec.options[name] = std::move(value); }};
+}
+
+void name_obstacles(std::vector<ObstacleSpec>& obstacles) {
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    if (obstacles[i].name.empty()) obstacles[i].name = fmt::format("obstacle {}", i + 1);
+  }
 }
 
 std::vector<ObstacleSpec> finish_obstacles(const Context& context, std::vector<ObstacleDraft> drafts, Scene& scene) {
@@ -228,11 +240,11 @@ std::vector<ObstacleSpec> finish_obstacles(const Context& context, std::vector<O
   obstacles.reserve(drafts.size());
   for (std::size_t i = 0; i < drafts.size(); ++i) {
     ObstacleSpec& spec = drafts[i].spec;
-    if (spec.name.empty()) spec.name = fmt::format("obstacle {}", i + 1);
     if (drafts[i].file)
       FileReader(context, *drafts[i].file, fmt::format("obstacle[{}].file", i), scene).read_into(spec);
     obstacles.push_back(std::move(spec));
   }
+  name_obstacles(obstacles);
   return obstacles;
 }
 

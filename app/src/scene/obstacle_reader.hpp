@@ -31,6 +31,9 @@ struct ObstacleDraft {
 /// Keys of [[obstacle]].
 Table<ObstacleDraft> obstacle_table();
 
+/// Names those that have none by their number.
+void name_obstacles(std::vector<ObstacleSpec>& obstacles);
+
 /// Names those that have none, and reads files: their points become options of the shape. What is not read is told in
 /// Scene::left_out. Throws InputError with the place.
 std::vector<ObstacleSpec> finish_obstacles(const Context& context, std::vector<ObstacleDraft> drafts, Scene& scene);

@@ -89,6 +89,47 @@ void finish_start(const Context& context, const std::string& file, Scene& scene)
   }
 }
 
+/// The index of an obstacle by its name; `path` names the table that has it.
+std::size_t obstacle_of(const Document& document, const std::vector<ObstacleSpec>& obstacles, const std::string& name,
+                        const std::string& path) {
+  std::vector<std::string> names;
+  names.reserve(obstacles.size());
+  for (const ObstacleSpec& obstacle : obstacles) names.push_back(obstacle.name);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  document.fail(document.find(path + ".name"),
+                fmt::format("found '{}', expected the name of an obstacle{}", name, did_you_mean(name, names)));
+}
+
+/// Obstacles that move from target to target of a trajectory.
+void finish_moving_obstacles(const Context& context, const std::vector<ObstaclePlaces>& moving, Scene& scene) {
+  const Document& document = context.document;
+  std::vector<TargetSpec>& targets = scene.trajectory.targets;
+  for (std::size_t k = 0; k < moving.size(); ++k) {
+    const std::string path = fmt::format("trajectory.obstacle[{}]", k);
+    const ObstaclePlaces& places = moving[k];
+    const std::size_t obstacle = obstacle_of(document, scene.obstacles, places.name, path);
+    const std::size_t count = std::max(places.shifts.size(), places.turns.size());
+    if (count == 0) document.fail(document.find(path), "found neither 'shifts' nor 'turns', expected one of them");
+    if (targets.empty()) {
+      targets.assign(count, scene.target);
+      scene.target = {};
+    }
+    for (const auto& [key, given] :
+         {std::pair("shifts", places.shifts.size()), std::pair("turns", places.turns.size())}) {
+      if (given == 0 || given == targets.size()) continue;
+      document.fail(document.find(path + '.' + key),
+                    fmt::format("found {} {} for {} steps, expected one for each", given, key, targets.size()));
+    }
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      ObstaclePlace place = scene.obstacles[obstacle].place;
+      if (!places.shifts.empty()) place.shift = places.shifts[i];
+      if (!places.turns.empty()) place.turn = places.turns[i];
+      targets[i].obstacles.push_back({static_cast<int>(obstacle), place});
+    }
+  }
+}
+
 std::vector<TargetSpec> finish_trajectory(const Context& context, const TrajectoryDraft& draft, Scene& scene) {
   const Document& document = context.document;
   const std::size_t positions = draft.positions.size();
@@ -104,9 +145,10 @@ std::vector<TargetSpec> finish_trajectory(const Context& context, const Trajecto
     document.fail(document.find("trajectory.angles"),
                   fmt::format("found {} angles for {} positions, expected one for each", angles, positions));
   }
-  if (positions == 0 && angles == 0 && document.root().find("trajectory") != nullptr) {
-    document.fail(document.find("trajectory"),
-                  "[trajectory] has neither 'positions' nor 'angles' nor 'file', expected one of them");
+  if (positions == 0 && angles == 0 && draft.obstacles.empty() && document.root().find("trajectory") != nullptr) {
+    document.fail(
+        document.find("trajectory"),
+        "[trajectory] has neither 'positions' nor 'angles' nor 'file' nor an 'obstacle', expected one of them");
   }
   std::vector<TargetSpec> targets(std::max(positions, angles));
   for (std::size_t i = 0; i < positions; ++i) targets[i].position = draft.positions[i];
@@ -183,6 +225,7 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
                               scene.contact.min_force, scene.contact.max_force));
   }
   scene.obstacles = finish_obstacles(context, std::move(draft.obstacles), scene);
+  finish_moving_obstacles(context, draft.trajectory.obstacles, scene);
   scene.warnings.insert(scene.warnings.begin(), warnings.begin(), warnings.end());
   scene.file = document.file();
   scene.units = units->most_used();
@@ -217,6 +260,15 @@ StudySpec read_study(const Document& document, const Units& units) {
   finish_pressures(document, rod.actuators, study);
   finish_moments(document, rod.actuators, study);
   finish_limits(document, rod.actuators, study);
+  if (!study.obstacle.name.empty()) {
+    std::vector<ObstacleSpec> obstacles;
+    for (ObstacleDraft& obstacle : draft.obstacles) obstacles.push_back(std::move(obstacle.spec));
+    name_obstacles(obstacles);
+    obstacle_of(document, obstacles, study.obstacle.name, "study.obstacle");
+    if (study.obstacle.shifts.empty() && study.obstacle.turns.empty()) {
+      document.fail(document.find("study.obstacle"), "found neither 'shifts' nor 'turns', expected one of them");
+    }
+  }
   for (const double insertion : study.insertions) {
     if (insertion <= rod.length() * (1.0 + 1e-9)) continue;
     document.fail(document.find("study.insertions"),

@@ -84,23 +84,40 @@ Table<SolverSpec> solver_table() {
            [](T & t) -> auto& { return t.options; })}};
 }
 
+Table<ObstaclePlaces> obstacle_places_table() {
+  using T = ObstaclePlaces;
+  return {
+      {text<T>(
+           "name", "", "The name of an obstacle.", [](T& t, const std::string& v) { t.name = v; }, {}, Need::required),
+       points<T>("shifts", KeyType::points, dimension::length, "Each takes the place of the obstacle's `shift`.",
+                 [](T& t, std::vector<Vec2> v) { t.shifts = std::move(v); }),
+       quantities<T>("turns", dimension::angle, any, "Each takes the place of the obstacle's `turn`.",
+                     [](T& t, std::vector<double> v) { t.turns = std::move(v); })}};
+}
+
 Table<SceneDraft> trajectory_table() {
   using T = SceneDraft;
-  return {{points<T>("positions", KeyType::points, dimension::length, "Where the tip should be, step by step.",
-                     [](T& t, std::vector<Vec2> v) { t.trajectory.positions = std::move(v); }),
-           quantities<T>("angles", dimension::angle, any,
-                         "Directions that the tip should have, step by step, each the shorter way round from the one "
-                         "before.",
-                         [](T& t, std::vector<double> v) { t.trajectory.angles = std::move(v); }),
-           text<T>("file", "",
-                   "CSV file with the targets instead, beside the scene; columns x, y, or x, y, angle, or angle.",
-                   [](T& t, const std::string& v) { t.trajectory.file = v; }),
-           integer<T>("replan_every", 0, "0",
-                      "Steps between full plans, which may jump to another way of being in contact; 0: full plans only "
-                      "where a contact comes or goes or Newton's method fails.",
-                      [](T& t, int v) { t.scene.trajectory.replan_every = v; }),
-           boolean<T>("cold_starts", "false", "Plans each step from the scene's own start as well, to compare.",
-                      [](T& t, bool v) { t.scene.trajectory.cold_starts = v; })}};
+  return {
+      {points<T>("positions", KeyType::points, dimension::length, "Where the tip should be, step by step.",
+                 [](T& t, std::vector<Vec2> v) { t.trajectory.positions = std::move(v); }),
+       quantities<T>("angles", dimension::angle, any,
+                     "Directions that the tip should have, step by step, each the shorter way round from the one "
+                     "before.",
+                     [](T& t, std::vector<double> v) { t.trajectory.angles = std::move(v); }),
+       text<T>("file", "",
+               "CSV file with the targets instead, beside the scene; columns x, y, or x, y, angle, or angle.",
+               [](T& t, const std::string& v) { t.trajectory.file = v; }),
+       integer<T>("replan_every", 0, "0",
+                  "Steps between full plans, which may jump to another way of being in contact; 0: full plans only "
+                  "where a contact comes or goes or Newton's method fails.",
+                  [](T& t, int v) { t.scene.trajectory.replan_every = v; }),
+       boolean<T>("cold_starts", "false", "Plans each step from the scene's own start as well, to compare.",
+                  [](T& t, bool v) { t.scene.trajectory.cold_starts = v; }),
+       tables<T>(
+           "obstacle", "trajectory.obstacle",
+           "An obstacle that moves: a shift or a turn for each step. Without targets there is a step for each, with "
+           "that of [target].",
+           obstacle_places_table(), [](T & t) -> auto& { return t.trajectory.obstacles; })}};
 }
 
 Table<GripperSpec> gripper_table() {
@@ -195,6 +212,9 @@ Table<StudySpec> study_table() {
                      [](T& t, std::vector<Vec2> v) { t.base_positions = std::move(v); }),
            quantities<T>("base_angles", dimension::angle, any, "Directions of the clamp, each held.",
                          [](T& t, std::vector<double> v) { t.base_angles = std::move(v); }),
+           table<T>(
+               "obstacle", "study.obstacle", "An obstacle that is moved: every shift with every turn.",
+               obstacle_places_table(), [](T & t) -> auto& { return t.obstacle; }),
            quantities<T>("diameters", dimension::length, positive, "Diameters of a grasp's object.",
                          [](T& t, std::vector<double> v) { t.diameters = std::move(v); }),
            quantities<T>("moments", dimension::moment, any,

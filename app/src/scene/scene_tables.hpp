@@ -22,6 +22,7 @@ struct TrajectoryDraft {
   std::vector<Vec2> positions;
   std::vector<double> angles;
   std::string file;
+  std::vector<ObstaclePlaces> obstacles;
 };
 
 /// [[correlation]] as written; error_bars() reads it.

@@ -31,16 +31,28 @@ void limit_input(ActuatorSpec& actuator, double limit) {
   std::tie(actuator.minimum, actuator.maximum) = std::minmax({actuator.moment_of(low), actuator.moment_of(high)});
 }
 
+/// Adds `one` with every place of the obstacle that moves.
+void add_obstacle_places(const StudySpec& study, StudyCase one, std::vector<StudyCase>& cases) {
+  one.obstacle = study.obstacle.name;
+  for (const auto& shift : values_of(study.obstacle.shifts)) {
+    for (const auto& turn : values_of(study.obstacle.turns)) {
+      one.index = static_cast<int>(cases.size());
+      one.shift = shift;
+      one.turn = turn;
+      cases.push_back(one);
+    }
+  }
+}
+
 /// Adds `one` with every place of the rod.
 void add_places(const StudySpec& study, StudyCase one, std::vector<StudyCase>& cases) {
   for (const auto& insertion : values_of(study.insertions)) {
     for (const auto& position : values_of(study.base_positions)) {
       for (const auto& angle : values_of(study.base_angles)) {
-        one.index = static_cast<int>(cases.size());
         one.insertion = insertion;
         one.base_position = position;
         one.base_angle = angle;
-        cases.push_back(one);
+        add_obstacle_places(study, one, cases);
       }
     }
   }
@@ -110,6 +122,11 @@ Scene scene_of(const Scene& scene, const StudyCase& one) {
   if (one.base_angle) {
     changed.rod.base_angle = *one.base_angle;
     changed.rod.base_angle_range.reset();
+  }
+  for (ObstacleSpec& obstacle : changed.obstacles) {
+    if (obstacle.name != one.obstacle) continue;
+    if (one.shift) obstacle.place.shift = *one.shift;
+    if (one.turn) obstacle.place.turn = *one.turn;
   }
   for (FingerSpec& finger : changed.fingers) {
     if (one.limit) limit_moments(finger.rod);

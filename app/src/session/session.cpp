@@ -169,6 +169,10 @@ std::vector<std::unique_ptr<Obstacle>> Session::make_obstacles() {
   return plugins::make_obstacles(*registry_, scene_, place());
 }
 
+std::vector<std::unique_ptr<Obstacle>> Session::make_obstacles(const TargetSpec& step) {
+  return plugins::make_obstacles(*registry_, with_obstacles(scene_, step), place());
+}
+
 Components Session::make_components() { return plugins::make_components(*registry_, scene_, place()); }
 
 plugins::Located Session::place() const {
@@ -246,17 +250,33 @@ Plan Session::plan_from(const Plan* start, bool follow, const std::vector<std::s
   return located("", [&] { return ready.plan(control); });
 }
 
+void Session::move_obstacles(const TargetSpec& step) {
+  if (step.obstacles.empty()) return;
+  scene_ = with_obstacles(std::move(scene_), step);
+  problem_.reset();
+}
+
 Trajectory Session::plan_trajectory() {
   problem();
   const auto guard = guarded();
+  const std::vector<ObstacleSpec> still = scene_.obstacles;
   Trajectory trajectory = tendril::plan_trajectory(scene_.trajectory.targets,
                                                    {scene_.trajectory.replan_every, scene_.trajectory.cold_starts},
                                                    [this](const TargetSpec& target, const Plan* start, bool follow) {
+                                                     move_obstacles(target);
                                                      problem().set_target(target);
                                                      return plan_from(start, follow);
                                                    });
   uncertainties_.clear();
-  for (const TrajectoryStep& step : trajectory.steps) find_uncertainty(step.plan, false);
+  for (const TrajectoryStep& step : trajectory.steps) {
+    if (!spreads_.empty()) move_obstacles(step.target);
+    find_uncertainty(step.plan, false);
+  }
+  if (std::any_of(trajectory.steps.begin(), trajectory.steps.end(),
+                  [](const TrajectoryStep& step) { return !step.target.obstacles.empty(); })) {
+    scene_.obstacles = still;
+    problem_.reset();
+  }
   return trajectory;
 }
 
@@ -330,17 +350,17 @@ std::optional<Execution> Session::verify(Plan& plan, const std::optional<Plan>& 
 
 void Session::verify(Trajectory& trajectory) {
   const auto guard = guarded();
-  const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
+  const ObstaclesAt obstacles = [this](const TargetSpec& step) { return make_obstacles(step); };
   located("", [&] { tendril::verify(scene_, obstacles, trajectory, execute_control(std::nullopt)); });
 }
 
 Trajectory Session::execute(const std::vector<TrajectoryStep>& steps, const std::optional<Plan>& start) {
   std::optional<Plan> state = start;
   const auto guard = guarded();
-  const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles();
   Trajectory done;
   uncertainties_.clear();
   for (const TrajectoryStep& step : steps) {
+    const std::vector<std::unique_ptr<Obstacle>> obstacles = make_obstacles(step.target);
     TrajectoryStep& reached = done.steps.emplace_back();
     reached.target = step.target;
     reached.method = StepMethod::executed;

@@ -45,6 +45,12 @@ Json head_of(const StudyCase& one) {
   if (one.insertion) json["insertion"] = number(*one.insertion);
   if (one.base_position) json["base_position"] = numbers({one.base_position->x, one.base_position->y});
   if (one.base_angle) json["base_angle"] = number(*one.base_angle);
+  if (one.shift || one.turn) {
+    Json moved{{"obstacle", one.obstacle}};
+    if (one.shift) moved["shift"] = numbers({one.shift->x, one.shift->y});
+    if (one.turn) moved["turn"] = number(*one.turn);
+    json["moved_obstacles"].push_back(std::move(moved));
+  }
   return json;
 }
 
@@ -275,7 +281,6 @@ class CaseRunner {
   StepOutcomes execute_steps(const StudyCase& one, const Trajectory& trajectory) {
     StepOutcomes outcomes;
     const Scene& scene = session_.scene();
-    const std::vector<std::unique_ptr<Obstacle>> obstacles = session_.make_obstacles();
     const bool meets = one.mode == StudyMode::ignore_then_execute;
     std::optional<Plan> state;
     for (std::size_t i = 0; i < trajectory.steps.size(); ++i) {
@@ -289,6 +294,7 @@ class CaseRunner {
         }
         return good;
       };
+      const std::vector<std::unique_ptr<Obstacle>> obstacles = session_.make_obstacles(trajectory.steps[i].target);
       ExecuteControl control;
       control.start = &plan;
       control.with_obstacles = scene.contact.mode != ContactModeName::ignore;

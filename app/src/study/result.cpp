@@ -116,7 +116,8 @@ std::string place_columns(const StudyResult& result) {
   if (result.cases.empty()) return "";
   const StudyCase& one = result.cases.front();
   return std::string(one.insertion ? ",insertion_m" : "") + (one.base_position ? ",base_x_m,base_y_m" : "") +
-         (one.base_angle ? ",base_angle_rad" : "");
+         (one.base_angle ? ",base_angle_rad" : "") + (one.shift ? ",shift_x_m,shift_y_m" : "") +
+         (one.turn ? ",turn_rad" : "");
 }
 
 std::string place_cells(const StudyCase& swept, const StudyCase& one) {
@@ -124,6 +125,8 @@ std::string place_cells(const StudyCase& swept, const StudyCase& one) {
   if (swept.insertion) text += ',' + plain(*one.insertion);
   if (swept.base_position) text += ',' + plain(one.base_position->x) + ',' + plain(one.base_position->y);
   if (swept.base_angle) text += ',' + plain(*one.base_angle);
+  if (swept.shift) text += ',' + plain(one.shift->x) + ',' + plain(one.shift->y);
+  if (swept.turn) text += ',' + plain(*one.turn);
   return text;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "tendril/export.hpp"
@@ -54,5 +55,9 @@ class TENDRIL_API Obstacle {
   /// nothing of them lies in it.
   virtual void outline(std::span<Vec2> points, Vec2 low, Vec2 high) const = 0;
 };
+
+/// The obstacle elsewhere: turned by `turn` (rad) about its reference point, then shifted (L). One that is not moved is
+/// given back as it is.
+TENDRIL_API std::unique_ptr<Obstacle> moved(std::unique_ptr<Obstacle> obstacle, Vec2 shift, double turn);
 
 }  // namespace tendril

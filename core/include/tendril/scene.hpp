@@ -147,6 +147,14 @@ struct TipLoadSpec {
   Vec2 force{};       ///< N, dead
 };
 
+/// Where an obstacle is, seen from where the options of its shape put it.
+struct ObstaclePlace {
+  double turn = 0.0;  ///< rad, about its reference point
+  Vec2 shift{};       ///< m, after that
+  /// Whether it is anywhere else.
+  bool moves() const { return turn != 0.0 || shift.x != 0.0 || shift.y != 0.0; }
+};
+
 /// An obstacle: its shape by name, and the options of that shape.
 struct ObstacleSpec {
   std::string name;      ///< "obstacle 1", ... if not given
@@ -154,6 +162,7 @@ struct ObstacleSpec {
   RawOptions options{};  ///< of the shape, not checked yet
   /// Coefficient of friction of its contacts; absent: that of ContactSpec.
   std::optional<double> friction{};
+  ObstaclePlace place{};
 };
 
 /// What becomes of the unknown state of friction (docs/model.md section 11).
@@ -176,6 +185,12 @@ struct ContactSpec {
   FrictionState friction_state = FrictionState::range;  ///< what is looked at
 };
 
+/// Where an obstacle of a scene is at a step of a trajectory.
+struct MovedObstacle {
+  int obstacle = 0;  ///< index in the scene
+  ObstaclePlace place{};
+};
+
 /// The pose that the tip should have; either part may be absent.
 struct TargetSpec {
   std::optional<Vec2> position;  ///< m
@@ -185,6 +200,8 @@ struct TargetSpec {
   std::optional<int> turns{};
   double position_tolerance = infinity;  ///< m; how far the tip may be from `position`
   double angle_tolerance = infinity;     ///< rad; and from `angle`
+  /// Of a step of a trajectory: the obstacles that move. Whoever plans the step makes the problem with them there.
+  std::vector<MovedObstacle> obstacles{};
 };
 
 /// Targets in order; for the problem kind "trajectory".

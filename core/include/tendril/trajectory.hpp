@@ -67,10 +67,15 @@ inline constexpr int most_intermediate = 32;
 TENDRIL_API Trajectory plan_trajectory(const std::vector<TargetSpec>& targets, const TrajectoryOptions& options,
                                        const PlanStep& plan);
 
+/// The scene with those obstacles that move where a step has them.
+TENDRIL_API Scene with_obstacles(Scene scene, const TargetSpec& step);
+/// Makes the obstacles of a scene as they are at a step.
+using ObstaclesAt = std::function<std::vector<std::unique_ptr<Obstacle>>(const TargetSpec& step)>;
+
 /// Executes every step from where the one before came to rest, the first one from `control.start` or the scene's start,
 /// and fills and judges its plan as verify() of one plan does. After a step that does not come to rest the next one
 /// starts from that step's own shape.
-TENDRIL_API void verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
-                        Trajectory& trajectory, const ExecuteControl& control = {});
+TENDRIL_API void verify(const Scene& scene, const ObstaclesAt& obstacles, Trajectory& trajectory,
+                        const ExecuteControl& control = {});
 
 }  // namespace tendril

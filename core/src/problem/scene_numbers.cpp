@@ -85,6 +85,8 @@ class Collector {
   void add_loads();
   void add_base();
   void add_obstacles();
+  /// A number that moves an obstacle.
+  void add_motion(const std::string& key, double value, const Dimension& dimension, int obstacle, const Motion& motion);
   void add_obstacle(int index);
   void add_contact_and_target();
   bool only_whole_spans() const;
@@ -321,6 +323,15 @@ std::optional<Motion> Collector::obstacle_motion(const std::string& shape, const
   return turn_about(point, (column == 0 ? -normal.y : normal.x) / square);
 }
 
+void Collector::add_motion(const std::string& key, double value, const Dimension& dimension, int obstacle,
+                           const Motion& motion) {
+  add(key, value, dimension, [obstacle, motion, count = scene_.obstacles.size()](SceneChange& c) {
+    c.moves = true;
+    c.motion.obstacles.resize(count);
+    c.motion.obstacles[static_cast<std::size_t>(obstacle)] = motion;
+  });
+}
+
 void Collector::add_obstacle(int index) {
   const ObstacleSpec& spec = scene_.obstacles[static_cast<std::size_t>(index)];
   const std::optional<Component<Obstacle>> component = builtin_shape(spec.shape);
@@ -332,16 +343,22 @@ void Collector::add_obstacle(int index) {
     return;  // told by whoever makes the obstacle
   }
   const auto add_number = [&](const OptionSpec& option, const std::string& key, double value, int column) {
+    // How far out the surface is has nothing to do with where the obstacle is.
+    const bool elsewhere = spec.place.moves() && option.name != "radius" && option.name != "rounding";
+    if (elsewhere) {
+      return add_refused(key, value, option.dimension,
+                         "of an obstacle that was moved only its shift is differentiated");
+    }
     const std::optional<Motion> motion = obstacle_motion(spec.shape, options, option.name, column);
     if (!motion) {
       return add_refused(key, value, option.dimension, "by corners of a shape nothing is differentiated");
     }
-    add(key, value, option.dimension, [index, motion = *motion, count = scene_.obstacles.size()](SceneChange& c) {
-      c.moves = true;
-      c.motion.obstacles.resize(count);
-      c.motion.obstacles[static_cast<std::size_t>(index)] = motion;
-    });
+    add_motion(key, value, option.dimension, index, *motion);
   };
+  for (int axis = 0; axis < 2 && spec.place.moves(); ++axis) {
+    add_motion("obstacle[" + std::to_string(index) + "].shift[" + std::to_string(axis) + "]",
+               axis == 0 ? spec.place.shift.x : spec.place.shift.y, dimension::length, index, shifted(axis));
+  }
   for (const OptionSpec& option : component->options) {
     if (!options.has(option.name)) continue;
     const std::string key = "obstacle[" + std::to_string(index) + "]." + option.name;

@@ -12,6 +12,11 @@ TargetSpec middle_of(const TargetSpec& a, const TargetSpec& b) {
   if (a.position && b.position) middle.position = 0.5 * (*a.position + *b.position);
   // Directions: the shorter way round.
   if (a.angle && b.angle) middle.angle = *a.angle + 0.5 * std::remainder(*b.angle - *a.angle, 2.0 * std::numbers::pi);
+  for (std::size_t i = 0; i < std::min(a.obstacles.size(), b.obstacles.size()); ++i) {
+    const ObstaclePlace& from = a.obstacles[i].place;
+    ObstaclePlace& to = middle.obstacles[i].place;
+    to = {0.5 * (from.turn + to.turn), 0.5 * (from.shift + to.shift)};
+  }
   return middle;
 }
 
@@ -115,6 +120,11 @@ Effort& operator+=(Effort& sum, const Effort& more) {
 bool Trajectory::solved() const {
   return !interrupted && std::all_of(steps.begin(), steps.end(),
                                      [](const TrajectoryStep& step) { return step.plan.status == PlanStatus::solved; });
+}
+
+Scene with_obstacles(Scene scene, const TargetSpec& step) {
+  for (const MovedObstacle& m : step.obstacles) scene.obstacles[static_cast<std::size_t>(m.obstacle)].place = m.place;
+  return scene;
 }
 
 Trajectory plan_trajectory(const std::vector<TargetSpec>& targets, const TrajectoryOptions& options,

@@ -113,8 +113,7 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
   return reached;
 }
 
-void verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, Trajectory& trajectory,
-            const ExecuteControl& control) {
+void verify(const Scene& scene, const ObstaclesAt& obstacles, Trajectory& trajectory, const ExecuteControl& control) {
   std::optional<Plan> before;
   for (TrajectoryStep& step : trajectory.steps) {
     Plan& plan = step.plan;
@@ -124,7 +123,7 @@ void verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& ob
     }
     ExecuteControl from_before = control;
     if (before) from_before.start = &*before;
-    Execution reached = verify(scene, obstacles, plan, from_before);
+    Execution reached = verify(scene, obstacles(step.target), plan, from_before);
     // After a step that did not come to rest the next one starts from where the plan has it.
     before = reached.result.status == PlanStatus::solved ? std::move(reached.result) : plan;
   }

@@ -24,6 +24,12 @@ void require_not_negative(double value, const std::string& path, const char* wha
   }
 }
 
+void require_place(const ObstaclePlace& place, const std::string& path) {
+  require_finite(place.turn, path + ".turn");
+  require_finite(place.shift.x, path + ".shift");
+  require_finite(place.shift.y, path + ".shift");
+}
+
 void validate_trajectory(const Scene& scene) {
   const std::vector<TargetSpec>& targets = scene.trajectory.targets;
   if (scene.problem != ProblemKind::trajectory) {
@@ -42,6 +48,14 @@ void validate_trajectory(const Scene& scene) {
       require_finite(targets[i].position->y, "trajectory.positions" + index);
     }
     if (targets[i].angle) require_finite(*targets[i].angle, "trajectory.angles" + index);
+    for (std::size_t k = 0; k < targets[i].obstacles.size(); ++k) {
+      const MovedObstacle& m = targets[i].obstacles[k];
+      if (m.obstacle < 0 || m.obstacle >= static_cast<int>(scene.obstacles.size())) {
+        throw SceneError("trajectory", "target " + index + " moves obstacle " + std::to_string(m.obstacle) + " of " +
+                                           std::to_string(scene.obstacles.size()));
+      }
+      require_place(m.place, "trajectory.obstacle[" + std::to_string(k) + "]");
+    }
   }
   if (scene.trajectory.replan_every < 0) {
     throw SceneError("trajectory.replan_every", "expected 0 (only where needed) or more steps, found " +
@@ -67,6 +81,7 @@ void validate_friction(const Scene& scene) {
     const std::optional<double>& own = scene.obstacles[i].friction;
     const std::string at = "obstacle[" + std::to_string(i) + "].friction";
     if (own) require_friction(*own, at);
+    require_place(scene.obstacles[i].place, "obstacle[" + std::to_string(i) + "]");
     if (own.value_or(0.0) > 0.0 && path.empty()) path = at;
   }
   if (path.empty() || scene.contact.friction_state == FrictionState::none) return;

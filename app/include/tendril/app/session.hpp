@@ -86,6 +86,8 @@ class Session {
   Plan plan_from(const Plan* start, bool follow = false, const std::vector<std::string>& without = {});
   /// The scene's obstacles, made once more: the planner owns its own.
   std::vector<std::unique_ptr<Obstacle>> make_obstacles();
+  /// Those that move where a step of a trajectory has them.
+  std::vector<std::unique_ptr<Obstacle>> make_obstacles(const TargetSpec& step);
 
   /// What the scene's components come from.
   plugins::Registry& registry() { return *registry_; }
@@ -98,6 +100,8 @@ class Session {
  private:
   /// What the scene's error bars make of plans, or of what executions came to, where it has any: for run_info().
   void find_uncertainty(const Plan& plan, bool executed);
+  /// From now on obstacles are where a step of a trajectory has them.
+  void move_obstacles(const TargetSpec& step);
   Execution verify_grasp(Plan& plan, const std::optional<Plan>& earlier);
   ExecuteControl execute_control(const std::optional<Plan>& earlier) const;
   /// What ends a run, and the guard that lets Ctrl-C do it where nobody else says what does.

@@ -22,6 +22,13 @@ std::string_view to_string(StudyMode mode);
 StudyMode study_mode(std::string_view name);
 const std::vector<std::string>& study_mode_names();
 
+/// Where an obstacle is in turn: [study.obstacle], [[trajectory.obstacle]].
+struct ObstaclePlaces {
+  std::string name;           ///< of the obstacle
+  std::vector<Vec2> shifts;   ///< m, as ObstaclePlace has them
+  std::vector<double> turns;  ///< rad
+};
+
 /// The sweeps of a study. An empty one leaves what the scene says. Further sweeps are further members.
 struct StudySpec {
   std::vector<double> limits;             ///< SI
@@ -35,7 +42,8 @@ struct StudySpec {
   std::vector<double> insertions;    ///< m, of the rod that is out of its port
   std::vector<Vec2> base_positions;  ///< m
   std::vector<double> base_angles;   ///< rad
-  std::vector<StudyMode> starts;     ///< whose results `allow` and `require` start from as well
+  ObstaclePlaces obstacle;
+  std::vector<StudyMode> starts;  ///< whose results `allow` and `require` start from as well
 };
 
 /// One combination of the sweeps.
@@ -49,6 +57,9 @@ struct StudyCase {
   std::optional<double> insertion{};  ///< m
   std::optional<Vec2> base_position{};
   std::optional<double> base_angle{};
+  std::string obstacle{};  ///< that is shifted or turned
+  std::optional<Vec2> shift{};
+  std::optional<double> turn{};
 
   /// The last actuator of a grasp holds another moment than the planned one.
   bool changes_input() const { return moment || pressure; }
@@ -57,7 +68,7 @@ struct StudyCase {
 };
 
 /// Every combination, in the order of limits, force limits, modes, targets, diameters, moments, pressures, insertions,
-/// base positions, base angles.
+/// base positions, base angles, shifts, turns.
 std::vector<StudyCase> study_cases(const StudySpec& study);
 
 /// The scene of one case.

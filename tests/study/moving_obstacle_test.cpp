@@ -1,0 +1,122 @@
+// Obstacles that are elsewhere in each case of a study or at each step of a trajectory.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support.hpp"
+#include "support/contains.hpp"
+#include "support/print.hpp"
+
+namespace tendril::app {
+namespace {
+
+using nlohmann::json;
+using test::read_file;
+using test::replaced;
+using test::scene_path;
+using test::TemporaryDirectory;
+using test::tendril;
+
+std::string brace() { return read_file(scene_path("brace.toml")); }
+
+/// brace.toml with its peg shifted by its own options, planned.
+json plan_with_peg_at(const TemporaryDirectory& directory, double x_mm, double y_mm) {
+  const std::string there = "[\"" + std::to_string(60.0 + x_mm) + " mm\", \"" + std::to_string(y_mm) + " mm\"]";
+  const std::string scene =
+      directory.write("there.toml", replaced(brace(), "center = [\"60 mm\", \"0 mm\"]", "center = " + there));
+  const test::CommandRun run = tendril({"plan", scene, "--json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  return json::parse(run.out);
+}
+
+TEST(MovingObstacle, OfASceneIsWhatItsOptionsCouldHaveSaid) {
+  const TemporaryDirectory directory;
+  const std::string scene = directory.write(
+      "s.toml", replaced(brace(), "radius = \"8 mm\"", "radius = \"8 mm\"\nshift = [\"1 mm\", \"-2 mm\"]"));
+  const test::CommandRun run = tendril({"plan", scene, "--json", "--verify"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json moved = json::parse(run.out);
+  const json there = plan_with_peg_at(directory, 1.0, -2.0);
+  EXPECT_NEAR(moved["objective"], there["objective"], 1e-12);
+  EXPECT_NEAR(moved["contacts"][0]["force"], there["contacts"][0]["force"], 1e-11);
+  EXPECT_EQ(moved["obstacles"][0]["shift"], json({1e-3, -2e-3}));
+}
+
+TEST(MovingObstacle, OfAStudyIsSweptAndDrawn) {
+  const TemporaryDirectory directory;
+  const std::string scene = directory.write("s.toml", brace() + R"(
+[study.obstacle]
+name = "obstacle 1"
+shifts = [["0 mm", "0 mm"], ["1 mm", "-2 mm"], ["-3 mm", "1 mm"]]
+)");
+  const std::string out = directory / "out";
+  const test::CommandRun run = tendril({"study", scene, "--json", "--output", out});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json study = json::parse(run.out);
+  ASSERT_EQ(study["cases"].size(), 3U);
+  for (const json& one : study["cases"]) {
+    const json& moved = one["moved_obstacles"][0];
+    EXPECT_EQ(moved["obstacle"], "obstacle 1");
+    const json there =
+        plan_with_peg_at(directory, 1e3 * moved["shift"][0].get<double>(), 1e3 * moved["shift"][1].get<double>());
+    EXPECT_NEAR(one["plan"]["objective"], there["objective"], 1e-12);
+  }
+  EXPECT_TRUE(contains_text(read_file(out + "/cases.csv"), "shift_x_m,shift_y_m"));
+  EXPECT_GT(read_file(out + "/figure.svg").size(), 1000U);
+}
+
+TEST(MovingObstacle, OfATrajectoryIsPlannedExecutedAndDrawnStepByStep) {
+  const TemporaryDirectory directory;
+  const std::string scene =
+      directory.write("s.toml", replaced(brace(), "problem = \"pose\"", "problem = \"trajectory\"") + R"(
+[[trajectory.obstacle]]
+name = "obstacle 1"
+shifts = [["0 mm", "0 mm"], ["0.5 mm", "-0.5 mm"], ["1 mm", "-1 mm"], ["1.5 mm", "-1.5 mm"]]
+)");
+  const std::string out = directory / "out";
+  const test::CommandRun run = tendril({"plan", scene, "--json", "--verify", "--output", out});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json planned = json::parse(run.out);
+  ASSERT_EQ(planned["steps"].size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const json& step = planned["steps"][i];
+    const double shift = 0.5 * static_cast<double>(i);
+    EXPECT_EQ(step["method"], i == 0 ? "solved" : "followed");
+    EXPECT_NEAR(step["objective"], plan_with_peg_at(directory, shift, -shift)["objective"], 1e-9);
+    EXPECT_LT(step["model_error"].get<double>(), 1e-8);
+    EXPECT_NEAR(step["moved_obstacles"][0]["shift"][0], 1e-3 * shift, 1e-15);
+  }
+  // What was planned can be carried out from its result.
+  const test::CommandRun carried = tendril({"execute", scene, "--plan", out + "/result.json", "--json"});
+  ASSERT_EQ(carried.exit_code, 0) << carried.err;
+  const json reached = json::parse(carried.out);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(reached["steps"][i]["tip"]["x"], planned["steps"][i]["tip"]["x"], 1e-8);
+    EXPECT_NEAR(reached["steps"][i]["contacts"][0]["force"], planned["steps"][i]["contacts"][0]["force"], 1e-6);
+  }
+  EXPECT_GT(read_file(out + "/figure.svg").size(), 1000U);
+}
+
+TEST(MovingObstacle, RefusesWhatMakesNoSense) {
+  const TemporaryDirectory directory;
+  const std::string trajectory = replaced(brace(), "problem = \"pose\"", "problem = \"trajectory\"");
+  const auto expect_refused = [&](const std::string& text, const std::string& reason) {
+    const test::CommandRun run = tendril({"plan", directory.write("s.toml", text), "--json"});
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_TRUE(contains_text(run.err, reason));
+  };
+  expect_refused(trajectory + "[[trajectory.obstacle]]\nname = \"obstacle l\"\nturns = [0.0]\n",
+                 "found 'obstacle l', expected the name of an obstacle; did you mean 'obstacle 1'?");
+  expect_refused(trajectory + "[[trajectory.obstacle]]\nname = \"obstacle 1\"\n",
+                 "found neither 'shifts' nor 'turns', expected one of them");
+  expect_refused(trajectory + "[[trajectory.obstacle]]\nname = \"obstacle 1\"\nturns = [0.0, 0.1]\nshifts = [[0, 0]]\n",
+                 "found 1 shifts for 2 steps, expected one for each");
+  const test::CommandRun run = tendril(
+      {"study", directory.write("s.toml", brace() + "[study.obstacle]\nname = \"peg\"\nturns = [0.0]\n"), "--json"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_TRUE(contains_text(run.err, "found 'peg', expected the name of an obstacle"));
+}
+
+}  // namespace
+}  // namespace tendril::app
