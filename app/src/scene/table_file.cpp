@@ -240,9 +240,12 @@ void Reader::take_names(const TextLine& line, std::vector<TextCell> cells) {
     file_.form.push_back(column);
   }
   std::sort(file_.form.begin(), file_.form.end());
-  const bool fits = spec_.forms.empty()
-                        ? !file_.form.empty()
-                        : std::find(spec_.forms.begin(), spec_.forms.end(), file_.form) != spec_.forms.end();
+  std::vector<std::size_t> form = file_.form;
+  std::erase_if(form, [&](std::size_t column) {
+    return std::find(spec_.besides.begin(), spec_.besides.end(), column) != spec_.besides.end();
+  });
+  const bool fits = spec_.forms.empty() ? !form.empty()
+                                        : std::find(spec_.forms.begin(), spec_.forms.end(), form) != spec_.forms.end();
   if (!fits) {
     fail(line, cells.front(),
          "found the columns " + names + ", expected " + expected() + ", each with its unit, such as " +
