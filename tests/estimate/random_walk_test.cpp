@@ -112,12 +112,22 @@ TEST(RandomWalk, RatesThatAreFoundAreTheLikeliest) {
     const std::optional<WalkRates> rates = likeliest_rates(frames, {}, {});
     ASSERT_TRUE(rates);
     const double best = Joint(frames, *rates).log_likelihood();
+    // Up to what does not depend on the rates.
+    const WalkRates others{0.3, 0.6};
+    EXPECT_NEAR(log_likelihood(frames, *rates) - log_likelihood(frames, others),
+                best - Joint(frames, others).log_likelihood(), 1e-9 * std::abs(best));
+    // 97.5 %: half the quantile of chi-square, found to a thousandth of the rate.
+    const WalkRates largest = fastest_likely(frames, *rates, false, false);
+    EXPECT_GT(largest.place, rates->place);
+    EXPECT_NEAR(best - Joint(frames, {largest.force, rates->place}).log_likelihood(), 1.92, 0.02);
+    EXPECT_NEAR(best - Joint(frames, {rates->force, largest.place}).log_likelihood(), 1.92, 0.02);
     for (const double factor : {0.9, 1.1}) {
       EXPECT_LT(Joint(frames, {factor * rates->force, rates->place}).log_likelihood(), best);
       EXPECT_LT(Joint(frames, {rates->force, factor * rates->place}).log_likelihood(), best);
     }
     const std::optional<WalkRates> held = likeliest_rates(frames, 0.25, {});
     EXPECT_EQ(held->force, 0.25);
+    EXPECT_EQ(fastest_likely(frames, *held, true, false).force, 0.25);
     EXPECT_LT(Joint(frames, {0.25, 1.1 * held->place}).log_likelihood(), Joint(frames, *held).log_likelihood());
   }
 }

@@ -243,8 +243,8 @@ TEST(Sequence, FramesTogetherSayMoreThanEachAlone) {
   }
 }
 
-// A frame is an equilibrium or two for each of about three steps; the first one is looked for.
-TEST(Sequence, AFrameTakesFewEquilibria) { EXPECT_LE(walks().solves, Walks::runs * (60 + 8 * Walks::frames)); }
+// Each frame begins where the one before ends: three to four equilibria. The first one is looked for.
+TEST(Sequence, AFrameTakesFewEquilibria) { EXPECT_LE(walks().solves, Walks::runs * (60 + 5 * Walks::frames)); }
 
 /// A force that rises, stays, and falls to nothing, while another one comes and goes beyond it.
 TEST(Sequence, ContactsAreMadeAndBroken) {

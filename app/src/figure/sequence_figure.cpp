@@ -79,10 +79,11 @@ void draw_sequence(const std::string& title, const SequenceEstimate& estimate, d
       fmt::format("set xrange [{:.9g}:{:.9g}]\n", estimate.frames.front().time, estimate.frames.back().time);
   const std::string draw =
       "set multiplot layout 2,1 title " + gnuplot_string(title) + " noenhanced font ',18'\n" + "unset xlabel\n" +
-      fmt::format("set ylabel 'force ({}), two standard deviations' noenhanced\n", force.name) +
-      plot(file, contacts, 2) + "unset key\n" +
-      fmt::format("set xlabel '{}' noenhanced\nset ylabel 'arc length ({}), two standard deviations' noenhanced\n",
-                  estimate.timed ? "time (s)" : "frame", unit.name) +
+      fmt::format("set yrange [0:*]\nset ylabel 'force ({})' noenhanced\n", force.name) + plot(file, contacts, 2) +
+      "unset key\nset autoscale y\n" +
+      fmt::format(
+          "set xlabel '{}; bands: two standard deviations' noenhanced\nset ylabel 'arc length ({})' noenhanced\n",
+          estimate.timed ? "time (s)" : "frame", unit.name) +
       plot(file, contacts, 4) + "unset multiplot\n";
   render({data_of(estimate, contacts, force, unit),
           "set border 3 linewidth 1 linecolor rgb '#404040'\n"

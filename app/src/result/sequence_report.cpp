@@ -56,7 +56,7 @@ Json frame_json(const EstimatedFrame& frame, bool timed) {
   return json;
 }
 
-std::string when(const SequenceEstimate& estimate, double time) { return estimate.timed ? seconds(time) : shown(time); }
+std::string when(const SequenceEstimate& estimate, double time) { return shown(time) + (estimate.timed ? " s" : ""); }
 
 /// Each contact while it is there.
 std::string contacts_text(const SequenceEstimate& estimate, const DisplayUnits& units) {
@@ -119,7 +119,7 @@ std::string frames_text(const SequenceEstimate& estimate, const DisplayUnits& un
     }
   }
   const std::string some =
-      step > 1 ? fmt::format("every {}th frame, and those with a change; all are in the JSON\n", step) : "";
+      step > 1 ? fmt::format("one frame in {}, and those with a change; all are in the JSON\n", step) : "";
   return '\n' + grid.text("") + some;
 }
 
@@ -185,7 +185,7 @@ std::string sequence_report(const Scene& scene, const SequenceEstimate& estimate
     text +=
         line("rates", fmt::format("force {}, place {} {}{}", force(estimate.force_rate),
                                   units.lengths(estimate.place_rate), estimate.timed ? "in 1 s" : "from frame to frame",
-                                  estimate.rates_estimated ? " (the likeliest)" : ""));
+                                  estimate.rates_estimated ? " (the largest that the frames allow)" : ""));
     text += line(
         "chi-square",
         fmt::format("{:.4g} with {} degrees of freedom{}", estimate.chi_square, estimate.degrees_of_freedom,

@@ -380,11 +380,11 @@ Table<MeasurementDraft> measurement_table() {
                   [](T& t, bool v) { t.y_down = v; }),
        quantity<T>("noise", dimension::length, positive, "estimated from the residuals",
                    "Standard deviation of each measured coordinate.", [](T& t, double v) { t.noise = v; }),
-       quantity<T>("force_rate", dimension::force, positive, "the likeliest",
+       quantity<T>("force_rate", dimension::force, positive, "the largest that the frames allow",
                    "Of a sequence: standard deviation of what the force of a contact changes by in 1 s, or from one "
                    "frame to the next where they have numbers; n times as long, by sqrt(n) as much.",
                    [](T& t, double v) { t.force_rate = v; }),
-       quantity<T>("place_rate", dimension::length, positive, "the likeliest",
+       quantity<T>("place_rate", dimension::length, positive, "the largest that the frames allow",
                    "Likewise of what its arc length changes by.", [](T& t, double v) { t.place_rate = v; }),
        list("moments", KeyType::quantities, dimension::moment,
             "Moment of each actuator while the points were measured; not needed where min and max are equal.",

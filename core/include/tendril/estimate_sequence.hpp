@@ -24,7 +24,7 @@ struct SequenceSpec {
   std::vector<MeasuredFrame> frames;  ///< times ascending
   bool timed = false;                 ///< they have times in s; else numbers
   /// Standard deviations of what the force (N) and the place (m) of a contact change by in 1 s, or from one frame to
-  /// the next where they have numbers; nothing: those that make the frames likeliest.
+  /// the next where they have numbers; nothing: the largest that the frames allow.
   std::optional<double> force_rate{};
   std::optional<double> place_rate{};  ///< likewise
 };

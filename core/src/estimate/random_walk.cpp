@@ -75,9 +75,13 @@ ContactState predicted(const ContactState& last, std::span<const int> stay, doub
   return out;
 }
 
-std::vector<ContactState> filtered(std::span<const FrameEvidence> frames, const WalkRates& rates) {
+namespace {
+
+/// Kalman's filter; `likelihood`: as log_likelihood() has it.
+std::vector<ContactState> filter(std::span<const FrameEvidence> frames, const WalkRates& rates, double& likelihood) {
   std::vector<ContactState> out;
   out.reserve(frames.size());
+  likelihood = 0.0;
   for (const FrameEvidence& frame : frames) {
     Eigen::MatrixXd information = frame.information;
     Eigen::VectorXd weighted = frame.weighted;
@@ -90,13 +94,52 @@ std::vector<ContactState> filtered(std::span<const FrameEvidence> frames, const 
       const ContactState ahead = predicted(out.back(), stay, frame.step, rates);
       const Eigen::MatrixXd own = pick_staying(frame);
       const Eigen::LDLT<Eigen::MatrixXd> factor(ahead.covariance);
+      const Eigen::VectorXd known = factor.solve(ahead.mean);
       information += own.transpose() * factor.solve(own);
-      weighted += own.transpose() * factor.solve(ahead.mean);
+      weighted += own.transpose() * known;
+      likelihood -= 0.5 * (factor.vectorD().array().abs().log().sum() + ahead.mean.dot(known));
     }
     const Eigen::LDLT<Eigen::MatrixXd> factor(information);
     out.push_back({factor.solve(weighted), factor.solve(Eigen::MatrixXd::Identity(n, n))});
+    likelihood -= 0.5 * (factor.vectorD().array().abs().log().sum() - weighted.dot(out.back().mean));
   }
   return out;
+}
+
+}  // namespace
+
+std::vector<ContactState> filtered(std::span<const FrameEvidence> frames, const WalkRates& rates) {
+  double likelihood = 0.0;
+  return filter(frames, rates, likelihood);
+}
+
+double log_likelihood(std::span<const FrameEvidence> frames, const WalkRates& rates) {
+  double likelihood = 0.0;
+  filter(frames, rates, likelihood);
+  return likelihood;
+}
+
+WalkRates fastest_likely(std::span<const FrameEvidence> frames, const WalkRates& likeliest, bool force_given,
+                         bool place_given) {
+  // Half of the quantile of chi-square with one degree of freedom, 95 %.
+  const double least = log_likelihood(frames, likeliest) - 1.92;
+  const auto largest = [&](double WalkRates::*rate) {
+    WalkRates inside = likeliest;
+    WalkRates outside = likeliest;
+    const auto allowed = [&](const WalkRates& rates) { return log_likelihood(frames, rates) >= least; };
+    for (int doubling = 0; doubling < 20 && allowed(outside); ++doubling) {
+      inside = outside;
+      outside.*rate *= 2.0;
+    }
+    for (int halving = 0; halving < 10; ++halving) {
+      WalkRates middle = inside;
+      middle.*rate = std::sqrt(inside.*rate * outside.*rate);
+      (allowed(middle) ? inside : outside) = middle;
+    }
+    return inside.*rate;
+  };
+  return {force_given ? likeliest.force : largest(&WalkRates::force),
+          place_given ? likeliest.place : largest(&WalkRates::place)};
 }
 
 std::vector<ContactState> smoothed(std::span<const FrameEvidence> frames, std::vector<ContactState> filtered,

@@ -42,10 +42,18 @@ TENDRIL_API std::vector<ContactState> filtered(std::span<const FrameEvidence> fr
 TENDRIL_API std::vector<ContactState> smoothed(std::span<const FrameEvidence> frames,
                                                std::vector<ContactState> filtered, const WalkRates& rates);
 
+/// Logarithm of the likelihood of all frames, but for what does not depend on the rates.
+TENDRIL_API double log_likelihood(std::span<const FrameEvidence> frames, const WalkRates& rates);
+
 /// The rates that make the frames likeliest, by expectation and maximization (Shumway and Stoffer 1982); those that are
 /// given stay. Nothing: no contact is there in two frames.
 TENDRIL_API std::optional<WalkRates> likeliest_rates(std::span<const FrameEvidence> frames,
                                                      const std::optional<double>& force,
                                                      const std::optional<double>& place);
+
+/// The largest rates that the frames allow (one-sided, 97.5 %), each beside the likeliest other one; those that are
+/// given stay. Where frames tell little of how fast contacts change, errors had better be too large than too small.
+TENDRIL_API WalkRates fastest_likely(std::span<const FrameEvidence> frames, const WalkRates& likeliest,
+                                     bool force_given, bool place_given);
 
 }  // namespace tendril

@@ -105,7 +105,10 @@ std::optional<WalkRates> learned(Sequence& q) {
     q.noise = std::max(least_noise, degrees > 0 ? std::sqrt(squares / degrees) : 0.0);
     for (SequenceFrame& frame : q.frames) frame.shape.noise = q.noise;
   }
-  return likeliest_rates(evidence_of(q), q.force_rate, q.place_rate);
+  const std::vector<FrameEvidence> evidence = evidence_of(q);
+  const std::optional<WalkRates> likeliest = likeliest_rates(evidence, q.force_rate, q.place_rate);
+  if (!likeliest) return std::nullopt;
+  return fastest_likely(evidence, *likeliest, q.force_rate.has_value(), q.place_rate.has_value());
 }
 
 void solve(Sequence& q) {
@@ -165,7 +168,6 @@ EstimatedFrame frame_of(const Sequence& q, std::size_t i, std::string& trouble) 
   const TrackedFrame& tracked = q.tracked[i];
   EstimatedFrame out;
   out.time = q.frames[i].time;
-  for (const double m : q.frames[i].moments) out.moments.push_back(m * q.in.scale.moment());
   if (i > 0) {
     const std::vector<int>& past = q.tracked[i - 1].contacts;
     std::copy_if(past.begin(), past.end(), std::back_inserter(out.broken), [&](int c) {
@@ -272,6 +274,9 @@ SequenceEstimate estimate_sequence(const Scene& scene, const SequenceSpec& spec,
   if (!q.tracked.empty() && q.noise > 0.0) {
     report_frames(q, out);
     report_identifiable(out);
+    for (std::size_t i = 0; i < out.frames.size(); ++i) {
+      out.frames[i].moments = spec.frames[i].moments.empty() ? known_moments(scene) : spec.frames[i].moments;
+    }
     if (q.tracked.back().found) out.backbone = backbone_of(in.scale, *q.rod, q.tracked.back().fit.shape);
   }
   end(deadline, scene.solver.time_limit, begin, out);
