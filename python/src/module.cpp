@@ -11,6 +11,7 @@
 #include "source.hpp"
 #include "study.hpp"
 #include "tendril/error.hpp"
+#include "tendril/files/estimate_file.hpp"
 #include "tendril/version.hpp"
 
 namespace py = pybind11;
@@ -31,8 +32,8 @@ std::string plan_trajectory(SceneFile& scene, bool verified) {
   return interruptible([&](const auto& stop) { return scene.json(scene.plan_trajectory({&stop}, verified)); });
 }
 
-std::string estimate(SceneFile& scene) {
-  return interruptible([&](const auto& stop) { return scene.json(scene.estimate({&stop})); });
+std::string estimate(const SceneTuple& scene) {
+  return interruptible([&](const auto& stop) { return files::estimate_json(source_of(scene), {&stop}); });
 }
 
 std::string sensitivity(SceneFile& scene, const std::vector<std::string>& keys, bool held, const std::string& moments) {
@@ -128,6 +129,7 @@ PYBIND11_MODULE(_native, module) {
   });
   module.def("view", &view);
   module.def("live", &live);
+  module.def("estimate", &estimate);
   py::class_<SceneFile>(module, "SceneFile")
       .def(py::init([](const SceneTuple& scene) { return SceneFile(source_of(scene)); }))
       .def_property_readonly("problem",
@@ -136,7 +138,6 @@ PYBIND11_MODULE(_native, module) {
       .def("describe", [](SceneFile& scene) { return scene.json(scene.describe()); })
       .def("plan", &plan)
       .def("plan_trajectory", &plan_trajectory)
-      .def("estimate", &estimate)
       .def("calibrate", &calibrate)
       .def("sensitivity", &sensitivity)
       .def("execute", &execute)

@@ -455,6 +455,58 @@ class Estimate(_Shape):
         return self._array("covariance", self._document["covariance"])
 
 
+class SequenceEstimate(_Shape):
+    """Contacts that are followed through a sequence of measured shapes. As a shape it is the last frame."""
+
+    problem = "estimate"
+    _needs = ("status", "frames", "rates")
+
+    @property
+    def frames(self) -> list[dict[str, Any]]:
+        """Every frame as docs/results.md has it."""
+        return self._document["frames"]
+
+    @property
+    def times(self) -> Array:
+        """s, or the numbers of the frames."""
+        with self._part("frames"):
+            return self._array("times", [f["time"] if "time" in f else f["frame"] for f in self.frames])
+
+    @property
+    def numbers(self) -> list[int]:
+        """Of the contacts, as they were made: the columns of the arrays below."""
+        with self._part("frames"):
+            return sorted({c["number"] for f in self.frames for c in f["contacts"]})
+
+    def of_contacts(self, key: str, *, so_far: bool = False) -> Array:
+        """One row per frame, one column per contact, NaN where it is not there: "force", "force_error" (N), "arc_length",
+        "arc_length_error" (m) or "correlation", as all frames tell them, or as those up to each do.
+        """
+        with self._part("frames"):
+            rows = [{c["number"]: (c["so_far"] if so_far else c)[key] for c in f["contacts"]} for f in self.frames]
+            return self._array(f"{key} {so_far}", [[row.get(n) for n in self.numbers] for row in rows])
+
+    @property
+    def forces(self) -> Array:
+        """N, as all frames tell them: of_contacts("force")."""
+        return self.of_contacts("force")
+
+    @property
+    def force_errors(self) -> Array:
+        """N, their standard deviations."""
+        return self.of_contacts("force_error")
+
+    @property
+    def arc_lengths(self) -> Array:
+        """m, as all frames tell them."""
+        return self.of_contacts("arc_length")
+
+    @property
+    def arc_length_errors(self) -> Array:
+        """m, their standard deviations."""
+        return self.of_contacts("arc_length_error")
+
+
 class Description(Result):
     """The program that a scene becomes."""
 

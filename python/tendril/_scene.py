@@ -12,7 +12,9 @@ from typing import Any, Union, overload
 from . import _native
 from ._components import components
 from ._pool import Progress
-from ._results import Calibration, Description, Estimate, Execution, Plan, Result, Sensitivities, Study, Trajectory
+from ._results import (
+    Calibration, Description, Estimate, Execution, Plan, Result, Sensitivities, SequenceEstimate, Study, Trajectory,
+)
 from ._values import each, file_path, inline, is_list, key_text, plain
 
 File = Union[str, "os.PathLike[str]"]
@@ -170,7 +172,7 @@ class Scene:
         for warning in warnings:
             _warnings.warn(warning, stacklevel=4)
 
-    def plan(self, *, start: Earlier | None = None, verify: bool = False) -> Plan | Trajectory | Estimate:
+    def plan(self, *, start: Earlier | None = None, verify: bool = False) -> Plan | Trajectory | Estimate | SequenceEstimate:
         """`tendril plan`: a pose, a grasp, a trajectory or an estimate, whatever the scene asks for.
 
         `start`: an earlier result to start from. `verify`: the plan is executed on a fine basis, and its verdict
@@ -183,7 +185,8 @@ class Scene:
         if scene.problem == "estimate":
             _refuse(start is not None, "start", "an estimate starts from the measured points")
             _refuse(verify, "verify", "the obstacles of an estimate are not known, so nothing can be carried out")
-            return Estimate.from_json(scene.estimate())
+            found = Result.from_json(_native.estimate(self._source()))
+            return (SequenceEstimate if "frames" in found else Estimate)(found)
         return self._known(Plan.from_json(scene.plan(_json_of(start, "start"), bool(verify))), start)
 
     def _known(self, result: Any, start: Earlier | None) -> Any:
@@ -195,8 +198,8 @@ class Scene:
         """`tendril plan` of a scene with problem = "trajectory"."""
         return self._plan_as(Trajectory, verify=verify)
 
-    def estimate(self) -> Estimate:
-        """`tendril plan` of a scene with problem = "estimate"."""
+    def estimate(self) -> Estimate | SequenceEstimate:
+        """`tendril plan` of a scene with problem = "estimate": of a single shape, or of a sequence of shapes."""
         return self._plan_as(Estimate)
 
     def _plan_as(self, kind: Any, **options: Any) -> Any:

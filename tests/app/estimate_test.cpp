@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "command.hpp"
 #include "support/contains.hpp"
@@ -193,6 +197,97 @@ TEST(BadEstimate, NeedsItsMoments) {
                                        read_file(scene_path("estimate.csv")),
                                        {"--json", "--set", "rod.actuator.0={min=0.0025, max=0.0025}"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
+}
+
+TEST(EstimatedSequence, OfTheExampleIsWhatTheArmDid) {
+  const TemporaryDirectory directory;
+  const CommandRun run =
+      tendril({"plan", scene_path("sequence.toml"), "--json", "--output", directory.path().string()});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  const json result = json::parse(run.out, nullptr, false);
+  EXPECT_EQ(result["status"], "solved");
+  ASSERT_EQ(result["frames"].size(), 48U);
+  // What `tendril execute` said when the file was written, at the first frame, the highest moment and the last one.
+  struct Known {
+    std::size_t frame;
+    int number;
+    double force, arc_length;
+  };
+  for (const Known& known : {Known{0, 1, 0.09983, 0.05892}, {23, 2, 0.06447, 0.09646}, {47, 3, 0.09983, 0.05892}}) {
+    ASSERT_EQ(result["frames"][known.frame]["contacts"].size(), 1U) << known.frame;
+    const json& c = result["frames"][known.frame]["contacts"][0];
+    EXPECT_EQ(c["number"], known.number);
+    for (const json& told : {c, c["so_far"]}) {
+      EXPECT_NEAR(told["force"].get<double>(), known.force, 3.0 * told["force_error"].get<double>());
+      EXPECT_NEAR(told["arc_length"].get<double>(), known.arc_length, 3.0 * told["arc_length_error"].get<double>());
+    }
+    EXPECT_LE(c["force_error"].get<double>(), c["so_far"]["force_error"].get<double>());
+  }
+  EXPECT_EQ(result["contacts"], result["frames"][47]["contacts"]);
+  EXPECT_EQ(result["measured"].size(), 20U);
+  EXPECT_NEAR(result["frames"][1]["time"].get<double>(), 0.04, 1e-12);
+  EXPECT_TRUE(result["rates"]["estimated"].get<bool>());
+  for (const char* file : {"result.json", "figure.svg", "figure.gnuplot", "figure.dat"}) {
+    EXPECT_TRUE(std::filesystem::exists(directory.path() / file)) << file;
+  }
+}
+
+/// scenes/sequence.toml with another file of points.
+CommandRun plan_sequence(const std::string& csv, const std::string& measurement = "noise = \"0.05 mm\"") {
+  const TemporaryDirectory directory;
+  directory.write("p.csv", csv);
+  std::string text = scene_with("sequence.toml", "file = \"sequence.csv\"", "file = \"p.csv\"");
+  text.replace(text.find("noise = \"0.05 mm\""), 17, measurement);
+  return tendril({"plan", directory.write("s.toml", text), "--json"});
+}
+
+TEST(EstimatedSequence, OfNumberedFramesWithMomentsOfTheScene) {
+  // The arm lies still: what counts is how the frames are told apart, and that a lost point costs none.
+  std::string csv = "frame; s (mm); x (mm); y (mm)\n";
+  std::istringstream lines(read_file(scene_path("estimate.csv")));
+  std::vector<std::array<double, 3>> points;
+  for (std::string line; std::getline(lines, line);) {
+    std::array<double, 3> p{};
+    if (std::sscanf(line.c_str(), "%lf, %lf, %lf", p.data(), &p[1], &p[2]) == 3) points.push_back(p);
+  }
+  for (const int frame : {3, 4, 7}) {
+    for (const auto& [s, x, y] : points) {
+      char line[80];
+      const double off = 0.002 * frame;
+      std::snprintf(line, sizeof line, "%d; %g; %s; %.3f\n", frame, s,
+                    frame == 4 && s == 50.0 ? "" : std::to_string(x).c_str(),
+                    y + (std::lround(s) % 2 == 0 ? off : -off));
+      csv += line;
+    }
+  }
+  const CommandRun run = plan_sequence(csv, "noise = \"0.05 mm\"\nmoments = [\"2.5 N mm\"]\nforce_rate = \"1 mN\"");
+  EXPECT_EQ(run.exit_code, 0) << run.err << run.out;
+  const json result = json::parse(run.out, nullptr, false);
+  ASSERT_EQ(result["frames"].size(), 3U);
+  EXPECT_EQ(result["frames"][2]["frame"], 7.0);
+  EXPECT_NEAR(result["rates"]["force"].get<double>(), 1e-3, 1e-15);
+  EXPECT_EQ(result["frames"][1]["degrees_of_freedom"], 36);
+  EXPECT_TRUE(contains_text(run.out, "1 of the 60 rows of p.csv"));
+}
+
+TEST(BadSequence, IsRefusedWhereItStands) {
+  const std::string head = "time [s], moment_1 [N mm], s [mm], x [mm], y [mm]\n";
+  const std::string first = "0.1, 1, 50, 50, 0\n0.1, 1, 100, 100, 0\n";
+  expect_refused(plan_sequence(head + first + "0.05, 1, 50, 50, 0\n"),
+                 "p.csv:4:1: found time 0.05 s after time 0.1 s in line 2, expected an ascending time");
+  expect_refused(plan_sequence(head + first + first), "p.csv:4:1: found a point at the same arc length once more");
+  expect_refused(plan_sequence(head + first + ", 1, 50, 50, 0\n"), "p.csv:4:1: found a row without its time");
+  expect_refused(plan_sequence(head + "0.1, 1, 50, 50, 0\n0.1, 2, 100, 100, 0\n"),
+                 "p.csv:3:1: found moment_1 = 0.002 N m, but 0.001 N m before");
+  expect_refused(plan_sequence(head + first + "0.2, , 50, 50, 0\n0.2, , 100, 100, 0\n"),
+                 "p.csv:4:1: found no moment_1 in the frame that begins here");
+  expect_refused(plan_sequence(head + first, "noise = \"0.05 mm\"\nmoments = [0]"),
+                 "beside 'moments' in [measurement]");
+  expect_refused(plan_sequence(head + first, "noise = \"0.05 mm\"\nforce_rate = \"1 mN\""),
+                 "found 'force_rate' with a single shape");
+  expect_refused(plan_sequence(head + first + "0.2, 1, 50, 50, 0\n"), "time 0.2 s: found 1 measured point");
+  expect_refused(plan_sequence("time [mm], s, x, y\n0, 1, 1, 1\n"), "found the unit \"mm\" of the column");
+  expect_refused(plan_sequence(head + first, "noise = \"0.05 mm\"\nplace_rate = 0"), "greater than 0");
 }
 
 TEST(BadEstimate, OfAnySizeIsRefused) {

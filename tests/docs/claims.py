@@ -84,6 +84,17 @@ def estimated():
             c["correlation"], *[v * mm for v in c["point"]], *c["normal"]]
 
 
+SEQUENCE = "plan scenes/sequence.toml"
+
+
+def followed(number):
+    """First and last time and frames of a contact, its least and largest force, where it begins and ends."""
+    there = [(f["time"], c) for f in run(SEQUENCE)["frames"] for c in f["contacts"] if c["number"] == number]
+    forces = [c["force"] * mN for _, c in there]
+    return [number, there[0][0], there[-1][0], len(there), min(forces), max(forces), there[0][1]["arc_length"] * mm,
+            there[-1][1]["arc_length"] * mm]
+
+
 def lift(more=""):
     """mm that the tip rises for each mm of the peg's radius."""
     found = run("sensitivity scenes/brace.toml 'obstacle[0].radius' " + more)
@@ -123,6 +134,8 @@ CLAIMS = [
     ("docs/execution.md", "below {} m for `brace.toml`, {} mm with `--coordinates pcc`",
      lambda: [("below", run(VERIFIED)["model_error"]), run(PCC)["model_error"] * mm]),
     ("docs/estimate.md", "1 {} mN {} % {} mm {} mm {} ({}, {}) mm ({}, {})", estimated),
+    ("docs/estimate.md", "{} {} s {} s {} {} mN {} mN {} mm {} mm {} {} s {} s {} {} mN {} mN {} mm {} mm {} {} s {} s {} {} mN {} mN "
+     "{} mm {} mm", lambda: followed(1) + followed(2) + followed(3)),
     ("docs/sensitivity.md", "lifts the tip under held moments by {} mm; planned anew it rises by {} mm",
      lambda: [lift("--held"), lift()]),
     ("docs/sensitivity.md", "{} mm, {} mm and {} mN here, and the share of each input in the variance of the tip's place, {} % of the "

@@ -12,6 +12,7 @@ RUNS = [
     ("plan", "grasp_unequal.toml", "--verify"),
     ("plan", "trajectory.toml", "--verify"),
     ("plan", "estimate.toml", "--set", "contact.friction=0.3"),
+    ("plan", "sequence.toml"),
     ("calibrate", "calibrate.toml"),
     ("plan", "clutter.toml", "--set", "solver.time_limit=0.1"),
     ("execute", "snap_through.toml", "--moments", "-0.05"),

@@ -52,6 +52,12 @@ def test_other_kinds(scenes):
     assert trajectory.target_errors.max() == trajectory["target_error"]["largest"]
     estimate = tendril.load(scenes / "estimate.toml").estimate()
     assert estimate.covariance.shape == (2, 2) and estimate.contacts[0].force > 0.0
+    sequence = tendril.load(scenes / "sequence.toml").estimate()
+    assert isinstance(sequence, tendril.SequenceEstimate) and sequence.numbers == [1, 2, 3]
+    assert sequence.times.shape == (48,) and sequence.forces.shape == sequence.arc_length_errors.shape == (48, 3)
+    there = ~np.isnan(sequence.forces)
+    assert there.sum(axis=1).max() == 1 and there[0, 0] and there[-1, 2]
+    assert (sequence.force_errors[there] <= sequence.of_contacts("force_error", so_far=True)[there]).all()
     snapping = tendril.load(scenes / "snap_through.toml")
     execution = snapping.execute([-0.05], start=snapping.execute([0.1]))
     assert execution.load == 1.0 and execution.snaps

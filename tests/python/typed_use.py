@@ -25,6 +25,8 @@ study.view("study.html")
 scene.live(port=8000, ready=lambda address: None)
 keys: str = tendril.command("reference", "keys")
 results: list[tendril.Result] = tendril.plan_many([scene, changed], jobs=2)
+found = scene.estimate()
+forces: npt.NDArray[np.float64] | None = found.forces if isinstance(found, tendril.SequenceEstimate) else None
 try:
     scene.estimate()
 except tendril.Error as refused:

@@ -13,6 +13,7 @@
 #include "result/trajectory_result.hpp"
 #include "session/inputs.hpp"
 #include "session/sensitivities.hpp"
+#include "session/sequence.hpp"
 
 namespace tendril::files {
 
@@ -89,6 +90,9 @@ Trajectory SceneFile::plan_trajectory(const Run& run, bool verified) {
 
 Estimate SceneFile::estimate(const Run& run) {
   opened_->begin(run);
+  if (app::sequence_of(opened_->session)) {
+    throw Error("the scene has a sequence of shapes, expected estimate_json() or estimate_sequence() for it");
+  }
   return opened_->session.estimate();
 }
 

@@ -69,25 +69,175 @@ struct Readings {
   std::vector<bool> blank;
 };
 
-Readings read_file(const Context& context, const MeasurementDraft& draft, Scene& scene) {
+bool is_complete(const std::vector<double>& row) {
+  return std::none_of(row.begin(), row.end(), [](double v) { return std::isnan(v); });
+}
+
+/// What was read at once.
+struct FrameReadings {
+  double time = 0.0;            ///< or its number
+  int line = 0;                 ///< of its first row
+  std::vector<double> moments;  ///< of each actuator, where the file has them; NaN: not yet
+  Readings points;
+};
+
+constexpr std::size_t s_column = 0, x_column = 1, y_column = 2, time_column = 3, frame_column = 4, first_moment = 5;
+
+/// A file with one shape, or with one after the other.
+class MeasuredFile {
+ public:
+  MeasuredFile(const Context& context, const MeasurementDraft& draft, Scene& scene);
+
+  std::vector<FrameReadings> frames;
+  bool timed = false;  ///< times of frames are in s; else numbers
+
+ private:
+  double value(std::size_t row, std::size_t column) const;
+  bool has(std::size_t column) const {
+    return std::find(file_.form.begin(), file_.form.end(), column) != file_.form.end();
+  }
+  std::string name(double time) const { return timed ? "time " + shown(time) + " s" : "frame " + shown(time); }
+  void take(std::size_t row, bool sequence);
+  bool begin_frame(std::size_t row);
+  void take_moments(std::size_t row);
+  void require_once(std::size_t row, const std::vector<double>& point) const;
+  void require_moments() const;
+  [[noreturn]] void fail(int line, const std::string& message) const {
+    throw InputError(fmt::format("{}:{}:1: {}", path_, line, message));
+  }
+
+  std::string path_;
+  TableFile file_;
+  std::vector<std::size_t> moment_columns_;
+};
+
+TableFileSpec columns_of(const RodSpec& rod, double pixel) {
   TableFileSpec spec;
   spec.what = "measurement";
   spec.columns = {{"s", dimension::length, {"arc_length", "arc length", "arclength"}},
                   {"x", dimension::length},
-                  {"y", dimension::length}};
-  spec.forms = {{1, 2}, {0, 1, 2}};
-  spec.most_rows = most_measured_points;
-  spec.pixel = draft.scale.value_or(0.0);
-  const std::filesystem::path path = std::filesystem::path(context.document.file()).parent_path() / draft.file;
-  TableFile file = read_table_file(path, spec, context.units);
-  for (const std::string& name : file.unread) {
-    scene.left_out.push_back({"column \"" + name + "\" of " + draft.file, "an estimate reads s, x and y"});
+                  {"y", dimension::length},
+                  {"time", dimension::time},
+                  {"frame", none}};
+  spec.forms = {{x_column, y_column}, {s_column, x_column, y_column}};
+  spec.besides = {time_column, frame_column};
+  for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
+    spec.besides.push_back(spec.columns.size());
+    spec.columns.push_back({fmt::format("moment_{}", a + 1), dimension::moment, {}});
+    if (a == 0) spec.columns.back().also = {"moment"};
   }
-  return {std::move(file.rows), std::move(file.blank)};
+  spec.most_rows = most_sequence_points;
+  spec.pixel = pixel;
+  return spec;
 }
 
-Readings readings_of(const Context& context, const MeasurementDraft& draft, Scene& scene) {
-  if (!draft.file.empty()) return read_file(context, draft, scene);
+MeasuredFile::MeasuredFile(const Context& context, const MeasurementDraft& draft, Scene& scene) {
+  const std::filesystem::path path = std::filesystem::path(context.document.file()).parent_path() / draft.file;
+  path_ = path.string();
+  const TableFileSpec spec = columns_of(scene.rod, draft.scale.value_or(0.0));
+  file_ = read_table_file(path, spec, context.units);
+  for (const std::string& unread : file_.unread) {
+    scene.left_out.push_back({"column \"" + unread + "\" of " + draft.file,
+                              "an estimate reads s, x and y, and of a sequence its time or frame and the moments"});
+  }
+  const std::size_t actuators = scene.rod.actuators.size();
+  for (std::size_t a = 0; a < actuators; ++a) {
+    if (has(first_moment + a)) moment_columns_.push_back(first_moment + a);
+  }
+  if (!moment_columns_.empty() && (moment_columns_.size() < actuators || !draft.moments.empty())) {
+    throw InputError(fmt::format("{}: found the column {} {}", path_, spec.columns[moment_columns_.front()].name,
+                                 moment_columns_.size() < actuators
+                                     ? fmt::format("alone, expected one for each of the {} actuators", actuators)
+                                     : "beside 'moments' in [measurement], expected either of them"));
+  }
+  timed = has(time_column);
+  if (timed && has(frame_column)) {
+    scene.left_out.push_back({"column \"frame\" of " + draft.file, "the times tell the frames apart"});
+  }
+  const bool sequence = timed || has(frame_column);
+  if (!sequence) frames.emplace_back();
+  for (std::size_t row = 0; row < file_.rows.size(); ++row) take(row, sequence);
+  require_moments();
+}
+
+double MeasuredFile::value(std::size_t row, std::size_t column) const {
+  const auto at = std::find(file_.form.begin(), file_.form.end(), column) - file_.form.begin();
+  return file_.rows[row][static_cast<std::size_t>(at)];
+}
+
+void MeasuredFile::take(std::size_t row, bool sequence) {
+  if (sequence && !begin_frame(row)) return;
+  std::vector<double> point;
+  for (std::size_t i = 0; i < file_.form.size(); ++i) {
+    if (file_.form[i] <= y_column) point.push_back(file_.rows[row][i]);
+  }
+  FrameReadings& frame = frames.back();
+  if (frame.points.rows.size() == most_measured_points) {
+    fail(file_.lines[row], fmt::format("found more than {} points, expected at most as many", most_measured_points));
+  }
+  if (sequence) require_once(row, point);
+  take_moments(row);
+  frame.points.blank.push_back(file_.blank[row]);
+  frame.points.rows.push_back(std::move(point));
+}
+
+/// False: the row is of no frame.
+bool MeasuredFile::begin_frame(std::size_t row) {
+  if (file_.blank[row]) return false;
+  const double time = value(row, timed ? time_column : frame_column);
+  const char* column = timed ? "time" : "frame";
+  if (std::isnan(time)) fail(file_.lines[row], fmt::format("found a row without its {}, expected one in each", column));
+  if (!frames.empty() && time == frames.back().time) return true;
+  if (!frames.empty() && time < frames.back().time) {
+    fail(file_.lines[row], fmt::format("found {} after {} in line {}, expected an ascending {} and the rows of a frame "
+                                       "together",
+                                       name(time), name(frames.back().time), frames.back().line, column));
+  }
+  frames.push_back({time, file_.lines[row], {}, {}});
+  return true;
+}
+
+void MeasuredFile::require_once(std::size_t row, const std::vector<double>& point) const {
+  if (!is_complete(point)) return;
+  const FrameReadings& frame = frames.back();
+  const std::size_t compared = point.size() == 3 ? 1 : 2;
+  for (const std::vector<double>& other : frame.points.rows) {
+    if (!std::equal(point.begin(), point.begin() + static_cast<std::ptrdiff_t>(compared), other.begin())) continue;
+    fail(file_.lines[row],
+         fmt::format("found a point at the same {} once more in the frame of {}, expected each frame "
+                     "once with a {} of its own",
+                     compared == 1 ? "arc length" : "place", name(frame.time), timed ? "time" : "number"));
+  }
+}
+
+void MeasuredFile::take_moments(std::size_t row) {
+  FrameReadings& frame = frames.back();
+  if (frame.line == 0) frame.line = file_.lines[row];
+  frame.moments.resize(moment_columns_.size(), std::nan(""));
+  for (std::size_t a = 0; a < moment_columns_.size(); ++a) {
+    const double moment = value(row, moment_columns_[a]);
+    if (std::isnan(moment)) continue;
+    if (!std::isnan(frame.moments[a]) && frame.moments[a] != moment) {
+      fail(file_.lines[row], fmt::format("found moment_{} = {} N m, but {} N m before in the same frame, expected one "
+                                         "value for each frame",
+                                         a + 1, shown(moment), shown(frame.moments[a])));
+    }
+    frame.moments[a] = moment;
+  }
+}
+
+void MeasuredFile::require_moments() const {
+  for (const FrameReadings& frame : frames) {
+    for (std::size_t a = 0; a < frame.moments.size(); ++a) {
+      if (std::isnan(frame.moments[a])) {
+        fail(frame.line,
+             fmt::format("found no moment_{} in the frame that begins here, expected one in each frame", a + 1));
+      }
+    }
+  }
+}
+
+Readings listed(const MeasurementDraft& draft) {
   Readings out;
   for (const std::vector<MeasuredLength>& row : draft.rows) {
     std::vector<double> lengths;
@@ -97,10 +247,6 @@ Readings readings_of(const Context& context, const MeasurementDraft& draft, Scen
   }
   out.blank.assign(out.rows.size(), false);
   return out;
-}
-
-bool is_complete(const std::vector<double>& row) {
-  return std::none_of(row.begin(), row.end(), [](double v) { return std::isnan(v); });
 }
 
 /// Points [x, y] stand at equal distances: from the base or from the tip on, with one at the base or without.
@@ -140,27 +286,72 @@ Spacing spacing_of(const std::vector<std::vector<double>>& rows, const RodSpec& 
   return best;
 }
 
-/// The points that were seen, along the rod; what else stands there is told.
-void take_points(const MeasurementDraft& draft, Readings readings, Scene& scene, MeasurementSpec& spec) {
-  const std::size_t written = readings.rows.size();
+bool has_equal_spacing(const Readings& readings) { return !readings.rows.empty() && readings.rows.front().size() == 2; }
+
+/// What else stands among points.
+struct Unread {
+  std::size_t rows = 0, lost = 0;  ///< how many, and how many without a point
+  bool from_tip = false;
+};
+
+/// The points that were seen, along the rod.
+std::vector<MeasuredPoint> points_of(const MeasurementDraft& draft, Readings readings, const RodSpec& rod,
+                                     Unread& unread) {
+  std::vector<MeasuredPoint> points;
+  unread.rows += readings.rows.size();
+  unread.lost += readings.rows.size();
   // Empty rows at the end are no places along the rod, between points they are.
   while (!readings.rows.empty() && readings.blank[readings.rows.size() - 1]) readings.rows.pop_back();
-  spec.equal_spacing = !readings.rows.empty() && readings.rows.front().size() == 2;
-  const Spacing spacing = spec.equal_spacing ? spacing_of(readings.rows, scene.rod) : Spacing{};
+  const Spacing spacing = has_equal_spacing(readings) ? spacing_of(readings.rows, rod) : Spacing{};
   for (std::size_t i = 0; i < readings.rows.size(); ++i) {
     const std::vector<double>& row = readings.rows[i];
     if (!is_complete(row)) continue;
-    const double s = row.size() == 3 ? row[0] : equal_arc_length(spacing, i, readings.rows.size(), scene.rod.length());
+    const double s = row.size() == 3 ? row[0] : equal_arc_length(spacing, i, readings.rows.size(), rod.length());
     const Vec2 origin{draft.origin[0].in_metres(draft.scale), draft.origin[1].in_metres(draft.scale)};
     const Vec2 p = Vec2{row[row.size() - 2], row[row.size() - 1]} - origin;
-    spec.points.push_back({s, {p.x, draft.y_down ? -p.y : p.y}});
+    points.push_back({s, {p.x, draft.y_down ? -p.y : p.y}});
   }
-  const std::size_t lost = written - spec.points.size();
-  if (lost > 0) {
-    scene.left_out.push_back({fmt::format("{} of the {} rows of {}", lost, written, draft.file),
-                              "they hold no point: a value is empty or not a number"});
+  unread.lost -= points.size();
+  unread.from_tip = unread.from_tip || spacing.from_tip;
+  return points;
+}
+
+bool same_points(const MeasuredFrame& a, const MeasuredFrame& b) {
+  return std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end(),
+                    [](const MeasuredPoint& p, const MeasuredPoint& q) {
+                      return p.arc_length == q.arc_length && p.position.x == q.position.x &&
+                             p.position.y == q.position.y;
+                    });
+}
+
+/// Shapes of the file, of which at least one is there; those of a sequence in which nothing was seen are left out.
+std::vector<MeasuredFrame> read_frames(const Context& context, const MeasurementDraft& draft, Scene& scene,
+                                       Unread& unread, bool& timed) {
+  MeasuredFile file(context, draft, scene);
+  timed = file.timed;
+  std::size_t empty = 0;
+  std::size_t same = 0;
+  std::vector<MeasuredFrame> frames;
+  for (FrameReadings& read : file.frames) {
+    MeasuredFrame frame{read.time, {}, std::move(read.moments)};
+    frame.equal_spacing = has_equal_spacing(read.points);
+    frame.points = points_of(draft, std::move(read.points), scene.rod, unread);
+    if (frame.points.empty() && file.frames.size() > 1) {
+      ++empty;
+      continue;
+    }
+    if (!frames.empty() && same_points(frames.back(), frame)) ++same;
+    frames.push_back(std::move(frame));
   }
-  if (spacing.from_tip) scene.warnings.push_back("the measured points are read from the tip to the base");
+  if (empty > 0) scene.left_out.push_back({fmt::format("{} frames of {}", empty, draft.file), "they hold no point"});
+  if (same > 0) {
+    scene.warnings.push_back(
+        fmt::format("{} of the {} frames of {} have the points of the frame before to the last "
+                    "digit: are frames there twice?",
+                    same, frames.size(), draft.file));
+  }
+  if (frames.empty()) frames.emplace_back();
+  return frames;
 }
 
 }  // namespace
@@ -171,24 +362,33 @@ Table<MeasurementDraft> measurement_table() {
     KeySpec spec{std::move(name), type, dimension, "", std::move(description)};
     return Key<T>{spec, [spec, read](const Context& context, const Node& node, T& t) { read(context, node, spec, t); }};
   };
-  return {{list("points", KeyType::points, dimension::length,
-                "Measured backbone points: [s, x, y] each, or [x, y] at equal distances along the rod, the last one at "
-                "the tip.",
-                read_measured_points),
-           text<T>("file", "", "CSV file with the points instead, beside the scene; columns x, y or s, x, y.",
-                   [](T& t, const std::string& v) { t.file = v; }),
-           quantity<T>("scale", dimension::length, positive, "none: numbers are in m",
-                       "Length of one pixel; lengths without a unit in 'points', 'file' and 'origin' are pixels then.",
-                       [](T& t, double v) { t.scale = v; }),
-           list("origin", KeyType::point, dimension::length,
-                "Where in the picture the scene's point (0, 0) is, in the coordinates of the points.", read_origin),
-           boolean<T>("y_down", "false", "The points' y axis points down, as in a picture.",
-                      [](T& t, bool v) { t.y_down = v; }),
-           quantity<T>("noise", dimension::length, positive, "estimated from the residuals",
-                       "Standard deviation of each measured coordinate.", [](T& t, double v) { t.noise = v; }),
-           list("moments", KeyType::quantities, dimension::moment,
-                "Moment of each actuator while the points were measured; not needed where min and max are equal.",
-                read_known_moments)}};
+  return {
+      {list("points", KeyType::points, dimension::length,
+            "Measured backbone points: [s, x, y] each, or [x, y] at equal distances along the rod, the last one at "
+            "the tip.",
+            read_measured_points),
+       text<T>("file", "",
+               "CSV file with the points instead, beside the scene; columns x, y or s, x, y. With a column time or "
+               "frame it is a sequence of shapes, and may have the moment of each actuator then: moment_1, ...",
+               [](T& t, const std::string& v) { t.file = v; }),
+       quantity<T>("scale", dimension::length, positive, "none: numbers are in m",
+                   "Length of one pixel; lengths without a unit in 'points', 'file' and 'origin' are pixels then.",
+                   [](T& t, double v) { t.scale = v; }),
+       list("origin", KeyType::point, dimension::length,
+            "Where in the picture the scene's point (0, 0) is, in the coordinates of the points.", read_origin),
+       boolean<T>("y_down", "false", "The points' y axis points down, as in a picture.",
+                  [](T& t, bool v) { t.y_down = v; }),
+       quantity<T>("noise", dimension::length, positive, "estimated from the residuals",
+                   "Standard deviation of each measured coordinate.", [](T& t, double v) { t.noise = v; }),
+       quantity<T>("force_rate", dimension::force, positive, "the largest that the frames allow",
+                   "Of a sequence: standard deviation of what the force of a contact changes by in 1 s, or from one "
+                   "frame to the next where they have numbers; n times as long, by sqrt(n) as much.",
+                   [](T& t, double v) { t.force_rate = v; }),
+       quantity<T>("place_rate", dimension::length, positive, "the largest that the frames allow",
+                   "Likewise of what its arc length changes by.", [](T& t, double v) { t.place_rate = v; }),
+       list("moments", KeyType::quantities, dimension::moment,
+            "Moment of each actuator while the points were measured; not needed where min and max are equal.",
+            read_known_moments)}};
 }
 
 MeasurementSpec finish_measurement(const Context& context, const MeasurementDraft& draft, Scene& scene) {
@@ -205,10 +405,53 @@ MeasurementSpec finish_measurement(const Context& context, const MeasurementDraf
   if (!draft.file.empty() && !draft.rows.empty()) {
     document.fail(document.find("measurement.file"), "found 'file' beside 'points', expected either of them");
   }
-  take_points(draft, readings_of(context, draft, scene), scene, spec);
   spec.noise = draft.noise.value_or(0.0);
   spec.moments = draft.moments;
+  Unread unread;
+  bool single = true;
+  if (draft.file.empty()) {
+    Readings readings = listed(draft);
+    spec.equal_spacing = has_equal_spacing(readings);
+    spec.points = points_of(draft, std::move(readings), scene.rod, unread);
+  } else {
+    bool timed = false;
+    std::vector<MeasuredFrame> frames = read_frames(context, draft, scene, unread, timed);
+    single = frames.size() == 1;
+    spec.points = std::move(frames.front().points);
+    spec.equal_spacing = frames.front().equal_spacing;
+    if (!frames.front().moments.empty()) spec.moments = std::move(frames.front().moments);
+  }
+  if (unread.lost > 0) {
+    scene.left_out.push_back({fmt::format("{} of the {} rows of {}", unread.lost, unread.rows, draft.file),
+                              "they hold no point: a value is empty or not a number"});
+  }
+  if (unread.from_tip) scene.warnings.push_back("the measured points are read from the tip to the base");
+  const char* rate = draft.force_rate ? "force_rate" : draft.place_rate ? "place_rate" : nullptr;
+  if (rate != nullptr && single) {
+    document.fail(
+        document.find(std::string("measurement.") + rate),
+        fmt::format("found '{}' with a single shape, expected a file with a column 'time' or 'frame' and more "
+                    "than one frame",
+                    rate));
+  }
   return spec;
+}
+
+std::optional<SequenceSpec> read_sequence(const Document& document, const Units& units, const Scene& scene) {
+  std::vector<std::string> told_by_read_scene;
+  const Context context{document, units, told_by_read_scene};
+  MeasurementDraft draft;
+  if (const Node* table = document.root().find("measurement")) {
+    read_table(context, *table, "measurement", measurement_table(), draft);
+  }
+  if (scene.problem != ProblemKind::estimate || draft.file.empty()) return std::nullopt;
+  Scene told = scene;
+  Unread unread;
+  SequenceSpec spec;
+  spec.frames = read_frames(context, draft, told, unread, spec.timed);
+  spec.force_rate = draft.force_rate;
+  spec.place_rate = draft.place_rate;
+  return spec.frames.size() > 1 ? std::optional(spec) : std::nullopt;
 }
 
 }  // namespace tendril::app

@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "scene/keys.hpp"
+#include "tendril/estimate_sequence.hpp"
 #include "tendril/scene.hpp"
 
 namespace tendril::app {
 
-/// No measurement may have more points: the time limit of a scene is meant for fewer.
-inline constexpr std::size_t most_measured_points = 10'000;
+/// No shape may have more points, and no sequence of frames more in all: the time limit of a scene is meant for fewer.
+inline constexpr std::size_t most_measured_points = 10'000, most_sequence_points = 200'000;
 
 /// A length as written.
 struct MeasuredLength {
@@ -28,15 +29,20 @@ struct MeasurementDraft {
   std::optional<double> scale;  ///< m, of a pixel
   std::array<MeasuredLength, 2> origin{};
   bool y_down = false;
-  std::optional<double> noise;
+  std::optional<double> noise, force_rate, place_rate;
   std::vector<double> moments;
 };
 
 /// Keys of [measurement].
 Table<MeasurementDraft> measurement_table();
 
-/// Reads the file if there is one, and gives every point its arc length. What is not read is told in
-/// Scene::left_out. Throws InputError with the place, also where a scene of another kind has a measurement.
+/// Reads the file if there is one, and gives every point its arc length; of a sequence, its first frame. What is not
+/// read is told in Scene::left_out. Throws InputError with the place, also where a scene of another kind has a
+/// measurement.
 MeasurementSpec finish_measurement(const Context& context, const MeasurementDraft& draft, Scene& scene);
+
+/// All frames of the file of `scene`, which is that of the document; nothing: it has a single shape. Throws InputError
+/// where read_scene() does.
+std::optional<SequenceSpec> read_sequence(const Document& document, const Units& units, const Scene& scene);
 
 }  // namespace tendril::app

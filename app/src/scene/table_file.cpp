@@ -55,6 +55,7 @@ class Reader {
   void take_names(const TextLine& line, std::vector<TextCell> cells);
   bool take_units(const std::vector<TextCell>& cells);
   void take_columns_by_count();
+  void leave_out_others();
   void take_row(const TextLine& line, std::vector<TextCell> cells);
   double value(const TextLine& line, const TextCell& cell, std::size_t at) const;
 
@@ -84,6 +85,7 @@ TableFile Reader::read() {
   if (!sign.problem.empty()) fail(lines_[sign.row], cells_[sign.row][sign.column], sign.problem);
   comma_ = sign.comma;
   if (column_of_.empty()) take_columns_by_count();
+  leave_out_others();
   for (std::size_t i = 0; i < lines_.size(); ++i) take_row(lines_[i], std::move(cells_[i]));
   return std::move(file_);
 }
@@ -240,9 +242,12 @@ void Reader::take_names(const TextLine& line, std::vector<TextCell> cells) {
     file_.form.push_back(column);
   }
   std::sort(file_.form.begin(), file_.form.end());
-  const bool fits = spec_.forms.empty()
-                        ? !file_.form.empty()
-                        : std::find(spec_.forms.begin(), spec_.forms.end(), file_.form) != spec_.forms.end();
+  std::vector<std::size_t> form = file_.form;
+  std::erase_if(form, [&](std::size_t column) {
+    return std::find(spec_.besides.begin(), spec_.besides.end(), column) != spec_.besides.end();
+  });
+  const bool fits = spec_.forms.empty() ? !form.empty()
+                                        : std::find(spec_.forms.begin(), spec_.forms.end(), form) != spec_.forms.end();
   if (!fits) {
     fail(line, cells.front(),
          "found the columns " + names + ", expected " + expected() + ", each with its unit, such as " +
@@ -290,6 +295,28 @@ void Reader::take_columns_by_count() {
   for (std::size_t i = 0; i < count; ++i) {
     column_of_.push_back(static_cast<int>(i));
     factors_.push_back(plain_factor(file_.form[i]));
+  }
+}
+
+/// Times of day, for instance, are no times.
+void Reader::leave_out_others() {
+  for (const std::size_t column : spec_.besides) {
+    const auto found = std::find(file_.form.begin(), file_.form.end(), column);
+    if (found == file_.form.end()) continue;
+    const auto at = static_cast<int>(found - file_.form.begin());
+    const auto cell =
+        static_cast<std::size_t>(std::find(column_of_.begin(), column_of_.end(), at) - column_of_.begin());
+    try {
+      for (std::size_t i = 0; i < cells_.size(); ++i) {
+        if (cell < cells_[i].size() && !std::isnan(value(lines_[i], cells_[i][cell], static_cast<std::size_t>(at))))
+          break;
+      }
+    } catch (const InputError&) {
+      file_.unread.push_back(spec_.columns[column].name);
+      file_.form.erase(found);
+      factors_.erase(factors_.begin() + at);
+      for (int& of : column_of_) of = of == at ? -1 : of > at ? of - 1 : of;
+    }
   }
 }
 

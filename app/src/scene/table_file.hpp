@@ -24,6 +24,8 @@ struct TableFileSpec {
   /// Columns that may stand together, each by its place in `columns`, in ascending order. A file without names is read
   /// by how many it has. None: any of them, with names.
   std::vector<std::vector<std::size_t>> forms;
+  /// Those that may stand beside a form, with names; where their first value cannot be read they are others.
+  std::vector<std::size_t> besides{};
   std::size_t most_rows = 0;  ///< more are refused
   std::size_t example = 0;    ///< the column that messages show with a unit
   double pixel = 0.0;         ///< m; what lengths without a unit, or in px, are multiples of. 0: they are in m

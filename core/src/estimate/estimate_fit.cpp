@@ -14,8 +14,6 @@ namespace {
 
 /// Steps that move the points by less than this are rounding: a norm of points, in L.
 constexpr double step_floor = 1e-13;
-/// Without noise the sum of squares ends at rounding; its root, in L.
-constexpr double least_deviation = 1e-12;
 constexpr int most_search_steps = 40;
 constexpr double longest_shift = 0.1;  // of a place in one step, in L
 
@@ -40,7 +38,7 @@ void keep_order(std::vector<NormalForce>& forces) {
 double MeasuredShape::variance(double sum, int contacts) const {
   if (noise > 0.0) return noise * noise;
   const int degrees = std::max(1, degrees_of_freedom(contacts));
-  return std::max(sum / degrees, least_deviation * least_deviation);
+  return std::max(sum / degrees, least_noise * least_noise);
 }
 
 namespace {
@@ -50,6 +48,18 @@ ShapeFit judged(const LoadedRod& rod, const MeasuredShape& measured, LoadedRod::
   fit.shape = std::move(shape);
   fit.response = rod.response(fit.shape, measured.arc_lengths);
   fit.residual = fit.response.points - measured.points;
+  if (const Belief& before = measured.before; before.root.rows() > 0) {
+    const Eigen::Index points = fit.residual.size();
+    Eigen::VectorXd off = -before.mean;
+    for (Eigen::Index k = 0; k < fit.contacts(); ++k) {
+      const NormalForce& f = fit.shape.forces[static_cast<std::size_t>(k)];
+      off.segment<2>(2 * k) += Eigen::Vector2d(f.force, f.arc_length);
+    }
+    fit.residual.conservativeResize(points + before.root.rows());
+    fit.residual.tail(before.root.rows()).noalias() = before.root * off;
+    fit.response.rates.conservativeResize(fit.residual.size(), Eigen::NoChange);
+    fit.response.rates.bottomRows(before.root.rows()) = before.root;
+  }
   fit.sum = fit.residual.squaredNorm();
   return fit;
 }
@@ -101,12 +111,16 @@ void set_best_forces(const LoadedRod& rod, const MeasuredShape& measured, const 
   std::vector<NormalForce> places = fit.shape.forces;
   places.insert(places.end(), forces.begin(), forces.end());
   // Columns between knots are less exact than those at them; their differences vanish as the steps do.
-  const Eigen::MatrixXd influence = rod.influence(fit.shape, measured.arc_lengths, places);
+  const Eigen::MatrixXd influence = influence_of(rod, measured, fit, places);
   Eigen::MatrixXd columns = influence.rightCols(contacts) - influence.leftCols(contacts);
   Eigen::VectorXd target = -fit.residual;
   for (Eigen::Index k = 0; k < contacts; ++k) {
     columns.col(k) += fit.response.rates.col(2 * k);
     target += fit.shape.forces[static_cast<std::size_t>(k)].force * fit.response.rates.col(2 * k);
+    if (measured.before.root.rows() == 0) continue;
+    const auto i = static_cast<std::size_t>(k);
+    target.tail(measured.before.root.rows()) -=
+        (forces[i].arc_length - fit.shape.forces[i].arc_length) * measured.before.root.col(2 * k + 1);
   }
   const Eigen::VectorXd best = columns.householderQr().solve(target);
   for (Eigen::Index k = 0; k < contacts; ++k) forces[static_cast<std::size_t>(k)].force = best[k];
@@ -241,11 +255,6 @@ std::vector<NormalForce> spread_places(int count) {
 
 namespace {
 
-struct Candidate {
-  std::vector<NormalForce> forces;
-  double improvement = 0.0;
-};
-
 void keep_best(std::vector<Candidate>& candidates, std::size_t count) {
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.improvement > b.improvement; });
@@ -322,6 +331,28 @@ std::vector<Candidate> candidates(int contacts, const Eigen::VectorXd& target, c
 }
 
 }  // namespace
+
+Eigen::MatrixXd influence_of(const LoadedRod& rod, const MeasuredShape& measured, const ShapeFit& fit,
+                             std::span<const NormalForce> places) {
+  Eigen::MatrixXd out = rod.influence(fit.shape, measured.arc_lengths, places);
+  const Eigen::Index more = measured.before.root.rows();
+  if (more == 0) return out;
+  out.conservativeResize(out.rows() + more, Eigen::NoChange);
+  out.bottomRows(more).setZero();
+  return out;
+}
+
+std::vector<Candidate> one_more(const LoadedRod& rod, const MeasuredShape& measured, const ShapeFit& fit,
+                                std::size_t count) {
+  const std::vector<NormalForce> places = spread_places(40);
+  Eigen::MatrixXd columns = influence_of(rod, measured, fit, places);
+  if (fit.contacts() > 0) {
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(fit.response.rates);
+    const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), fit.response.rates.cols());
+    columns -= q * (q.transpose() * columns);
+  }
+  return candidates(1, -fit.residual, columns, places, count);
+}
 
 std::vector<ShapeFit> search(const LoadedRod& rod, const MeasuredShape& measured, const LoadedRod::Curvature& curvature,
                              int contacts, const ShapeFit& fewer, const Deadline& deadline, int& starts) {

@@ -9,11 +9,20 @@
 
 namespace tendril {
 
+/// What is known of force and arc length of each contact in turn before the points are seen: `root` times what they
+/// differ from `mean` by are independent numbers, each with the standard deviation of a coordinate. No rows: nothing.
+struct Belief {
+  Eigen::VectorXd mean{};
+  Eigen::MatrixXd root{};
+};
+
 /// Measured backbone points, dimensionless.
 struct MeasuredShape {
   std::vector<double> arc_lengths;
-  Eigen::VectorXd points;  ///< x and y in turn
-  double noise = 0.0;      ///< standard deviation of a coordinate; 0: not known
+  Eigen::VectorXd points;      ///< x and y in turn
+  double noise = 0.0;          ///< standard deviation of a coordinate; 0: not known
+  double least_noise = 1e-12;  ///< where it is not known: rounding
+  Belief before{};             ///< of as many contacts as are fitted, where the noise is known
 
   int degrees_of_freedom(int contacts) const { return static_cast<int>(points.size()) - 2 * contacts; }
   /// Variance of a coordinate, as far as it is known when `sum` of squares is left over by `contacts`.
@@ -23,9 +32,9 @@ struct MeasuredShape {
 /// A rod shape that comes as near to the measured points as forces and their places allow, locally.
 struct ShapeFit {
   LoadedRod::Shape shape;
-  LoadedRod::Response response;
-  Eigen::VectorXd residual;  ///< points of the shape less measured ones
-  double sum = 0.0;          ///< of its squares
+  LoadedRod::Response response;  ///< its rates end with the rows of what was known before
+  Eigen::VectorXd residual;      ///< points of the shape less measured ones; likewise
+  double sum = 0.0;              ///< of its squares
   bool converged = false;
 
   int contacts() const { return static_cast<int>(shape.forces.size()); }
@@ -57,5 +66,18 @@ std::vector<ShapeFit> search(const LoadedRod& rod, const MeasuredShape& measured
 
 /// Arc lengths spread over the rod, none at its ends.
 std::vector<NormalForce> spread_places(int count);
+
+/// LoadedRod::influence() on the residuals of a fit: what was known before does not move.
+Eigen::MatrixXd influence_of(const LoadedRod& rod, const MeasuredShape& measured, const ShapeFit& fit,
+                             std::span<const NormalForce> places);
+
+/// Forces to begin a fit with, and by how much they would lessen the sum of squares if the rod answered linearly.
+struct Candidate {
+  std::vector<NormalForce> forces;
+  double improvement = 0.0;
+};
+/// One force more than a fit has, while the others follow at their best; at most `count`, best first.
+std::vector<Candidate> one_more(const LoadedRod& rod, const MeasuredShape& measured, const ShapeFit& fit,
+                                std::size_t count);
 
 }  // namespace tendril

@@ -313,12 +313,10 @@ class LoadedRod::Pieces {
 
 LoadedRod::LoadedRod(const Rod& rod, const std::vector<double>& moments, int order, double turn)
     : rod_(rod), basis_(order), turn_(turn), knots_(rod.fixed_knots()) {
-  const auto actuators = static_cast<Eigen::Index>(rod.actuators.size());
   const auto segments = static_cast<Eigen::Index>(rod.segments.size());
-  if (static_cast<Eigen::Index>(moments.size()) != actuators) throw Error("one moment per actuator is needed");
   properties_ = {Eigen::VectorXd::Ones(segments), Eigen::VectorXd::Ones(segments), Eigen::VectorXd::Zero(segments)};
-  loads_.moments = Eigen::Map<const Eigen::VectorXd>(moments.data(), actuators);
-  loads_.thrusts.setZero(actuators);
+  set_moments(moments);
+  loads_.thrusts.setZero(loads_.moments.size());
   loads_.gravity = rod.gravity;
   for (const Rod::Load& l : rod.loads) {
     if (l.at_point()) loads_.at.push_back({l.force + l.weight * rod.gravity});
@@ -331,6 +329,11 @@ LoadedRod::~LoadedRod() = default;
 void LoadedRod::set(const Properties& properties, const Loads& loads) {
   properties_ = properties;
   loads_ = loads;
+}
+
+void LoadedRod::set_moments(std::span<const double> moments) {
+  if (moments.size() != rod_.actuators.size()) throw Error("one moment per actuator is needed");
+  loads_.moments = Eigen::Map<const Eigen::VectorXd>(moments.data(), static_cast<Eigen::Index>(moments.size()));
 }
 
 void LoadedRod::move_apart(std::vector<NormalForce>& forces) const {

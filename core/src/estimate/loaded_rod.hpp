@@ -58,6 +58,8 @@ class TENDRIL_API LoadedRod {
   /// Of what all that follows is.
   void set(const Properties& properties, const Loads& loads);
   const Properties& properties() const { return properties_; }
+  /// Only these, one per actuator.
+  void set_moments(std::span<const double> moments);
 
   /// An equilibrium, and with it the start of another one.
   struct Shape {

@@ -78,28 +78,43 @@ EstimateInput::EstimateInput(const Scene& scene) {
   validate(scene);
   scale = scale_of(scene);
   rod = make_rod(scene, scale);
-  for (const double m : known_moments(scene)) {
-    if (!std::isfinite(m)) throw SceneError("measurement.moments", "a known moment must be finite");
-    moments.push_back(scale.to_dimensionless(m, dimension::moment));
-  }
+  moments = dimensionless(known_moments(scene));
+  take_contacts(scene);
+  measured = shape_of(scene);
+}
+
+void EstimateInput::take_contacts(const Scene& scene) {
   most_contacts = scene.contact.count;
   if (scene.contact.friction_state != FrictionState::none) friction = scene.contact.friction;
   if (most_contacts > 2) {
     throw SceneError("contact.count",
                      "found " + std::to_string(most_contacts) + " contacts to be estimated, expected 1 or 2");
   }
+}
+
+std::vector<double> EstimateInput::dimensionless(const std::vector<double>& si) const {
+  std::vector<double> out;
+  for (const double m : si) {
+    if (!std::isfinite(m)) throw SceneError("measurement.moments", "a known moment must be finite");
+    out.push_back(scale.to_dimensionless(m, dimension::moment));
+  }
+  return out;
+}
+
+MeasuredShape EstimateInput::shape_of(const Scene& scene) {
   const MeasurementSpec& measurement = scene.measurement;
   if (measurement.points.empty()) {
     throw SceneError("measurement",
                      "there are no measured points, expected points = [...] or file = \"...\" in "
                      "[measurement]");
   }
+  MeasuredShape shape;
   std::vector<MeasuredPoint> points = measurement.points;
   equal_spacing = measurement.equal_spacing;
   at_base = static_cast<int>(std::erase_if(points, [](const MeasuredPoint& p) { return p.arc_length == 0.0; }));
   std::stable_sort(points.begin(), points.end(),
                    [](const MeasuredPoint& a, const MeasuredPoint& b) { return a.arc_length < b.arc_length; });
-  measured.points.resize(2 * static_cast<Eigen::Index>(points.size()));
+  shape.points.resize(2 * static_cast<Eigen::Index>(points.size()));
   Eigen::Index i = 0;
   for (const MeasuredPoint& p : points) {
     const double s = p.arc_length / scale.length;
@@ -113,26 +128,66 @@ EstimateInput::EstimateInput(const Scene& scene) {
                                                ? "are the points in mm? A plain number is in m"
                                                : "are its unit and the rod's length right?"));
     }
-    measured.arc_lengths.push_back(std::min(1.0, s));
+    shape.arc_lengths.push_back(std::min(1.0, s));
     for (const double coordinate : {p.position.x, p.position.y}) {
       if (!std::isfinite(coordinate)) throw SceneError("measurement", "a measured coordinate is not finite");
-      measured.points[i++] = scale.to_dimensionless(coordinate, dimension::length);
+      shape.points[i++] = scale.to_dimensionless(coordinate, dimension::length);
     }
   }
   if (std::isnan(measurement.noise) || measurement.noise < 0.0 || !std::isfinite(measurement.noise)) {
     throw SceneError("measurement.noise", "the noise must be a positive length");
   }
   require_reachable(scene.rod, measurement);
-  measured.noise = measurement.noise / scale.length;
+  shape.noise = measurement.noise / scale.length;
   // The noise itself needs residuals to be estimated from.
   const int least = 2 * most_contacts + (measurement.noise > 0.0 ? 0 : 2);
-  if (measured.points.size() < least) {
+  if (shape.points.size() < least) {
     throw SceneError(
         "measurement",
         "found " + std::to_string(points.size()) + (points.size() == 1 ? " measured point" : " measured points") +
             ", expected at least " + std::to_string((least + 1) / 2) + " for " + std::to_string(most_contacts) +
             (most_contacts == 1 ? " contact" : " contacts") + (measurement.noise > 0.0 ? "" : " and unknown noise"));
   }
+  return shape;
+}
+
+EstimateInput::EstimateInput(const Scene& scene, const SequenceSpec& spec) {
+  validate(scene);
+  scale = scale_of(scene);
+  rod = make_rod(scene, scale);
+  take_contacts(scene);
+  if (friction > 0.0) {
+    throw SceneError("contact.friction",
+                     "found friction where a sequence of frames is followed, expected none: it is followed without; a "
+                     "single shape tells the range under friction");
+  }
+  if (spec.frames.empty()) throw SceneError("measurement", "there is no frame, expected at least one");
+  const auto require_rate = [](const std::string& key, const std::optional<double>& rate) {
+    if (rate && !(*rate > 0.0 && std::isfinite(*rate))) throw SceneError(key, "a rate must be greater than 0");
+  };
+  require_rate("measurement.force_rate", spec.force_rate);
+  require_rate("measurement.place_rate", spec.place_rate);
+  const auto name = [&](double time) { return spec.timed ? "time " + shown(time) + " s" : "frame " + shown(time); };
+  Scene one = scene;
+  int at_bases = 0;
+  for (const MeasuredFrame& frame : spec.frames) {
+    if (!std::isfinite(frame.time)) throw SceneError("measurement", "the time of a frame must be finite");
+    if (!frames.empty() && !(frame.time > frames.back().time)) {
+      throw SceneError("measurement", name(frame.time) + " follows " + name(frames.back().time) +
+                                          ", expected frames in ascending order, each of them once");
+    }
+    one.measurement = scene.measurement;
+    one.measurement.points = frame.points;
+    one.measurement.equal_spacing = frame.equal_spacing;
+    if (!frame.moments.empty()) one.measurement.moments = frame.moments;
+    try {
+      frames.push_back({frame.time, dimensionless(known_moments(one)), shape_of(one)});
+    } catch (const SceneError& error) {
+      throw SceneError(error.path(), name(frame.time) + ": " + error.what());
+    }
+    at_bases += at_base;
+  }
+  at_base = at_bases;
 }
 
 }  // namespace tendril

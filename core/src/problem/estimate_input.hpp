@@ -3,9 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "estimate/estimate_fit.hpp"
+#include "estimate/contact_tracker.hpp"
 #include "estimate/plausibility.hpp"
 #include "rod/rod.hpp"
+#include "tendril/estimate_sequence.hpp"
 #include "tendril/scene.hpp"
 
 namespace tendril {
@@ -17,17 +18,29 @@ std::vector<double> known_moments(const Scene& scene);
 struct EstimateInput {
   /// Throws SceneError if the scene has no measurement that determines anything.
   explicit EstimateInput(const Scene& scene);
+  /// Likewise, of a frame.
+  EstimateInput(const Scene& scene, const SequenceSpec& spec);
 
   Scale scale;
   Rod rod;
   std::vector<double> moments;
   MeasuredShape measured;
+  std::vector<SequenceFrame> frames;  ///< instead, of a sequence
   int most_contacts = 1;
   double friction = 0.0;  ///< coefficient of whatever touches the rod
   bool equal_spacing = false;
   int at_base = 0;  ///< measured points that stand at the base and say nothing
 
-  std::string hint() const { return misfit_hint(rod, measured, moments, equal_spacing, scale.length); }
+  /// What about a shape does not go with the rod.
+  std::string hint(const MeasuredShape& shape, std::span<const double> under) const {
+    return misfit_hint(rod, shape, under, equal_spacing, scale.length);
+  }
+  std::string hint() const { return hint(measured, moments); }
+
+ private:
+  void take_contacts(const Scene& scene);
+  std::vector<double> dimensionless(const std::vector<double>& si) const;
+  MeasuredShape shape_of(const Scene& scene);
 };
 
 }  // namespace tendril

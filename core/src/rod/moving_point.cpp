@@ -6,10 +6,17 @@
 namespace tendril {
 
 MovingPoint::MovingPoint(const Chain& chain) : chain_(&chain), breaks_(chain.model().breaks()) {
-  const Quadrature local(chain.rule().nodes_per_interval());
-  local_nodes_ = local.nodes();
-  local_weights_ = local.weights();
-  const auto most = static_cast<Eigen::Index>(breaks_.size() + 1) * local.size() + 1;
+  const auto take = [this](const Quadrature& rule) {
+    local_nodes_ = rule.nodes();
+    local_weights_ = rule.weights();
+  };
+  // Without breaks the chain's rule is the one of an interval, which takes long to find anew.
+  if (breaks_.empty()) {
+    take(chain.rule());
+  } else {
+    take(Quadrature(chain.rule().nodes_per_interval()));
+  }
+  const auto most = static_cast<Eigen::Index>(breaks_.size() + 1) * local_nodes_.size() + 1;
   const int n = chain.functions();
   for (Eigen::VectorXd* v : {&weight_, &sigma_nodes_, &cosine_, &sine_, &psi_}) v->setZero(most);
   for (Eigen::VectorXd* v : {&beta_, &beta1_, &beta2_}) v->setZero(n);

@@ -1,0 +1,94 @@
+#include "problem/estimate_parts.hpp"
+
+#include <cmath>
+
+#include "estimate/significance.hpp"
+
+namespace tendril {
+namespace {
+
+/// A force is a number only if its standard deviation is within this fraction of it, and a place only if it is known to
+/// this part of the rod's length (model.md section 6).
+constexpr double largest_relative_error = 0.1;
+/// Residuals larger than this often by chance alone mean that the model does not fit.
+constexpr double least_fit_probability = 1e-6;
+/// Where the noise is not known, residuals as large as this (units of L) are none, and from this on a row of them that
+/// is too smooth to be noise is told.
+constexpr double no_noise = 0.05;
+constexpr double least_misfit = 1e-3;
+
+}  // namespace
+
+std::string misfit(const MeasuredShape& measured, double length, const Eigen::VectorXd& residual, int contacts) {
+  const double sum = residual.squaredNorm();
+  const double rms = std::sqrt(sum / static_cast<double>(residual.size()));
+  if (measured.noise > 0.0) {
+    const int degrees = measured.degrees_of_freedom(contacts);
+    const double chi_square = sum / measured.variance(sum, contacts);
+    if (chi_square_probability(chi_square, degrees) >= least_fit_probability) return "";
+    return "the residuals are larger than the noise (chi-square " + shown(chi_square, 3) + " with " +
+           std::to_string(degrees) + " degrees of freedom)";
+  }
+  const std::string size = "the residuals of " + shown(rms * length, 3) + " m ";
+  if (rms > no_noise) return size + "are too large for noise";
+  if (rms > least_misfit && smooth_probability(residual) < least_fit_probability) {
+    return size + "change too smoothly along the rod to be noise";
+  }
+  return "";
+}
+
+EstimatedContact contact_of(const Scale& scale, const NormalForce& force, const LoadedRod::Point& at,
+                            const Eigen::Matrix2d& covariance) {
+  const double side = force.force < 0.0 ? -1.0 : 1.0;
+  EstimatedContact c;
+  c.arc_length = force.arc_length * scale.length;
+  c.force = std::abs(force.force) * scale.force();
+  c.tangential_force = force.lean * force.force * scale.force();
+  c.at_tip = force.arc_length > 1.0 - 2.0 * LoadedRod::knot_clearance;
+  c.point = scale.length * at.position;
+  c.normal = side * turned({std::cos(at.angle), std::sin(at.angle)});
+  c.force_error = std::sqrt(covariance(0, 0));
+  c.arc_length_error = std::sqrt(covariance(1, 1));
+  c.correlation = covariance(0, 1) / (c.force_error * c.arc_length_error);
+  if (!(c.force_error <= largest_relative_error * c.force)) {
+    c.reason = "the standard deviation of its force would be " + shown(100.0 * c.force_error / c.force, 3) +
+               " % of the force, more than 10 %";
+  } else if (!(c.arc_length_error <= largest_relative_error * scale.length)) {
+    c.reason = "the standard deviation of its place would be " + shown(100.0 * c.arc_length_error / scale.length, 3) +
+               " % of the rod's length, more than 10 %";
+  }
+  c.identifiable = c.reason.empty();
+  return c;
+}
+
+std::vector<BackbonePoint> backbone_of(const Scale& scale, const LoadedRod& rod, const LoadedRod::Shape& shape) {
+  constexpr std::size_t drawn = 101;
+  std::vector<double> places(drawn);
+  for (std::size_t i = 0; i < drawn; ++i) places[i] = static_cast<double>(i) / (drawn - 1);
+  std::vector<BackbonePoint> out;
+  const std::vector<LoadedRod::Point> points = rod.points(shape, places);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    out.push_back({places[i] * scale.length, scale.length * points[i].position.x, scale.length * points[i].position.y,
+                   points[i].angle, points[i].curvature / scale.length});
+  }
+  return out;
+}
+
+std::vector<LeftOut> left_out_of(const Scene& scene, const EstimateInput& in) {
+  std::vector<LeftOut> out;
+  if (in.at_base > 0) {
+    out.push_back({in.at_base == 1 ? "the measured point at the base"
+                                   : std::to_string(in.at_base) + " measured points at the base",
+                   "the rod is clamped there, whatever touches it"});
+  }
+  out.push_back({"coordinates plugin", "an estimate uses Legendre functions whose order it chooses itself"});
+  out.push_back({"solver plugin", "an estimate is a small least-squares problem that needs none"});
+  if (!scene.obstacles.empty()) out.push_back({"obstacles", "an estimate does not use what touches the rod"});
+  if (!scene.objectives.empty()) out.push_back({"objectives", "the residuals of the points are the objective"});
+  if (scene.target.position || scene.target.angle) out.push_back({"target", "an estimate has none"});
+  if (!scene.gravity) out.push_back({"gravity term", "the scene has no gravity"});
+  out.push_back({"stability", "it depends on the curvature of the obstacles, which are not known"});
+  return out;
+}
+
+}  // namespace tendril

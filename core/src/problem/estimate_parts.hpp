@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "problem/estimate_input.hpp"
+#include "tendril/estimate.hpp"
+
+namespace tendril {
+
+/// Orders of the Legendre functions, each tried until the points stay where they are (units of L).
+inline constexpr int first_order = 8;
+inline constexpr int finer_orders[] = {12, 18, 26, 38};
+inline constexpr double order_tolerance = 1e-10;
+
+/// Why a shape does not explain points from which it is off by `residual`; empty: it does, as far as that tells.
+std::string misfit(const MeasuredShape& measured, double length, const Eigen::VectorXd& residual, int contacts);
+
+/// A contact in SI units; `covariance` of force and place, too. `at`: of the rod there.
+EstimatedContact contact_of(const Scale& scale, const NormalForce& force, const LoadedRod::Point& at,
+                            const Eigen::Matrix2d& covariance);
+
+/// The shape in SI units.
+std::vector<BackbonePoint> backbone_of(const Scale& scale, const LoadedRod& rod, const LoadedRod::Shape& shape);
+
+std::vector<LeftOut> left_out_of(const Scene& scene, const EstimateInput& in);
+
+/// Ends an estimate, of one shape or of several: whether its time was over, and how long it took.
+template <class AnyEstimate>
+void end(const Deadline& deadline, double limit, double begin, AnyEstimate& out) {
+  if (deadline.interrupted()) {
+    out.status = EstimateStatus::interrupted;
+    out.message = "interrupted";
+  } else if (deadline.over()) {
+    out.status = EstimateStatus::time_limit;
+    out.message = "the time limit of " + shown(limit, 3) + " s was reached";
+  }
+  out.seconds = now() - begin;
+}
+
+}  // namespace tendril
