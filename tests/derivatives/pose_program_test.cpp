@@ -160,6 +160,9 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
     if (!GetParam().split || program->layout().forces == 0) return false;
     for (ContactSetup& c : spec.contacts) c.sticks = true;
     program = std::make_unique<PoseProgram>(spec);
+    Loads loads = program->loads();
+    loads.anchors.resize(spec.contacts.size());
+    program->set_loads(loads);
     return true;
   }
 
@@ -167,8 +170,6 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
   void anchor(const Eigen::VectorXd& x, std::mt19937& random) {
     std::uniform_real_distribution<double> d(-0.1, 0.1);
     Loads loads = program->loads();
-    loads.anchors.assign(spec.contacts.size(), Anchor{});
-    program->set_loads(loads);
     program->constraints(x);
     for (std::size_t k = 0; k < loads.anchors.size(); ++k) {
       loads.anchors[k] = program->anchor(static_cast<int>(k));

@@ -166,8 +166,10 @@ class Script {
   void loops(const std::vector<LoopPanel>& panels) {
     for (std::size_t i = 0; i < panels.size(); ++i) {
       place(i, at_.bar_height);
-      text_ += fmt::format("set xrange [*:*]\nset yrange [*:*]\nset xlabel {} noenhanced\nset ylabel {} noenhanced\n",
-                           gnuplot_string(panels[i].x_label), gnuplot_string(panels[i].y_label));
+      text_ += fmt::format(
+          "set xrange [*:*]\nset yrange [*:*]\nset xtics autofreq font ',12'\nset xlabel {} noenhanced offset "
+          "0,0.3\nset ylabel {} noenhanced offset 1,0\n",
+          gnuplot_string(panels[i].x_label), gnuplot_string(panels[i].y_label));
       heading(panels[i].title);
       text_ += fmt::format(
           "plot {} index '{}' using 1:2 with linespoints pointtype 7 pointsize 0.7 linewidth 1.6 linecolor rgb "

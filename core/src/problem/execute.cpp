@@ -87,7 +87,7 @@ class Executor {
   std::vector<double> coefficients() const;
   /// How a contact of the earlier result sticks or slips.
   void set_friction(const PlannedContact& c, PointContact& p) const;
-  /// Friction that the scene has and this path does not.
+  /// What of the scene's friction this path has not, and what there is not under it.
   void tell_friction(const Loading& loading, Plan& plan) const;
   /// Moments or lengths that are held beyond their limits, and tensions that follow: told, not refused.
   void tell_limits(Plan& plan) const;
@@ -228,6 +228,12 @@ void Executor::tell_friction(const Loading& loading, Plan& plan) const {
     if (!is_rough() || !(friction_of(scene_, o.obstacle) > 0.0)) continue;
     plan.left_out.push_back({"friction of '" + names_[o.obstacle] + "'",
                              "while it takes its place contacts push along its normals; they stick from then on"});
+  }
+  const bool slips = std::any_of(plan.contacts.begin(), plan.contacts.end(),
+                                 [](const PlannedContact& c) { return !c.sticks && c.tangential != 0.0; });
+  if (is_rough() && slips) {
+    plan.left_out.push_back({"energy of contacts that slip",
+                             "there is none: the margin of stability is the smallest real part of the eigenvalues"});
   }
 }
 

@@ -14,7 +14,8 @@ constexpr double at_edge = 1e-9;   ///< share of the normal force by which a con
 constexpr double moving = 1e-9;    ///< a rate along the path that is more than rounding
 /// What a contact may be outside of its cone where the path begins: more, and its coefficient is another one now.
 constexpr double other_cone = 1e-6;
-constexpr double bracket = 1e-11;  ///< of the place along a step where sliding ceases
+/// Right behind where sliding ceases, along a step: what it slides back by until then is of the second order.
+constexpr double bracket = 1e-8;
 constexpr int most_changes = 256;
 
 }  // namespace
@@ -63,7 +64,7 @@ bool Tracker::add_stick(const Step& step, const Eigen::VectorXd& tangent, int k,
   Event e;
   e.kind = EventKind::stick;
   e.contact = k;
-  e.z = now_.z;
+  e.z = step.z;
   double low = 0.0;
   double high = step.tau;
   while (high - low > bracket) {
@@ -72,9 +73,9 @@ bool Tracker::add_stick(const Step& step, const Eigen::VectorXd& tangent, int k,
     if (!z) return false;
     const bool past = with_friction(*z, s.tangent(*z)) > 0.0;
     (past ? high : low) = middle;
-    if (!past) e.z = *z;
+    if (past) e.z = *z;
   }
-  e.tau = low;
+  e.tau = high;
   found.push_back(std::move(e));
   return true;
 }
