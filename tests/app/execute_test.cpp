@@ -102,6 +102,45 @@ TEST(Execute, WayPointsFollowOneAnother) {
                  "way point 2: found 2 moments");
 }
 
+// Where contacts stick and slip, the way by which the rod came counts.
+TEST(Execute, WayPointsShowHysteresisUnderFriction) {
+  const TemporaryDirectory directory;
+  const Names rubbed{"execute", scene_path("brace.toml"), "--set", "contact.friction=0.3"};
+  Names loop = rubbed;
+  loop.insert(loop.end(), {"--moments", "1 N mm; 2.5 N mm; 2.45 N mm; 1 N mm", "--output", directory / "loop"});
+  ASSERT_EQ(tendril(loop).exit_code, 0);
+  const json way = json::parse(read_file(directory / "loop/result.json"));
+  const json& steps = way["steps"];
+  ASSERT_EQ(steps.size(), 4U);
+  const char* const states[] = {"slip", "slip", "stick", "slip"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const json& contact = steps[i]["contacts"].at(0);
+    EXPECT_EQ(contact["state"], states[i]);
+    const double ratio = contact["tangential_force"].get<double>() / contact["force"].get<double>();
+    if (contact["state"] == "slip") {
+      EXPECT_NEAR(std::abs(ratio), 0.3, 1e-12);
+    } else {
+      EXPECT_LT(std::abs(ratio), 0.3);
+    }
+  }
+  EXPECT_TRUE(contains_text(read_file(directory / "loop/figure.dat"), "loop 1."));
+  EXPECT_TRUE(contains_text(read_file(directory / "loop/figure.svg"), "force along the rod (N)"));
+
+  // Results on disk carry on as the way does.
+  Names one = rubbed;
+  one.insert(one.end(), {"--moments", "1 N mm", "--output", directory / "one"});
+  ASSERT_EQ(tendril(one).exit_code, 0);
+  Names up = rubbed;
+  up.insert(up.end(),
+            {"--start", directory / "one/result.json", "--moments", "2.5 N mm", "--output", directory / "up"});
+  ASSERT_EQ(tendril(up).exit_code, 0);
+  Names back = rubbed;
+  back.insert(back.end(), {"--start", directory / "up/result.json", "--moments", "2.45 N mm"});
+  const json there = json_of(back)["contacts"][0];
+  EXPECT_EQ(there["state"], "stick");
+  EXPECT_NEAR(there["tangential_force"].get<double>(), steps[2]["contacts"][0]["tangential_force"].get<double>(), 1e-9);
+}
+
 constexpr const char* pressed = R"(
 title = "Pressed"
 [rod]

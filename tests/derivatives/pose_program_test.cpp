@@ -155,6 +155,31 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
     return true;
   }
 
+  /// Lets contacts stick. False: there is none, or not with a knot of its own.
+  bool stick() {
+    if (!GetParam().split || program->layout().forces == 0) return false;
+    for (ContactSetup& c : spec.contacts) c.sticks = true;
+    program = std::make_unique<PoseProgram>(spec);
+    Loads loads = program->loads();
+    loads.anchors.resize(spec.contacts.size());
+    program->set_loads(loads);
+    return true;
+  }
+
+  /// Contacts stick from where they are at x, or from beside it.
+  void anchor(const Eigen::VectorXd& x, std::mt19937& random) {
+    std::uniform_real_distribution<double> d(-0.1, 0.1);
+    Loads loads = program->loads();
+    program->constraints(x);
+    for (std::size_t k = 0; k < loads.anchors.size(); ++k) {
+      loads.anchors[k] = program->anchor(static_cast<int>(k));
+      loads.anchors[k].slid = d(random);
+      loads.anchors[k].arc_length += d(random);
+      loads.anchors[k].angle += d(random);
+    }
+    program->set_loads(loads);
+  }
+
   support::SamplePose sample;
   PoseProgramSpec spec;
   std::unique_ptr<PoseProgram> program;
@@ -165,6 +190,12 @@ TEST_P(PoseDerivatives, FirstDerivativesAgreeWithDifferences) {
   for (int trial = 0; trial < 5; ++trial) expect_first_derivatives(*program, random_point(random));
   if (!rub()) return;
   for (int trial = 0; trial < 3; ++trial) expect_first_derivatives(*program, random_point(random));
+  ASSERT_TRUE(stick());
+  for (int trial = 0; trial < 3; ++trial) {
+    const Eigen::VectorXd x = random_point(random);
+    anchor(x, random);
+    expect_first_derivatives(*program, x);
+  }
 }
 
 TEST_P(PoseDerivatives, HessianOfTheLagrangianAgreesWithDifferencesOfItsGradient) {
@@ -176,6 +207,12 @@ TEST_P(PoseDerivatives, HessianOfTheLagrangianAgreesWithDifferencesOfItsGradient
   if (!rub()) return;
   for (int trial = 0; trial < 3; ++trial) {
     const Eigen::VectorXd x = random_point(random);
+    expect_hessian(*program, x, random);
+  }
+  ASSERT_TRUE(stick());
+  for (int trial = 0; trial < 3; ++trial) {
+    const Eigen::VectorXd x = random_point(random);
+    anchor(x, random);
     expect_hessian(*program, x, random);
   }
 }

@@ -97,16 +97,6 @@ TEST(ExecuteFriction, OnAThickRodItActsOnTheSurface) {
   EXPECT_GT(std::abs(thick.result.tip_angle - thin.result.tip_angle), 0.1 * std::abs(bend));
 }
 
-TEST(ExecuteFriction, OfTheSceneIsToldWhereItIsLeftOut) {
-  ForwardScene s = braced_arm();
-  EXPECT_TRUE(s.run({1e-3}).result.left_out.empty());
-  s.scene.contact.friction = 0.3;
-  const Execution without = s.run({1e-3});
-  ASSERT_EQ(without.result.left_out.size(), 1U);
-  EXPECT_EQ(without.result.left_out[0].what, "friction");
-  EXPECT_TRUE(rubbed(s, without.result, {0.3}).result.left_out.empty());
-}
-
 TEST(ExecuteFriction, RefusesRatiosOfOtherObstacles) {
   const ForwardScene s = braced_arm();
   const Execution without = s.run({0.0});

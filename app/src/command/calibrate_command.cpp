@@ -59,7 +59,7 @@ void draw(const Scene& scene, const Calibration& calibration, StagedFiles& files
           const std::vector<Picture>& pictures) {
   std::vector<ShapePanel> row{panel_of(scene, calibration, false)};
   if (ShapePanel checked = panel_of(scene, calibration, true); !checked.rods.empty()) row.push_back(std::move(checked));
-  draw_panels(scene.title, {row}, {bars_of(calibration)}, files, stem, pictures);
+  draw_panels(scene.title, {row}, {bars_of(calibration)}, {}, files, stem, pictures);
 }
 
 }  // namespace

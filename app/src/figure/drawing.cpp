@@ -113,6 +113,7 @@ class Draft {
         if (frames.back().contains("target"))
           drawing["path"].push_back(frames.back()["target"].value("position", Json()));
       }
+      add_loops(drawing, steps);
     } else {
       add_snaps(frames);
       frames.push_back(plan_frame(result_, problem() == "execute" ? "at rest" : ""));
@@ -253,7 +254,7 @@ class Draft {
       const auto arc_length = entry.optional("arc_length");
       if (!point || !normal || !arc_length) continue;
       Json contact;
-      for (const char* key : {"obstacle", "finger"}) {
+      for (const char* key : {"obstacle", "finger", "state"}) {
         if (const auto value = entry.optional(key)) contact[key] = value->text();
       }
       for (const char* key : {"arc_length", "force", "tangential_force", "gap"}) {
@@ -279,6 +280,51 @@ class Draft {
     const int obstacle = index->whole(0, static_cast<int>(frictions_.size()) - 1);
     if (const double friction = frictions_[static_cast<std::size_t>(obstacle)]; friction > 0.0)
       contact["friction"] = friction;
+  }
+
+  /// What friction does along a way against the input that varies most, of each obstacle that rubs.
+  static void add_loops(Json& drawing, const std::vector<Reader>& steps) {
+    std::vector<std::vector<double>> inputs;
+    std::vector<std::string> obstacles;
+    for (const Reader& step : steps) {
+      std::vector<double>& values = inputs.emplace_back();
+      if (const auto told = step.optional("inputs")) {
+        for (const Reader& input : told->list()) {
+          if (const auto value = input.optional("value")) values.push_back(value->real());
+        }
+      }
+      if (values.empty() || values.size() != inputs.front().size()) return;
+      for (const Reader& contact : step.member("contacts").list()) {
+        if (!contact.has("state") || !contact.has("obstacle")) continue;
+        const std::string name = contact.member("obstacle").text();
+        if (std::find(obstacles.begin(), obstacles.end(), name) == obstacles.end()) obstacles.push_back(name);
+      }
+    }
+    if (obstacles.empty()) return;
+    std::size_t varied = 0;
+    double widest = -1.0;
+    for (std::size_t i = 0; i < inputs.front().size(); ++i) {
+      const auto less = [i](const std::vector<double>& a, const std::vector<double>& b) { return a[i] < b[i]; };
+      const auto [low, high] = std::minmax_element(inputs.begin(), inputs.end(), less);
+      if ((*high)[i] - (*low)[i] <= widest) continue;
+      widest = (*high)[i] - (*low)[i];
+      varied = i;
+    }
+    const Reader input = steps.front().member("inputs").list()[varied];
+    const std::string name = fmt::format("{} {}", input.member("kind").text(), varied + 1);
+    for (const std::string& obstacle : obstacles) {
+      Json points = Json::array();
+      for (std::size_t i = 0; i < steps.size(); ++i) {
+        double force = 0.0;
+        for (const Reader& contact : steps[i].member("contacts").list()) {
+          if (!contact.has("state") || contact.member("obstacle").text() != obstacle) continue;
+          force += contact.member("tangential_force").real();
+        }
+        points.push_back({inputs[i][varied], force});
+      }
+      drawing["loops"].push_back(
+          {{"obstacle", obstacle}, {"input", name}, {"unit", input.member("unit").text()}, {"points", points}});
+    }
   }
 
   static Json target_of(const Reader& target) {

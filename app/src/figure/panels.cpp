@@ -78,20 +78,21 @@ struct Layout {
 };
 
 Layout layout_of(const std::string& title, const std::vector<std::vector<ShapePanel>>& rows,
-                 const std::vector<BarPanel>& bars, const Box& window) {
+                 const std::vector<BarPanel>& bars, const std::vector<LoopPanel>& loops, const Box& window) {
   Layout at;
-  std::size_t columns = bars.size();
+  std::size_t columns = std::max(bars.size(), loops.size());
   for (const auto& row : rows) columns = std::max(columns, row.size());
   at.columns = static_cast<int>(columns);
   at.panel_width = columns == 1 ? 800.0 : columns == 2 ? 520.0 : 400.0;
   at.panel_height = at.panel_width * (window.high.y - window.low.y) / (window.high.x - window.low.x);
-  at.bar_height = bars.empty() ? 0.0 : 320.0;
+  at.bar_height = bars.empty() && loops.empty() ? 0.0 : 320.0;
   if (!title.empty()) at.top += 30.0;
   const auto count = static_cast<double>(columns);
   at.width = at.left + count * at.panel_width + (count - 1.0) * at.between_columns + at.right;
   at.height = at.top + at.legend;
   at.height += static_cast<double>(rows.size()) * (at.above_panel + at.panel_height + at.below_panel);
-  if (!bars.empty()) at.height += at.above_panel + at.bar_height + at.below_panel + at.legend;
+  if (at.bar_height > 0.0) at.height += at.above_panel + at.bar_height + at.below_panel;
+  if (!bars.empty()) at.height += at.legend;
   return at;
 }
 
@@ -160,6 +161,21 @@ class Script {
       }
     }
     y_ += at_.above_panel + at_.bar_height + at_.below_panel;
+  }
+
+  void loops(const std::vector<LoopPanel>& panels) {
+    for (std::size_t i = 0; i < panels.size(); ++i) {
+      place(i, at_.bar_height);
+      text_ += fmt::format(
+          "set xrange [*:*]\nset yrange [*:*]\nset xtics autofreq font ',12'\nset xlabel {} noenhanced offset "
+          "0,0.3\nset ylabel {} noenhanced offset 1,0\n",
+          gnuplot_string(panels[i].x_label), gnuplot_string(panels[i].y_label));
+      heading(panels[i].title);
+      text_ += fmt::format(
+          "plot {} index '{}' using 1:2 with linespoints pointtype 7 pointsize 0.7 linewidth 1.6 linecolor rgb "
+          "'#1f4e8c' notitle\n",
+          data_, panel_block(static_cast<int>(i) + 1, "loop", 0));
+    }
   }
 
   struct Entry {
@@ -262,8 +278,8 @@ class Script {
   int letter_ = 0, panel_ = 0, mark_ = 0;
 };
 
-DataFile data_of(const std::vector<std::vector<ShapePanel>>& rows, const std::vector<BarPanel>& bars, double length,
-                 LengthUnit unit) {
+DataFile data_of(const std::vector<std::vector<ShapePanel>>& rows, const std::vector<BarPanel>& bars,
+                 const std::vector<LoopPanel>& loops, double length, LengthUnit unit) {
   DataFile data(unit);
   int number = 0;
   for (const auto& row : rows) {
@@ -298,6 +314,10 @@ DataFile data_of(const std::vector<std::vector<ShapePanel>>& rows, const std::ve
         data.numbers({static_cast<double>(q) + shift, series.values[q], series.deviations[q]});
       }
     }
+  }
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    data.block(panel_block(static_cast<int>(i) + 1, "loop", 0), "x y, in the units of the axes");
+    for (const Vec2 p : loops[i].points) data.numbers({p.x, p.y});
   }
   return data;
 }
@@ -358,15 +378,28 @@ void ShapePanel::add(const Json& frame) {
   }
 }
 
+std::vector<LoopPanel> LoopPanel::of(const Json& drawing) {
+  std::vector<LoopPanel> panels;
+  if (!drawing.contains("loops")) return panels;
+  for (const Json& loop : drawing["loops"]) {
+    LoopPanel& panel = panels.emplace_back();
+    panel.title = "friction at " + loop["obstacle"].get<std::string>();
+    panel.x_label = fmt::format("{} ({})", loop["input"].get<std::string>(), loop["unit"].get<std::string>());
+    panel.y_label = "force along the rod (N)";
+    for (const Json& p : loop["points"]) panel.points.push_back(point(p));
+  }
+  return panels;
+}
+
 void draw_panels(const std::string& title, const std::vector<std::vector<ShapePanel>>& shapes,
-                 const std::vector<BarPanel>& bars, StagedFiles& files, const std::string& stem,
-                 const std::vector<Picture>& pictures) {
+                 const std::vector<BarPanel>& bars, const std::vector<LoopPanel>& loops, StagedFiles& files,
+                 const std::string& stem, const std::vector<Picture>& pictures) {
   const double length = length_of(shapes);
   const LengthUnit unit = unit_for(length);
   const Box window = window_of(shapes, length);
-  const Layout layout = layout_of(title, shapes, bars, window);
+  const Layout layout = layout_of(title, shapes, bars, loops, window);
   Script script(layout, unit, gnuplot_file(stem + ".dat"));
-  std::size_t count = bars.size();
+  std::size_t count = bars.size() + loops.size();
   for (const auto& row : shapes) count += row.size();
   script.set_lettered(count > 1);
   script.title(title);
@@ -387,9 +420,10 @@ void draw_panels(const std::string& title, const std::vector<std::vector<ShapePa
   for (const auto& row : shapes) script.shapes(row, window);
   script.skip(layout.legend);
   if (!bars.empty()) script.bars(bars);
+  script.loops(loops);
 
   const std::string draw = "set multiplot\n" + script.text() + "unset multiplot\n";
-  render({data_of(shapes, bars, length, unit).text(),
+  render({data_of(shapes, bars, loops, length, unit).text(),
           "unset key\nset border 3 linewidth 1 linecolor rgb '#404040'\n"
           "set tics out nomirror textcolor rgb '#404040'\n"
           "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\n",

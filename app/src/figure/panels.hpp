@@ -46,10 +46,19 @@ struct BarPanel {
   std::vector<Series> series;
 };
 
-/// Draws rows of panels, all in one window and scale, and a row of bars below them. Lettered if there are several.
-/// Files and errors as in draw_pictures().
+/// One number against another along a way.
+struct LoopPanel {
+  /// Those of a drawing.
+  static std::vector<LoopPanel> of(const Json& drawing);
+
+  std::string title, x_label, y_label;
+  std::vector<Vec2> points;  ///< in the units of the labels
+};
+
+/// Draws rows of panels, all in one window and scale, and a row of bars or of loops below them. Lettered if there are
+/// several. Files and errors as in draw_pictures().
 void draw_panels(const std::string& title, const std::vector<std::vector<ShapePanel>>& shapes,
-                 const std::vector<BarPanel>& bars, StagedFiles& files, const std::string& stem,
-                 const std::vector<Picture>& pictures);
+                 const std::vector<BarPanel>& bars, const std::vector<LoopPanel>& loops, StagedFiles& files,
+                 const std::string& stem, const std::vector<Picture>& pictures);
 
 }  // namespace tendril::app

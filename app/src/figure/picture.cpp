@@ -35,7 +35,7 @@ void draw_pictures(const Json& drawing, StagedFiles& files, const std::string& s
     ShapePanel panel(drawing);
     panel.ordered = true;
     for (const Json& frame : drawing["frames"]) panel.add(frame);
-    return draw_panels(drawing["title"], {{panel}}, {}, files, stem, pictures);
+    return draw_panels(drawing["title"], {{panel}}, {}, LoopPanel::of(drawing), files, stem, pictures);
   }
   if (drawing["problem"] == "study") {
     throw InputError("no figure: a study is drawn by 'tendril study --figure', expected .html, .gif or .mp4 here");

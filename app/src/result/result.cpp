@@ -141,9 +141,9 @@ Json contacts_json(const std::vector<PlannedContact>& contacts, const std::strin
                      {"force", number(contact.force)},
                      {"gap", number(contact.gap)}});
     if (!finger.empty()) array.back()["finger"] = finger;
-    if (contact.tangential != 0.0) {
+    if (contact.tangential != 0.0 || contact.sticks) {
       array.back()["tangential_force"] = number(contact.tangential);
-      array.back()["state"] = "slip";
+      array.back()["state"] = contact.sticks ? "stick" : "slip";
     }
     if (contact.extended) array.back()["extended"] = true;
   }

@@ -35,6 +35,8 @@ std::vector<PlannedContact> read_contacts(const Reader& root, const Scene& scene
     contact.force = entry.member("force").real();
     contact.gap = entry.member("gap").real();
     if (entry.has("at_tip")) contact.at_tip = entry.member("at_tip").truth();
+    if (entry.has("tangential_force")) contact.tangential = entry.member("tangential_force").real();
+    if (entry.has("state")) contact.sticks = entry.member("state").text() == "stick";
     if (obstacle == names.end()) continue;
     if (contact.arc_length < 0.0 || contact.arc_length > length * (1.0 + 1e-9)) {
       entry.member("arc_length").fail("an arc length on the rod");

@@ -115,7 +115,7 @@ void draw_study(const Scene& scene, const StudyResult& result, const Json& drawi
     ++seen;
     panels[group / columns][group % columns].add(drawing["frames"][i]);
   }
-  draw_panels(scene.title, panels, bars_of(scene, result, columns), files, stem, pictures);
+  draw_panels(scene.title, panels, bars_of(scene, result, columns), {}, files, stem, pictures);
 }
 
 }  // namespace tendril::app

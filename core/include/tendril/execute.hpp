@@ -26,8 +26,11 @@ struct ExecuteControl {
   /// it. From a `start` elsewhere it is moved on the way, linearly.
   RodPlace place{};
   /// One number per obstacle: the tangential part of its contact forces, along the rod, for each unit of the normal
-  /// part; it grows from 0 along the path. Empty: there is none. The path ends where the rod gives way.
+  /// part; it grows from 0 along the path, whatever coefficients the scene has. Empty: contacts stick and slip at
+  /// these. The path ends where the rod gives way.
   std::vector<double> friction{};
+  /// False: as if no obstacle had a coefficient of friction.
+  bool with_friction = true;
   /// False: as if the scene had no obstacle.
   bool with_obstacles = true;
 };
@@ -55,9 +58,10 @@ TENDRIL_API std::vector<double> held_of(const Scene& scene, const Plan& plan);
 /// The stable equilibrium that the rod of `scene` reaches under what its actuators are held at: moments (N m), or
 /// shortenings (m) of tendons told their length, one per actuator of the scene, not held to their limits. `obstacles`:
 /// dimensionless, one per obstacle of the scene, not null; used whatever the contact mode says. From a start that
-/// overlaps obstacles these grow from nothing together with the loads. Throws SceneError for a scene that makes no
-/// sense and for a start that runs through an obstacle's core, which has no side; Error for moments of the wrong number
-/// or not finite.
+/// overlaps obstacles these grow from nothing together with the loads. Contacts with friction stick as they are made,
+/// or where they come from a result without it, and slip where they have to (model.md section 11). Throws SceneError
+/// for a scene that makes no sense and for a start that runs through an obstacle's core, which has no side; Error for
+/// moments of the wrong number or not finite.
 TENDRIL_API Execution execute(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
                               const std::vector<double>& held, const ExecuteControl& control = {});
 /// The same of what a plan holds.
@@ -68,7 +72,7 @@ TENDRIL_API Execution execute(const Scene& scene, const std::vector<std::unique_
 /// elsewhere (other contacts, a tip farther off than tolerance::model_error, no certified state) a solved plan becomes
 /// `not_converged` and its message says why. Returns the execution from the plan's own start. `control.start`: what the
 /// plan was started from, null, or `&plan`: then the rod settles from the plan's own shape and is executed only once,
-/// as it is from a start that has no side of an obstacle.
+/// as it is from a start that has no side of an obstacle. Plans are made without friction, and verified so.
 TENDRIL_API Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, Plan& plan,
                              const ExecuteControl& control = {});
 

@@ -31,6 +31,7 @@ struct PlannedContact {
   Vec2 normal{};              ///< unit vector out of the obstacle
   double force = 0.0;         ///< N, along the normal
   double tangential = 0.0;    ///< N, across it, in the direction in which arc lengths grow
+  bool sticks = false;        ///< it does not slip, whatever is tangential
   double gap = 0.0;           ///< m
   /// The rod lies along the obstacle here: one of a run of contacts that stands for the stretch, or, in a plan that is
   /// not solved for that reason, the point whose force would be spread.

@@ -82,8 +82,13 @@ class Executor {
   std::vector<double> moments_at(Settled& at) const;
   /// Those of tendons that are held by their length.
   void keep_tensions(Settled& at, Plan& plan) const;
-  /// Friction that the scene has and this path does not.
-  void tell_friction(Plan& plan) const;
+  /// Contacts stick and slip at the coefficients of the scene.
+  bool is_rough() const { return control_.with_obstacles && control_.with_friction && control_.friction.empty(); }
+  std::vector<double> coefficients() const;
+  /// How a contact of the earlier result sticks or slips.
+  void set_friction(const PlannedContact& c, PointContact& p) const;
+  /// What of the scene's friction this path has not, and what there is not under it.
+  void tell_friction(const Loading& loading, Plan& plan) const;
   /// Moments or lengths that are held beyond their limits, and tensions that follow: told, not refused.
   void tell_limits(Plan& plan) const;
 
@@ -136,9 +141,35 @@ State Executor::earlier_state() const {
     p.setup.at_tip = c.at_tip;
     p.s = c.at_tip ? 1.0 : std::min(1.0, c.arc_length / scale_.length);
     p.force = c.force / scale_.force();
+    if (is_rough()) set_friction(c, p);
     state.contacts.push_back(p);
   }
   return state;
+}
+
+std::vector<double> Executor::coefficients() const {
+  std::vector<double> all;
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) all.push_back(friction_of(scene_, o));
+  return all;
+}
+
+void Executor::set_friction(const PlannedContact& c, PointContact& p) const {
+  const double coefficient = friction_of(scene_, static_cast<std::size_t>(p.setup.obstacle));
+  if (!(coefficient > 0.0)) return;
+  const std::vector<BackbonePoint>& shape = control_.start->backbone;
+  const auto beyond = std::find_if(shape.begin(), shape.end() - 1,
+                                   [&](const BackbonePoint& point) { return point.s >= p.s * scale_.length; });
+  const Vec2 tangent{std::cos(beyond->angle), std::sin(beyond->angle)};
+  const double along = dot(turned(c.normal), tangent) < 0.0 ? -1.0 : 1.0;
+  p.setup.sticks = c.sticks || c.tangential == 0.0;
+  if (!p.setup.sticks) {
+    p.setup.lean = along * std::copysign(coefficient, c.tangential);
+    return;
+  }
+  p.shear = along * c.tangential / scale_.force();
+  // The point of the obstacle is the backbone's less the body.
+  const double height = rod_.radius_at(p.s).value + c.gap / scale_.length;
+  p.anchor = {(1.0 / scale_.length) * c.point - height * c.normal, c.normal, p.s, control_.start->tip_angle, -along};
 }
 
 Execution Executor::run() {
@@ -169,10 +200,13 @@ Execution Executor::run() {
                          ", so it is on neither side of it: expected a start that passes on one side");
   }
   if (control_.with_obstacles && !control_.friction.empty()) loading->rub(control_.friction);
+  if (is_rough()) loading->roughen(coefficients());
   const bool arrived = loading->run();
   for (TrackedSnap& snap : loading->tracker().snaps()) out.snaps.push_back(to_si(snap));
   report(loading->tracker(), arrived, out);
-  if (!arrived) {
+  if (!arrived && loading->tracker().spread() && loading->path().is_rough()) {
+    out.result.message += "; along a stretch friction is not followed";
+  } else if (!arrived) {
     if (const auto lying = loading->lie()) report(*lying, loading->path(), out);
   }
   if (const std::string inside = overlaps(*loading); !inside.empty()) {
@@ -180,7 +214,7 @@ Execution Executor::run() {
     message = inside + (message.empty() ? ", which takes its place as the loads grow" : ": " + message);
   }
   tell_limits(out.result);
-  tell_friction(out.result);
+  tell_friction(*loading, out.result);
   out.result.start_backbone =
       control_.start != nullptr
           ? control_.start->backbone
@@ -189,12 +223,17 @@ Execution Executor::run() {
   return out;
 }
 
-void Executor::tell_friction(Plan& plan) const {
-  if (!control_.friction.empty()) return;
-  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
-    if (!(friction_of(scene_, o) > 0.0)) continue;
-    plan.left_out.push_back({"friction", "sticking and slipping are not followed: contacts push along their normals"});
-    return;
+void Executor::tell_friction(const Loading& loading, Plan& plan) const {
+  for (const Loading::Overlap& o : loading.overlaps()) {
+    if (!is_rough() || !(friction_of(scene_, o.obstacle) > 0.0)) continue;
+    plan.left_out.push_back({"friction of '" + names_[o.obstacle] + "'",
+                             "while it takes its place contacts push along its normals; they stick from then on"});
+  }
+  const bool slips = std::any_of(plan.contacts.begin(), plan.contacts.end(),
+                                 [](const PlannedContact& c) { return !c.sticks && c.tangential != 0.0; });
+  if (is_rough() && slips) {
+    plan.left_out.push_back({"energy of contacts that slip",
+                             "there is none: the margin of stability is the smallest real part of the eigenvalues"});
   }
 }
 

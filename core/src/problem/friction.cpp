@@ -57,6 +57,7 @@ void find_friction_range(const Task& task, Plan& plan, const std::atomic<bool>* 
   control.stop = stop;
   control.time_limit = scene.solver.time_limit;
   control.start = &plan;
+  control.with_friction = false;
   const Execution without = execute(scene, task.components.obstacles, plan, control);
   if (without.result.status != PlanStatus::solved) {
     return refuse(without.result.status, "without friction the plan's shape did not settle: " + without.result.message);

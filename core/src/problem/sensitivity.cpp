@@ -393,6 +393,10 @@ void add_held_moments(std::vector<SceneEntry>& entries, const PlanPoint& point) 
 std::string refused(const Plan& plan, const Rod& rod) {
   if (plan.status != PlanStatus::solved) return "the result is not solved, so that there is nothing to differentiate";
   if (plan.grasp) return "grasps are not differentiated";
+  if (std::any_of(plan.contacts.begin(), plan.contacts.end(),
+                  [](const PlannedContact& c) { return c.sticks || c.tangential != 0.0; })) {
+    return "contacts that stick or slip are not differentiated: the path by which they came counts";
+  }
   if (rod.stretches()) return "rods that stretch are not differentiated";
   if (!rod.moves.empty() || plan.place.insertion || plan.place.base) {
     return "rods that are moved as a whole are not differentiated";

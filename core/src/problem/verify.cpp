@@ -49,6 +49,7 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
   // From the plan's own shape: what its basis leaves out, apart from how the loads get there.
   ExecuteControl placed = control;
   placed.place = plan.place;
+  placed.with_friction = false;
   ExecuteControl local = placed;
   local.start = &plan;
   local.with_obstacles = control.with_obstacles && needs_obstacles(scene);

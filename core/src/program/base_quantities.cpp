@@ -71,6 +71,8 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
   } else if (spec.palm) {
     values.palm = spec.palm->minimum;
   }
+  int shear = layout.first_shear;
+  for (const ContactSetup& c : spec.contacts) shears_.push_back(c.sticks ? alone(shear++) : -1);
   index.count = next;
   index.thick = spec.rod->is_thick();
   terms.bind(index);
@@ -81,7 +83,7 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
   for (const ContactSetup& c : spec.contacts) {
     values.references.push_back(spec.obstacles[static_cast<std::size_t>(c.obstacle)]->reference_point());
   }
-  const int variables = layout.first_force + layout.forces + (layout.palm >= 0 ? 1 : 0);
+  const int variables = layout.first_shear + layout.shears;
   rows_.setZero(dense_ + 2 * layout.forces, variables);
   pulled_.setZero(variables);
   term_gradient_.setZero(index.count);

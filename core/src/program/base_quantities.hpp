@@ -36,6 +36,8 @@ class BaseQuantities {
   /// Gradient, gradient of the rest, Jacobian of the residuals.
   void differentiate_terms(Eigen::VectorXd& gradient, Eigen::VectorXd& rest, Eigen::MatrixXd& jacobian);
 
+  /// The tangential force of a contact that sticks; -1: it does not.
+  int shear(int contact) const { return shears_[static_cast<std::size_t>(contact)]; }
   /// Number in `hessian` of the first of two coordinates of a contact's virtual displacement.
   int displacement(int contact) const { return index.count + 2 * contact; }
   /// Begins with the terms times sigma.
@@ -70,6 +72,7 @@ class BaseQuantities {
   int tip_place_ = -1;
   int dense_ = 0;               ///< quantities with a row: the first ones
   std::vector<int> variables_;  ///< of the quantities behind them
+  std::vector<int> shears_;     ///< one per contact
   RowMatrix rows_;              ///< quantities with a row, displacements
   Eigen::VectorXd term_gradient_, term_rest_, pulled_;
   Eigen::MatrixXd term_jacobian_;

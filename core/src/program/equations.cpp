@@ -32,6 +32,8 @@ Equations Equations::of_contacts(PoseProgram& program, const std::vector<int>& t
     rows.push_back(program.shortening_row(tendon));
     unknowns.push_back(program.moment_variable(tendon));
   }
+  append(rows, at.first_stick, at.shears);
+  append(unknowns, at.first_shear, at.shears);
   return {program, std::move(rows), std::move(unknowns)};
 }
 

@@ -43,7 +43,8 @@ class EquilibriumRows : public RowBlock {
       const int dx = d_.base.displacement(k);
       const Symmetric2 of_distance = distance_hessian(c.surface);
       const auto turns = [&](int point, Vec2 normal) {
-        const Vec2 push = c.force * (normal + c.lean * turned(normal));
+        Vec2 push = c.force * (normal + c.lean * turned(normal));
+        if (c.shear != 0.0) push += c.shear * turned(normal);
         d_.base.add_symmetric(point, dx, push.x);
         d_.base.add_symmetric(point, dx + 1, push.y);
       };
@@ -51,21 +52,27 @@ class EquilibriumRows : public RowBlock {
       turns(at.point.y, {of_distance.xy, of_distance.yy});
       d_.base.add_symmetric(dx, at.force, c.push.x);
       d_.base.add_symmetric(dx + 1, at.force, c.push.y);
-      if (c.lean != 0.0) add_couple_second(k, hessian);
+      if (c.lean != 0.0) add_couple_second(k, c.force, c.lean, d_.layout.first_force + k, hessian);
+      const int shear = d_.shear_variables[i];
+      if (shear < 0) continue;
+      const Vec2 tau = turned(c.surface.normal);
+      d_.add_shear_work(k, d_.places.displacement(d_.contact_places[i]));
+      d_.base.add_symmetric(dx, d_.base.shear(k), tau.x);
+      d_.base.add_symmetric(dx + 1, d_.base.shear(k), tau.y);
+      add_couple_second(k, c.shear, 1.0, shear, hessian);
     }
   }
 
  private:
   /// The couple of a tangential force works along the rotation of its place, which at a knot that moves with the
-  /// contact depends on the coordinates alone.
-  void add_couple_second(int k, Eigen::MatrixXd& hessian) {
+  /// contact depends on the coordinates alone. `lean`: tangential force per unit of the variable.
+  void add_couple_second(int k, double force, double lean, int variable, Eigen::MatrixXd& hessian) {
     const auto i = static_cast<std::size_t>(k);
     const PoseProgram::ContactState& c = d_.contacts[i];
     const double rotation = d_.places.rotation(d_.contact_places[i]);
-    d_.add_along(k, -c.force * c.lean * c.radius.bend * rotation, hessian);
-    const int force = d_.layout.first_force + k;
-    d_.add_slope_along(k, -c.lean * c.radius.slope * rotation, hessian.col(force));
-    d_.add_slope_along(k, -c.lean * c.radius.slope * rotation, hessian.row(force));
+    d_.add_along(k, -force * lean * c.radius.bend * rotation, hessian);
+    d_.add_slope_along(k, -lean * c.radius.slope * rotation, hessian.col(variable));
+    d_.add_slope_along(k, -lean * c.radius.slope * rotation, hessian.row(variable));
   }
 
   void add_moments_second(ConstVectorRef lambda, Eigen::MatrixXd& hessian) {
@@ -97,29 +104,39 @@ class EquilibriumRows : public RowBlock {
     }
     // Contact forces act along normals that turn with the contact point.
     for (int k = 0; k < at.forces; ++k) {
-      const PoseProgram::ContactState& c = d_.contacts[static_cast<std::size_t>(k)];
-      rows.col(at.first_force + k) = d_.contact_row(k, c.push).head(at.coordinates);
-      if (c.lean != 0.0) differentiate_couple(k, rows);
-      // The surface bends the normal.
-      const double factor = c.force * c.surface.curvature;
-      if (factor == 0.0) continue;
-      along_ = d_.contact_row(k, turned(c.push));
-      turning_ = along_;
-      if (c.lean != 0.0) turning_ = d_.contact_row(k, turned(c.surface.normal));
-      for (int column = 0; column < d_.variables; ++column) {
-        const double scaled = factor * turning_[column];
-        if (scaled != 0.0) rows.col(column) += scaled * along_.head(at.coordinates);
-      }
+      const auto i = static_cast<std::size_t>(k);
+      const PoseProgram::ContactState& c = d_.contacts[i];
+      differentiate_force(k, at.first_force + k, c.force, c.push, c.lean, rows);
+      if (d_.shear_variables[i] < 0) continue;
+      differentiate_force(k, d_.shear_variables[i], c.shear, turned(c.surface.normal), 1.0, rows);
     }
   }
 
-  void differentiate_couple(int k, MatrixRef rows) {
+  /// One of a contact's forces: `push` per unit of the variable, `lean` of it tangential.
+  void differentiate_force(int k, int variable, double force, Vec2 push, double lean, MatrixRef rows) {
+    const PoseProgram::Layout& at = d_.layout;
+    const PoseProgram::ContactState& c = d_.contacts[static_cast<std::size_t>(k)];
+    rows.col(variable) = d_.contact_row(k, push).head(at.coordinates);
+    if (lean != 0.0) differentiate_couple(k, variable, force, lean, rows);
+    // The surface bends the normal.
+    const double factor = force * c.surface.curvature;
+    if (factor == 0.0) return;
+    along_ = d_.contact_row(k, turned(push));
+    turning_ = along_;
+    if (lean != 0.0) turning_ = d_.contact_row(k, turned(c.surface.normal));
+    for (int column = 0; column < d_.variables; ++column) {
+      const double scaled = factor * turning_[column];
+      if (scaled != 0.0) rows.col(column) += scaled * along_.head(at.coordinates);
+    }
+  }
+
+  void differentiate_couple(int k, int variable, double force, double lean, MatrixRef rows) {
     const PoseProgram::Layout& at = d_.layout;
     const PoseProgram::ContactState& c = d_.contacts[static_cast<std::size_t>(k)];
     turning_ = d_.base.row(d_.base.index.contacts[static_cast<std::size_t>(k)].point.angle);
-    rows.col(at.first_force + k) += d_.couple(k) * turning_.head(at.coordinates);
+    rows.col(variable) -= lean * c.radius.value * turning_.head(at.coordinates);
     along_.setZero();
-    d_.add_slope_along(k, -c.force * c.lean * c.radius.slope, along_);
+    d_.add_slope_along(k, -force * lean * c.radius.slope, along_);
     for (int l = at.first_move; l < at.first_force; ++l) {
       rows.col(l) += along_[l] * turning_.head(at.coordinates);
     }

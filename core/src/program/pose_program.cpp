@@ -21,6 +21,7 @@ PoseProgram::Data::Data(PoseProgramSpec s) : PoseState(std::move(s)) {
   add(layout.targets, target_rows);
   add(layout.margins, stability_rows);
   add(layout.convexities, convexity_rows);
+  add(layout.shears, stick_rows);
   pushes.on.resize(static_cast<std::size_t>(places.count()));
   mixed.setZero(layout.coordinates, layout.slides());
   moments.resize(moment_variable.size());
@@ -32,7 +33,7 @@ PoseProgram::~PoseProgram() = default;
 PoseProgram::PoseProgram(PoseProgramSpec spec) : PoseProgram(std::make_unique<Data>(std::move(spec))) {}
 
 PoseProgram::PoseProgram(std::unique_ptr<Data> data)
-    : NonlinearProgram(data->variables, data->layout.first_convexity + data->layout.convexities,
+    : NonlinearProgram(data->variables, data->layout.first_stick + data->layout.shears,
                        data->base.terms.residual_count()),
       data_(std::move(data)) {
   const Layout& at = data_->layout;
@@ -149,6 +150,11 @@ void PoseProgram::set_loads(const Loads& loads) {
 
 const Loads& PoseProgram::loads() const { return data_->loads; }
 
+int PoseProgram::shear_variable(int contact) const { return data_->shear_variables[static_cast<std::size_t>(contact)]; }
+
+void PoseProgram::sliding_row(int contact, VectorRef out) const { tendril::sliding_row(*data_, contact, out); }
+Anchor PoseProgram::anchor(int contact) const { return tendril::anchor(*data_, contact); }
+
 std::string PoseProgram::row_name(int row) const {
   const auto holds = [row](const auto& block) { return row < block->first() + block->count(); };
   const RowBlock& block = **std::find_if(data_->blocks.begin(), data_->blocks.end(), holds);
@@ -167,6 +173,7 @@ std::string PoseProgram::variable_name(int variable) const {
   }
   if (variable < at.first_force) return numbered("contact arc length", variable - at.first_arc_length);
   if (variable == at.palm) return "palm distance";
+  if (variable >= at.first_shear) return numbered("tangential contact force", variable - at.first_shear);
   return numbered("contact force", variable - at.first_force);
 }
 
@@ -246,10 +253,13 @@ void PoseProgram::sliding_force(int contact, VectorRef out) const {
   const ContactState& c = d.contacts[static_cast<std::size_t>(contact)];
   const auto turning = d.base.row(d.base.index.contacts[static_cast<std::size_t>(contact)].point.angle);
   const int n = d.layout.coordinates;
-  const double along = c.surface.curvature * dot(turned(c.surface.normal), c.tangent);
-  out = d.contact_row(contact, along * turned(c.push)).head(n);
-  out += (dot(turned(c.tangent), c.push) - c.lean * c.radius.slope) * turning.head(n).transpose();
-  const double couple = d.couple(contact);
+  const Vec2 tau = turned(c.surface.normal);
+  const double along = c.surface.curvature * dot(tau, c.tangent);
+  const double tangential = c.force * c.lean + c.shear;
+  const Vec2 force = c.force * c.surface.normal + tangential * tau;
+  out = d.contact_row(contact, along * turned(force)).head(n);
+  out += (dot(turned(c.tangent), force) - tangential * c.radius.slope) * turning.head(n).transpose();
+  const double couple = -tangential * c.radius.value;
   if (couple == 0.0) return;
   Eigen::VectorXd bending = Eigen::VectorXd::Zero(d.variables);
   const int place = d.contact_places[static_cast<std::size_t>(contact)];
@@ -257,9 +267,17 @@ void PoseProgram::sliding_force(int contact, VectorRef out) const {
   out += bending.head(n);
 }
 
+bool PoseProgram::dissipates(int contact) const {
+  const ContactState& c = data_->contacts[static_cast<std::size_t>(contact)];
+  // How far a thick body rolls depends on how it was bent on the way.
+  return (c.lean != 0.0 && c.force != 0.0) || (c.shear != 0.0 && c.radius.value != 0.0);
+}
+
 bool PoseProgram::has_friction() const {
-  return std::any_of(data_->contacts.begin(), data_->contacts.end(),
-                     [](const ContactState& c) { return c.lean != 0.0 && c.force != 0.0; });
+  for (int k = 0; k < data_->layout.forces; ++k) {
+    if (dissipates(k)) return true;
+  }
+  return false;
 }
 
 double PoseProgram::contact_convexity(int contact) const {

@@ -28,6 +28,21 @@ struct ContactSetup {
   /// Interior contacts: the stretch between fixed knots (split) or the piece (not split) in which the contact may
   /// slide.
   int region = 0;
+  /// It sticks: its tangential force is a variable, and a row keeps the surfaces from sliding.
+  bool sticks = false;
+  /// It slips: the tangential part, along the turned normal, for each unit of the normal part.
+  double lean = 0.0;
+};
+
+/// From where a contact sticks.
+struct Anchor {
+  Vec2 point{};             ///< of the obstacle's surface
+  Vec2 normal{};            ///< there
+  double arc_length = 0.0;  ///< of the rod
+  double angle = 0.0;       ///< of the rod there
+  /// What the rod's surface slides along the turned normal per arc length by which the contact moves along the rod.
+  double roll = 0.0;
+  double slid = 0.0;  ///< to be made up for: what an earlier anchor took to be rolling was not
 };
 
 /// A point of the backbone that must stay outside an obstacle.
@@ -49,6 +64,7 @@ struct Loads {
   std::vector<double> friction{};
   /// Of each row of a shortening: what is held, which is subtracted there. Empty: nothing.
   std::vector<double> shortening{};
+  std::vector<Anchor> anchors{};  ///< of each contact, for those that stick
 };
 
 /// What is known about a contact's complementarity g f = 0.
@@ -132,7 +148,8 @@ TENDRIL_API StartShape constant_curvature(double tip_angle);
 inline constexpr double knot_clearance = 1e-5;
 
 /// The nonlinear program of one way of being in contact (model.md section 5). x = (q, moments, moves of the rod,
-/// contact arc lengths, contact forces, palm distance), each block only if needed. Exact first and second derivatives;
+/// contact arc lengths, contact forces, palm distance, tangential forces where contacts stick), each block only if
+/// needed. Exact first and second derivatives;
 /// no allocation after construction.
 class TENDRIL_API PoseProgram : public NonlinearProgram {
  public:
@@ -152,6 +169,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     int first_force = 0;       ///< variable
     int forces = 0;            ///< all contacts
     int palm = -1;             ///< variable of the palm distance; -1: none, or fixed
+    int first_shear = 0;       ///< variable
+    int shears = 0;            ///< contacts that stick
     int first_gap = 0;         ///< row; one per contact, behind the equilibrium rows [0, coordinates)
     int first_closest = 0;     ///< row; one per contact
     int first_check = 0;       ///< row
@@ -168,6 +187,7 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     int convexities = 0;       ///< rows that keep contacts from spreading
     int first_shortening = 0;  ///< row
     int shortenings = 0;       ///< one for each tendon whose length is limited, or held
+    int first_stick = 0;       ///< row; one per contact that sticks
     /// Of the arc lengths of Places: the moves, and those of contacts.
     int slides() const { return moves + arc_lengths; }
   };
@@ -186,6 +206,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   double palm_distance(ConstVectorRef x) const;
   /// The force variable of contact k.
   int force_variable(int contact) const { return layout().first_force + contact; }
+  /// The tangential force of contact k, or -1 where it does not stick.
+  int shear_variable(int contact) const;
 
   /// Chooses the branch of contact k: changes bounds only. Calls invalidate().
   void set_branch(int contact, Branch branch);
@@ -212,6 +234,7 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     double force = 0.0;       ///< units of EI0/L^2
     Vec2 push{};              ///< per unit of it: the surface's normal, and the tangential part that goes with it
     double lean = 0.0;        ///< that part, along the turned normal
+    double shear = 0.0;       ///< tangential force along the turned normal of a contact that sticks
     SurfacePoint surface{};   ///< the obstacle there, seen from the rod's body: its distance is the gap
     Rod::Jet radius{};        ///< of the body
   };
@@ -240,11 +263,17 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
   /// The same for a contact inside the rod, with its derivatives by all variables (variable_count() entries) at the
   /// point whose derivatives were computed last.
   double contact_convexity(int contact, VectorRef gradient) const;
-  /// How the generalized force of a unit force at contact k changes as the contact slides along the rod: coordinates()
-  /// entries, at the point whose derivatives were computed last.
+  /// How the generalized force of contact k changes as the contact moves along the rod: coordinates() entries, at the
+  /// point whose derivatives were computed last.
   void sliding_force(int contact, VectorRef out) const;
-  /// Something at the point computed last pushes otherwise than along its normal.
-  bool has_friction() const;
+  /// What the body's surface slides at contact k along the obstacle's turned normal: its derivatives by all variables
+  /// (variable_count() entries) at the point whose derivatives were computed last.
+  void sliding_row(int contact, VectorRef out) const;
+  /// Contact k held where it is at the point computed last.
+  Anchor anchor(int contact) const;
+  /// The forces of contact k at the point computed last have no potential: it slips, or a thick body rolls.
+  bool dissipates(int contact) const;
+  bool has_friction() const;  ///< Any does.
 
  protected:
   void do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out) override;

@@ -23,6 +23,12 @@ std::vector<int> moment_variables(const Rod& rod, int next) {
   return variables;
 }
 
+std::vector<int> shears_of(const PoseProgramSpec& spec, int next) {
+  std::vector<int> variables;
+  for (const ContactSetup& c : spec.contacts) variables.push_back(c.sticks ? next++ : -1);
+  return variables;
+}
+
 bool ordered(const PoseProgramSpec& spec, const PoseProgram::Layout& at, int contact) {
   if (contact + 1 >= at.arc_lengths) return false;
   const int next = spec.contacts[static_cast<std::size_t>(contact + 1)].region;
@@ -43,6 +49,9 @@ PoseProgram::Layout layout_of(const PoseProgramSpec& spec, const Chain& chain) {
   at.first_force = at.first_arc_length + at.arc_lengths;
   at.forces = static_cast<int>(spec.contacts.size());
   if (spec.palm && spec.palm->minimum != spec.palm->maximum) at.palm = at.first_force + at.forces;
+  at.first_shear = at.first_force + at.forces + (at.palm >= 0 ? 1 : 0);
+  at.shears = static_cast<int>(
+      std::count_if(spec.contacts.begin(), spec.contacts.end(), [](const ContactSetup& c) { return c.sticks; }));
   at.first_gap = at.coordinates;
   at.first_closest = at.first_gap + at.forces;
   at.first_shortening = at.first_closest + at.forces;
@@ -60,6 +69,7 @@ PoseProgram::Layout layout_of(const PoseProgramSpec& spec, const Chain& chain) {
   at.margins = spec.least_margin ? 1 : 0;
   at.first_convexity = at.first_margin + at.margins;
   at.convexities = spec.least_convexity ? 2 * at.arc_lengths : 0;
+  at.first_stick = at.first_convexity + at.convexities;
   return at;
 }
 
@@ -84,10 +94,11 @@ PoseState::PoseState(PoseProgramSpec s)
       branches(spec.contacts.size(), Branch::open),
       places(*spec.rod, chain, layout.arc_lengths),
       contact_places(places_of_contacts(spec, chain, places)),
+      shear_variables(shears_of(spec, layout.first_shear)),
       base(spec, layout, moment_variable, contact_places, places),
       contacts(spec.contacts.size()),
       loads{spec.rod->gravity, spec.rod->tip_force, std::vector<double>(spec.obstacles.size(), 0.0)},
-      variables(layout.first_force + layout.forces + (layout.palm >= 0 ? 1 : 0)) {
+      variables(layout.first_shear + layout.shears) {
   forces.on.resize(contact_places.size());
 }
 
@@ -118,10 +129,15 @@ void PoseState::move(ConstVectorRef x) {
     const Vec2 tau = turned(c.surface.normal);
     c.lean = loads.friction.empty() ? 0.0 : loads.friction[static_cast<std::size_t>(obstacle)];
     if (dot(tau, c.tangent) < 0.0) c.lean = -c.lean;
+    if (spec.contacts[k].lean != 0.0) c.lean = spec.contacts[k].lean;
     c.push = c.surface.normal + c.lean * tau;
     Push& push = forces.on[static_cast<std::size_t>(place)];
     push.force = c.force * c.push;
     push.moment = c.force * couple(variable);
+    if (shear_variables[k] < 0) continue;
+    c.shear = x[shear_variables[k]];
+    push.force += c.shear * tau;
+    push.moment -= c.shear * c.radius.value;
   }
   base.move(x, contacts);
 }
@@ -148,10 +164,22 @@ void PoseState::add_force_work(int contact, Vec2 displacement) {
   base.add_symmetric(at.point.y, at.force, sliding.y);
 }
 
+void PoseState::add_shear_work(int contact, Vec2 displacement) {
+  const PoseProgram::ContactState& c = contacts[static_cast<std::size_t>(contact)];
+  const BaseIndex::Point& point = base.index.contacts[static_cast<std::size_t>(contact)].point;
+  const Vec2 sliding = add_normal_work(contact, -turned(displacement), c.shear);
+  base.add_symmetric(point.x, base.shear(contact), sliding.x);
+  base.add_symmetric(point.y, base.shear(contact), sliding.y);
+}
+
 Vec2 PoseState::add_push_work(int contact, Vec2 displacement, double force) {
   const PoseProgram::ContactState& c = contacts[static_cast<std::size_t>(contact)];
   // n + lean tau is n turned and stretched: so is what it works along, the other way.
-  displacement = displacement - c.lean * turned(displacement);
+  return add_normal_work(contact, displacement - c.lean * turned(displacement), force);
+}
+
+Vec2 PoseState::add_normal_work(int contact, Vec2 displacement, double force) {
+  const PoseProgram::ContactState& c = contacts[static_cast<std::size_t>(contact)];
   const BaseIndex::Contact& at = base.index.contacts[static_cast<std::size_t>(contact)];
   const Vec2 tau = turned(c.surface.normal);
   const Vec2 sliding = c.surface.curvature * dot(tau, displacement) * tau;

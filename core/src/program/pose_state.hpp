@@ -23,6 +23,7 @@ struct PoseState {
   std::vector<Branch> branches;      ///< per contact
   Places places;
   std::vector<int> contact_places;
+  std::vector<int> shear_variables;  ///< per contact; -1: it does not stick
   BaseQuantities base;
   std::vector<PoseProgram::ContactState> contacts;
   Vec2 shift{};  ///< of the base
@@ -79,8 +80,10 @@ struct PoseState {
   }
   /// Adds second derivatives of the work of contact k's force, its couple aside, along a constant displacement.
   void add_force_work(int contact, Vec2 displacement);
+  void add_shear_work(int contact, Vec2 displacement);  ///< Likewise, of the tangential force where it sticks.
   /// The same of a constant force; returns the work's gradient by the contact's point, per force.
   Vec2 add_push_work(int contact, Vec2 displacement, double force);
+  Vec2 add_normal_work(int contact, Vec2 displacement, double force);  ///< The same of one along the normal.
 };
 
 }  // namespace tendril

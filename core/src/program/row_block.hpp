@@ -51,6 +51,13 @@ std::unique_ptr<RowBlock> target_rows(PoseState& state);
 std::unique_ptr<RowBlock> stability_rows(PoseState& state);
 std::unique_ptr<RowBlock> convexity_rows(PoseState& state);
 std::unique_ptr<RowBlock> shortening_rows(PoseState& state);
+std::unique_ptr<RowBlock> stick_rows(PoseState& state);
+///@}
+
+///@{
+/// As PoseProgram has them.
+void sliding_row(const PoseState& state, int contact, VectorRef out);
+Anchor anchor(const PoseState& state, int contact);
 ///@}
 
 /// d_ss of contact k with the curvature on one side of it.

@@ -16,6 +16,7 @@ Stability::Stability(const PoseProgram& program) {
   hessian_.resize(coordinates, coordinates);
   convexity_.resize(program.variable_count());
   touching_.reserve(program.spec().contacts.size());
+  sticking_.reserve(program.spec().contacts.size());
   taut_.reserve(program.spec().rod->actuators.size());
 }
 
@@ -35,12 +36,12 @@ void Stability::second_variation(PoseProgram& program, ConstVectorRef x, Eigen::
     if (ends_hold_ && leans_on_end(program, k)) continue;
     // How the closest-point row changes at frozen knots.
     turning_ = program.jacobian(x).row(program.layout().first_closest + k).head(n);
-    const double share = c.force / program.contact_convexity(k);
-    if (c.lean == 0.0) {
+    if (!program.dissipates(k)) {
+      const double share = c.force / program.contact_convexity(k);
       h.noalias() += share * turning_ * turning_.transpose();
     } else {
       program.sliding_force(k, reflection_);
-      h.noalias() += share * reflection_ * turning_.transpose();
+      h.noalias() += (1.0 / program.contact_convexity(k)) * reflection_ * turning_.transpose();
     }
   }
 }
@@ -73,9 +74,12 @@ void Stability::scale_to_energy(const PoseProgram& program, const Eigen::VectorX
 
 void Stability::find_held(PoseProgram& program, ConstVectorRef x) {
   touching_.clear();
+  sticking_.clear();
   taut_.clear();
   for (int k = 0; k < program.layout().forces; ++k) {
-    if (program.contacts()[static_cast<std::size_t>(k)].force > tolerance::force) touching_.push_back(k);
+    if (!(program.contacts()[static_cast<std::size_t>(k)].force > tolerance::force)) continue;
+    touching_.push_back(k);
+    if (program.shear_variable(k) >= 0) sticking_.push_back(program.shear_variable(k));
   }
   const std::vector<Rod::Actuator>& actuators = program.spec().rod->actuators;
   for (std::size_t a = 0; a < actuators.size(); ++a) {
@@ -94,17 +98,19 @@ void Stability::fill_held(PoseProgram& program, ConstVectorRef x) {
     turning_ = program.jacobian(x).row(program.layout().first_gap + k).head(n);
     scale_to_energy(program, turning_, normals_.col(i++));
   }
-  // A moment works along the shortening of its tendon.
-  for (const int variable : taut_) {
-    turning_ = program.jacobian(x).col(variable).head(n);
-    scale_to_energy(program, turning_, normals_.col(i++));
+  // A tangential force works along what slides, a moment along the shortening of its tendon.
+  for (const std::vector<int>* variables : {&sticking_, &taut_}) {
+    for (const int variable : *variables) {
+      turning_ = program.jacobian(x).col(variable).head(n);
+      scale_to_energy(program, turning_, normals_.col(i++));
+    }
   }
 }
 
 bool Stability::drop_dependent() {
   constexpr double independent = 1e-9;
   for (std::size_t i = 0; i < taut_.size(); ++i) {
-    const auto column = static_cast<Eigen::Index>(touching_.size() + i);
+    const auto column = held_count() - static_cast<Eigen::Index>(taut_.size() - i);
     const bool beyond = column >= normals_.rows();
     if (!beyond && std::abs(qr_.matrixQR()(column, column)) > independent * normals_.col(column).norm()) continue;
     taut_.erase(taut_.begin() + static_cast<std::ptrdiff_t>(i));

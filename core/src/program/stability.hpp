@@ -12,10 +12,10 @@ namespace tendril {
 
 /// Stability of the equilibria of one pose program (model.md section 7): the second variation at frozen knots, its
 /// smallest eigenvalue against the bending energy, and how that changes with the plan. Nothing allocates after the
-/// first evaluation with one number of pressing contacts. Where contacts slip, which push otherwise than along their
-/// normals, there is no energy: the margin is the smallest real part of the eigenvalues of a pencil that is not
-/// symmetric (model.md section 11), and has no gradient here. Taut tendons that are held by their length (model.md
-/// section 6) leave free only what does not lengthen them.
+/// first evaluation with one number of pressing contacts. What a contact that sticks leaves free does not slide,
+/// either. Where contacts slip, which push otherwise than along their normals, there is no energy: the margin is the
+/// smallest real part of the eigenvalues of a pencil that is not symmetric (model.md section 11), and has no gradient
+/// here. Taut tendons that are held by their length (model.md section 6) leave free only what does not lengthen them.
 class Stability {
  public:
   /// For programs on the chain of `program`, with its variables.
@@ -48,7 +48,9 @@ class Stability {
   void fill_held(PoseProgram& program, ConstVectorRef x);
   /// Takes out a tendon whose row is made of the others': nothing more is held by it.
   bool drop_dependent();
-  Eigen::Index held_count() const { return static_cast<Eigen::Index>(touching_.size() + taut_.size()); }
+  Eigen::Index held_count() const {
+    return static_cast<Eigen::Index>(touching_.size() + sticking_.size() + taut_.size());
+  }
   void find_eigenvector(double eigenvalue);
   void find_direction(const PoseProgram& program);
   void find_multipliers();
@@ -56,7 +58,8 @@ class Stability {
 
   bool ends_hold_ = false;
   std::vector<int> touching_;
-  std::vector<int> taut_;  ///< moment variables
+  std::vector<int> sticking_;  ///< variables of tangential forces
+  std::vector<int> taut_;      ///< moment variables
   Eigen::MatrixXd hessian_, block_, normals_, free_, shifted_;
   Eigen::VectorXd turning_;                    ///< a row of a contact, by the coordinates
   Eigen::VectorXd reflection_;                 ///< of Householder

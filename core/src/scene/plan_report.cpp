@@ -84,8 +84,10 @@ void planned_contacts(const PoseProgram& program, const std::vector<std::string>
     p.point = scale.length * c.point;
     p.normal = c.surface.normal;
     p.force = c.force * scale.force();
-    // c.lean goes with the turned normal, which may point towards the base.
-    p.tangential = (dot(turned(c.surface.normal), c.tangent) < 0.0 ? -c.lean : c.lean) * p.force;
+    // c.lean and c.shear go with the turned normal, which may point towards the base.
+    const double along = dot(turned(c.surface.normal), c.tangent) < 0.0 ? -1.0 : 1.0;
+    p.tangential = along * (c.lean * p.force + c.shear * scale.force());
+    p.sticks = setup.sticks;
     p.gap = c.surface.distance * scale.length;
     p.extended = false;
   }

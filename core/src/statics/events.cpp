@@ -33,7 +33,8 @@ std::optional<std::vector<Tracker::Event>> Tracker::events(const Step& step, con
   Statics& s = *now_.statics;
   const int load = s.size();
   const bool good = add_releases(step, found) && add_touches(step, found) && add_taut(step, found) &&
-                    add_tip(step, tangent, found) && add_instability(step, tangent, found);
+                    add_tip(step, tangent, found) && add_friction(step, tangent, found) &&
+                    add_instability(step, tangent, found);
   if (!good) return std::nullopt;
   // The final loads may lie before the step's end, or between here and a fold at still higher ones.
   double beyond = step.z[load] >= 1.0 ? step.tau : infinity;

@@ -25,6 +25,12 @@ class LoadPath {
   /// Contacts with obstacle o, which push along its normal at load 0, do so with this tangential part at load 1.
   void rub(std::size_t o, double ratio) { friction_.resize(obstacles_.size()), friction_[o] = ratio; }
   bool has_friction() const { return !friction_.empty(); }
+  /// Contacts with obstacle o stick and slip at this coefficient of friction.
+  void roughen(std::size_t o, double coefficient) {
+    coefficients_.resize(obstacles_.size()), coefficients_[o] = coefficient;
+  }
+  double coefficient(int o) const { return is_rough() ? coefficients_[static_cast<std::size_t>(o)] : 0.0; }
+  bool is_rough() const { return !coefficients_.empty(); }  ///< anything is
   /// What the square of a change of the load counts beside the bending energy, in which steps are measured: little
   /// friction changes little.
   double weight() const;
@@ -62,7 +68,7 @@ class LoadPath {
   Rod rod_;
   std::vector<const Obstacle*> obstacles_;
   Ends ends_;
-  std::vector<double> shrink_, friction_;
+  std::vector<double> shrink_, friction_, coefficients_;
 };
 
 }  // namespace tendril

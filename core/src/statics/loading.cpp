@@ -165,6 +165,12 @@ void Loading::rub(const std::vector<double>& friction) {
   moves_ = true;
 }
 
+void Loading::roughen(const std::vector<double>& coefficients) {
+  for (std::size_t o = 0; o < coefficients.size(); ++o) {
+    if (coefficients[o] > 0.0 && path_.distance_rate(static_cast<int>(o)) == 0.0) path_.roughen(o, coefficients[o]);
+  }
+}
+
 bool Loading::run() {
   if (!tracker_.begin(start_, from_)) return false;
   if (moves_ || !overlaps_.empty()) return tracker_.follow();

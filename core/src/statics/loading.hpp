@@ -36,6 +36,8 @@ class Loading {
   /// Contact forces, normal to the surface at the start, get a tangential part on the way: in the end so much for each
   /// unit of the normal part, one number per obstacle.
   void rub(const std::vector<double>& friction);
+  /// Contacts stick and slip instead, at one coefficient of friction per obstacle; not with obstacles that grow.
+  void roughen(const std::vector<double>& coefficients);
 
   /// The obstacle whose core the start runs through, so that it lies on neither side: nothing can be said then.
   std::optional<std::size_t> without_side() const { return without_side_; }

@@ -137,7 +137,7 @@ bool Tracker::begin(const State& guess, Start start) {
   spread_ = false;
   rebuild();
   resolve(coarse_balance);
-  return true;
+  return choose_friction();
 }
 
 std::optional<Settled> Tracker::settle(State guess, double load) {
@@ -318,7 +318,10 @@ std::optional<Settled> Tracker::below(SnapKind kind, const Curvature& from, cons
 
 bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::VectorXd* direction, double load) {
   Statics& here = *now_.statics;
-  if (path_.has_friction()) {
+  const State before = here.state(critical);
+  const bool rubs = std::any_of(before.contacts.begin(), before.contacts.end(),
+                                [](const PointContact& c) { return c.setup.sticks || c.setup.lean != 0.0; });
+  if (path_.has_friction() || rubs) {
     // Slipping contacts have no energy that a fall could follow.
     trouble_ = "the rod gives way at load fraction " + shown(critical[here.size()], 9);
     return false;
@@ -331,7 +334,6 @@ bool Tracker::snap(SnapKind kind, const Eigen::VectorXd& critical, const Eigen::
   jump.kind = kind;
   jump.load = critical[here.size()];
   // Systems are rebuilt for the record: the originals go on.
-  const State before = here.state(critical);
   jump.before = {make(before), {}};
   jump.before.z = jump.before.statics->point(before);
   if (!best) {

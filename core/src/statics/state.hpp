@@ -25,6 +25,8 @@ struct PointContact {
   double s = 1.0;
   double force = 0.0;
   bool extended = false;  ///< one of a run that stands for a stretch along which the rod lies
+  double shear = 0.0;     ///< tangential force along the obstacle's turned normal, where it sticks
+  Anchor anchor{};        ///< likewise: from where
 };
 
 /// A tendon that is held by its length and pulls.

@@ -42,11 +42,17 @@ Statics::Statics(const LoadPath& path, std::shared_ptr<const LegendreBasis> basi
                  int nodes, const std::vector<TautTendon>& tendons)
     : path_(path),
       basis_(std::move(basis)),
-      program_(spec_of(path, *basis_, std::move(contacts), nodes)),
+      program_(spec_of(path, *basis_, contacts, nodes)),
       taut_(actuators_of(tendons)),
       certifier_(program_.spec()),
       equations_(Equations::of_contacts(program_, taut_)) {
   for (int k = 0; k < contact_count(); ++k) program_.set_branch(k, Branch::touching);
+  int shear = coordinates() + program_.layout().arc_lengths + hold_count();
+  for (int k = 0; k < contact_count(); ++k) shear_indices_.push_back(contact(k).sticks ? shear++ : -1);
+  if (program_.layout().shears > 0) {
+    sort_contacts(contacts);
+    for (const PointContact& c : contacts) anchors_.push_back(c.anchor);
+  }
   x_.setZero(program_.variable_count());
   rate_.setZero(size());
 }
@@ -89,8 +95,30 @@ std::span<const double> Statics::knots(const Eigen::VectorXd& z) {
   return program_.knots(x_);
 }
 
+Loads Statics::loads(double load) const {
+  Loads all = path_.loads(load);
+  all.anchors = anchors_;
+  return all;
+}
+
 void Statics::set_load(double load) {
-  if (load_ != load) program_.set_loads(path_.loads(load_ = load));
+  if (load_ != load) program_.set_loads(loads(load_ = load));
+}
+
+void Statics::anchor(const Eigen::VectorXd& z) {
+  if (anchors_.empty()) return;
+  at(z);
+  for (int k = 0; k < contact_count(); ++k) {
+    if (contact(k).sticks) anchors_[static_cast<std::size_t>(k)] = program_.anchor(k);
+  }
+  load_ = certified_load_ = std::nan("");
+}
+
+double Statics::sliding(const Eigen::VectorXd& z, const Eigen::VectorXd& direction, int k) {
+  evaluate(z);
+  Eigen::VectorXd row(program_.variable_count());
+  program_.sliding_row(k, row);
+  return row.dot(full(direction) + direction[size()] * given_rates());
 }
 
 PoseProgram& Statics::at(const Eigen::VectorXd& z) {
@@ -137,6 +165,7 @@ Eigen::VectorXd Statics::point(const State& state) {
     const PointContact& c = contacts[static_cast<std::size_t>(k)];
     if (!contact(k).at_tip) z[arc_length_index(k)] = c.s;
     z[force_index(k)] = c.force;
+    if (shear_index(k) >= 0) z[shear_index(k)] = c.shear;
   }
   for (std::size_t i = 0; i < std::min(taut_.size(), state.tendons.size()); ++i) {
     z[force_index(contact_count() + static_cast<int>(i))] = state.tendons[i].moment;
@@ -155,7 +184,10 @@ State Statics::state(const Eigen::VectorXd& z) {
   s.curvature = curvature(z, z);
   for (int k = 0; k < contact_count(); ++k) {
     const int index = arc_length_index(k);
-    s.contacts.push_back({contact(k), index < 0 ? 1.0 : z[index], z[force_index(k)]});
+    PointContact& c = s.contacts.emplace_back(PointContact{contact(k), index < 0 ? 1.0 : z[index], z[force_index(k)]});
+    if (shear_index(k) < 0) continue;
+    c.shear = z[shear_index(k)];
+    c.anchor = anchors_[static_cast<std::size_t>(k)];
   }
   for (int k = contact_count(); k < hold_count(); ++k) {
     s.tendons.push_back({taut_[static_cast<std::size_t>(k - contact_count())], z[force_index(k)]});
@@ -314,7 +346,7 @@ bool Statics::solve_fold(Eigen::VectorXd& z, Eigen::VectorXd& null_vector) {
 
 Certifier& Statics::certifier(const Eigen::VectorXd& z) {
   at(z);
-  if (certified_load_ != load_) certifier_.set_loads(path_.loads(certified_load_ = load_));
+  if (certified_load_ != load_) certifier_.set_loads(loads(certified_load_ = load_));
   return certifier_;
 }
 

@@ -14,8 +14,9 @@
 namespace tendril {
 
 /// Equilibrium with a given set of closed contacts and taut tendons along a load path: a square system F(y, load) = 0
-/// over y = (coordinates, arc lengths, forces, moments of taut tendons), with exact derivatives. A point is z = (y,
-/// load). What holds the rod from one side are its `holds`: the contacts, and behind them the taut tendons.
+/// over y = (coordinates, arc lengths, forces, moments of taut tendons, tangential forces of contacts that stick), with
+/// exact derivatives. A point is z = (y, load). What holds the rod from one side are its `holds`: the contacts, and
+/// behind them the taut tendons.
 class Statics {
  public:
   /// `contacts` in any order; they are sorted along the rod.
@@ -28,6 +29,8 @@ class Statics {
   const ContactSetup& contact(int k) const { return program_.spec().contacts[static_cast<std::size_t>(k)]; }
   int arc_length_index(int k) const { return contact(k).at_tip ? -1 : coordinates() + k; }
   int force_index(int k) const { return coordinates() + program_.layout().arc_lengths + k; }  ///< of a hold
+  /// The tangential force of contact k, along the obstacle's turned normal; -1 where it does not stick.
+  int shear_index(int k) const { return shear_indices_[static_cast<std::size_t>(k)]; }
   int hold_count() const { return contact_count() + static_cast<int>(taut_.size()); }
   /// With what a hold presses, or pulls: below 0 it would do the other.
   double hold_force(const Eigen::VectorXd& z, int k) const;
@@ -70,6 +73,12 @@ class Statics {
   double moment_balance(const Eigen::VectorXd& z);
   double convexity(const Eigen::VectorXd& z, int k);
   double tip_slope(const Eigen::VectorXd& z);  ///< t.n of a tip contact; -1 without one
+  /// How fast the rod's surface slides at contact k along the obstacle's turned normal, in a direction at z.
+  double sliding(const Eigen::VectorXd& z, const Eigen::VectorXd& direction, int k);
+  /// Contact k held where it is at z.
+  Anchor anchor(const Eigen::VectorXd& z, int k) { return at(z).anchor(k); }
+  /// Contacts that stick do so from where they are at z on.
+  void anchor(const Eigen::VectorXd& z);
   std::vector<Certifier::Approach> penetrations(const Eigen::VectorXd& z);
   /// Local minima below `level` of the distances between rod and obstacles.
   std::vector<Certifier::Approach> approaches(const Eigen::VectorXd& z, double level);
@@ -96,11 +105,14 @@ class Statics {
   Eigen::VectorXd given_rates() const;
   std::span<const double> knots(const Eigen::VectorXd& z);
   void set_load(double load);  ///< of the program
+  Loads loads(double load) const;
 
   const LoadPath& path_;
   std::shared_ptr<const LegendreBasis> basis_;
   PoseProgram program_;
-  std::vector<int> taut_;  ///< actuators
+  std::vector<int> taut_;           ///< actuators
+  std::vector<int> shear_indices_;  ///< per contact
+  std::vector<Anchor> anchors_;     ///< per contact; empty: none sticks
   Certifier certifier_;
   Equations equations_;
   double load_ = std::nan("");  ///< of the program, and of the certifier; none at first

@@ -103,6 +103,7 @@ bool Tracker::advance() {
     if (passes_through(*step, tangent, before)) continue;
     if (found->empty()) {
       now_.z = step->z;
+      now_.statics->anchor(now_.z);
       length_ = std::min(longest_step, 1.5 * length);
       return true;
     }
@@ -194,7 +195,9 @@ std::optional<Eigen::VectorXd> Tracker::corrected(const Step& step, const Eigen:
   return z;
 }
 
-bool Tracker::take(Event& event) {
+bool Tracker::take(Event& event) { return take_first(event) && choose_friction(); }
+
+bool Tracker::take_first(Event& event) {
   switch (event.kind) {
     case EventKind::release:
       return release(event);
@@ -207,6 +210,10 @@ bool Tracker::take(Event& event) {
       return pass_knot(event);
     case EventKind::tip_leaves:
       return leave_tip(event);
+    case EventKind::slip:
+    case EventKind::stick:
+      now_.z = event.z;
+      return set_friction(event.contact, event.lean);
     case EventKind::fold:
       return take_fold(event);
     case EventKind::bifurcation:

@@ -35,9 +35,10 @@ struct TrackedSnap {
 };
 
 /// Follows the stable equilibrium along a load path by arc-length continuation. Events (a contact made, released,
-/// sliding over a knot or the tip, a tendon drawn taut or gone slack, a fold, a bifurcation) are located exactly, each
-/// as one more equation with the load as its unknown, and the first along the path is taken. A tendon that is held by
-/// its length is drawn taut as a contact is made, and goes slack as one is released.
+/// sliding over a knot or the tip, beginning or ceasing to slip, a tendon drawn taut or gone slack, a fold, a
+/// bifurcation) are located exactly, each as one more equation with the load as its unknown, and the first along the
+/// path is taken. A tendon that is held by its length is drawn taut as a contact is made, and goes slack as one is
+/// released.
 class Tracker {
  public:
   Tracker(const LoadPath& path, std::function<bool()> must_stop) : path_(path), must_stop_(std::move(must_stop)) {}
@@ -62,12 +63,13 @@ class Tracker {
   int order() const { return order_; }
 
  private:
-  enum class EventKind { end, release, touch, handover, tip_leaves, fold, bifurcation };
+  enum class EventKind { end, release, touch, handover, tip_leaves, slip, stick, fold, bifurcation };
   struct Event {
     EventKind kind = EventKind::end;
     double tau = infinity;  ///< along the step
     int contact = -1;       ///< or another hold
     bool upward = false;
+    double lean = 0.0;  ///< with which the contact slips from then on
     Eigen::VectorXd z{};
     Eigen::VectorXd direction{};
     std::unique_ptr<Statics> statics{};  ///< if another system than the current one
@@ -117,10 +119,21 @@ class Tracker {
   /// Where hold k of `state`, which is not yet one, begins to hold.
   bool add_hold(const Step& step, const State& state, int k, std::vector<Event>& found);
   bool add_tip(const Step& step, const Eigen::VectorXd& tangent, std::vector<Event>& found);
+  /// Where contacts begin and cease to slip.
+  bool add_friction(const Step& step, const Eigen::VectorXd& tangent, std::vector<Event>& found);
+  bool add_slip(const Step& step, const Eigen::VectorXd& tangent, int k, std::vector<Event>& found);
+  bool add_stick(const Step& step, const Eigen::VectorXd& tangent, int k, std::vector<Event>& found);
   bool add_instability(const Step& step, const Eigen::VectorXd& tangent, std::vector<Event>& found);
   /// Between the step's beginning and `until` along it the rod passes through an obstacle.
   bool passes_through(const Step& step, const Eigen::VectorXd& tangent, double until);
   bool take(Event& event);
+  bool take_first(Event& event);
+  /// Lets contacts stick or slip, each as it has to when the load grows from here. False: `trouble_` says why.
+  bool choose_friction();
+  /// The lean with which contact k has to slip from here on, 0 if it has to stick; nothing: it goes on as it does.
+  std::optional<double> other_lean(int k, const Eigen::VectorXd& tangent);
+  /// Lets contact k slip with a lean, or stick where it is.
+  bool set_friction(int k, double lean);
   bool take_fold(Event& event);
   bool take_bifurcation(const Event& event);
   bool release(Event& event);
