@@ -3,6 +3,7 @@
 #include <optional>
 #include <set>
 
+#include "problem/friction.hpp"
 #include "tendril/execute.hpp"
 #include "tendril/numbers.hpp"
 #include "tendril/problem.hpp"
@@ -49,6 +50,8 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
   // From the plan's own shape: what its basis leaves out, apart from how the loads get there.
   ExecuteControl placed = control;
   placed.place = plan.place;
+  // The plan holds if its contacts push as it has them.
+  if (control.friction.empty()) placed.friction = ratios_of(plan, obstacles.size());
   ExecuteControl local = placed;
   local.start = &plan;
   local.with_obstacles = control.with_obstacles && needs_obstacles(scene);

@@ -17,6 +17,7 @@ Stability::Stability(const PoseProgram& program) {
   convexity_.resize(program.variable_count());
   touching_.reserve(program.spec().contacts.size());
   taut_.reserve(program.spec().rod->actuators.size());
+  stuck_.reserve(program.spec().contacts.size());
 }
 
 bool Stability::leans_on_end(const PoseProgram& program, int contact) {
@@ -74,8 +75,14 @@ void Stability::scale_to_energy(const PoseProgram& program, const Eigen::VectorX
 void Stability::find_held(PoseProgram& program, ConstVectorRef x) {
   touching_.clear();
   taut_.clear();
+  stuck_.clear();
   for (int k = 0; k < program.layout().forces; ++k) {
     if (program.contacts()[static_cast<std::size_t>(k)].force > tolerance::force) touching_.push_back(k);
+  }
+  for (const int k : touching_) {
+    if (program.layout().leans == 0) break;
+    const int lean = program.layout().first_lean + k;
+    if (std::abs(x[lean]) < program.upper()[lean] - tolerance::bounds) stuck_.push_back(lean);
   }
   const std::vector<Rod::Actuator>& actuators = program.spec().rod->actuators;
   for (std::size_t a = 0; a < actuators.size(); ++a) {
@@ -94,10 +101,12 @@ void Stability::fill_held(PoseProgram& program, ConstVectorRef x) {
     turning_ = program.jacobian(x).row(program.layout().first_gap + k).head(n);
     scale_to_energy(program, turning_, normals_.col(i++));
   }
-  // A moment works along the shortening of its tendon.
-  for (const int variable : taut_) {
-    turning_ = program.jacobian(x).col(variable).head(n);
-    scale_to_energy(program, turning_, normals_.col(i++));
+  // A moment works along the shortening of its tendon, a tangential force along what would slide.
+  for (const std::vector<int>* variables : {&taut_, &stuck_}) {
+    for (const int variable : *variables) {
+      turning_ = program.jacobian(x).col(variable).head(n);
+      scale_to_energy(program, turning_, normals_.col(i++));
+    }
   }
 }
 

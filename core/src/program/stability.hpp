@@ -48,7 +48,7 @@ class Stability {
   void fill_held(PoseProgram& program, ConstVectorRef x);
   /// Takes out a tendon whose row is made of the others': nothing more is held by it.
   bool drop_dependent();
-  Eigen::Index held_count() const { return static_cast<Eigen::Index>(touching_.size() + taut_.size()); }
+  Eigen::Index held_count() const { return static_cast<Eigen::Index>(touching_.size() + taut_.size() + stuck_.size()); }
   void find_eigenvector(double eigenvalue);
   void find_direction(const PoseProgram& program);
   void find_multipliers();
@@ -56,7 +56,8 @@ class Stability {
 
   bool ends_hold_ = false;
   std::vector<int> touching_;
-  std::vector<int> taut_;  ///< moment variables
+  std::vector<int> taut_;   ///< moment variables
+  std::vector<int> stuck_;  ///< variables of tangential forces inside of their cones
   Eigen::MatrixXd hessian_, block_, normals_, free_, shifted_;
   Eigen::VectorXd turning_;                    ///< a row of a contact, by the coordinates
   Eigen::VectorXd reflection_;                 ///< of Householder

@@ -34,8 +34,8 @@ class Loading {
   Loading& operator=(const Loading&) = delete;
 
   /// Contact forces, normal to the surface at the start, get a tangential part on the way: in the end so much for each
-  /// unit of the normal part, one number per obstacle.
-  void rub(const std::vector<double>& friction);
+  /// unit of the normal part, one number per obstacle. `first`: what they have of it at the start; empty: nothing.
+  void rub(const std::vector<double>& friction, const std::vector<double>& first = {});
 
   /// The obstacle whose core the start runs through, so that it lies on neither side: nothing can be said then.
   std::optional<std::size_t> without_side() const { return without_side_; }
