@@ -180,10 +180,34 @@ class PoseDerivatives : public testing::TestWithParam<Case> {
     program->set_loads(loads);
   }
 
+  /// Makes tangential forces variables, and a palm's object heavy. False: there are none, or knots do not move with
+  /// them.
+  bool plan_friction() {
+    if (!GetParam().split || program->layout().forces == 0) return false;
+    spec.friction.assign(spec.obstacles.size(), 0.7);
+    if (spec.palm) {
+      spec.palm->loaded = true;
+      spec.palm->load = 0.3;
+      spec.palm->parts = 3;
+    }
+    program = std::make_unique<PoseProgram>(spec);
+    return true;
+  }
+
   support::SamplePose sample;
   PoseProgramSpec spec;
   std::unique_ptr<PoseProgram> program;
 };
+
+TEST_P(PoseDerivatives, AgreeWithDifferencesWhereTangentialForcesAreVariables) {
+  if (!plan_friction()) return;
+  std::mt19937 random(17);
+  for (int trial = 0; trial < 3; ++trial) {
+    const Eigen::VectorXd x = random_point(random);
+    expect_first_derivatives(*program, x);
+    expect_hessian(*program, x, random);
+  }
+}
 
 TEST_P(PoseDerivatives, FirstDerivativesAgreeWithDifferences) {
   std::mt19937 random(7);

@@ -47,6 +47,9 @@ TENDRIL_API GraspPlan grasp_of(const Scene& scene, double palm_distance, const s
 TENDRIL_API GraspPlan grasp_of(const Scene& scene, double palm_distance, const std::vector<PlannedContact>& upper,
                                const std::vector<PlannedContact>& lower);
 
+/// What the object of a grasp carries in the world, N: its weight, and the dead force that the scene gives.
+TENDRIL_API Vec2 object_load(const Scene& scene);
+
 /// A point of the palm's frame in the world, m.
 TENDRIL_API Vec2 palm_to_world(const GripperSpec& gripper, Vec2 point);
 

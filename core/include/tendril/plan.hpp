@@ -29,8 +29,9 @@ struct PlannedContact {
   double arc_length = 0.0;    ///< m
   Vec2 point{};               ///< m
   Vec2 normal{};              ///< unit vector out of the obstacle
+  Vec2 tangent{};             ///< unit vector across it, in the direction in which arc lengths grow
   double force = 0.0;         ///< N, along the normal
-  double tangential = 0.0;    ///< N, across it, in the direction in which arc lengths grow
+  double tangential = 0.0;    ///< N, along the tangent
   bool sticks = false;        ///< it does not slip, whatever is tangential
   double gap = 0.0;           ///< m
   /// The rod lies along the obstacle here: one of a run of contacts that stands for the stretch, or, in a plan that is
@@ -74,6 +75,20 @@ struct GraspQuality {
   std::vector<double> force_margins;  ///< N, distance of each contact force to its limit; of the lower finger as above
 };
 
+/// What friction does for a grasp: the disturbances of the object that its contacts can hold where they are, whatever
+/// the state of their friction. Fingers are rigid: contact forces may be any within their cones and limits.
+struct GraspHold {
+  double friction = 0.0;          ///< coefficient
+  double closure_friction = 0.0;  ///< above it contacts at these places hold any disturbance if pressed hard enough
+  bool closure = false;           ///< the coefficient is above it
+  /// N, in the world: corners, in order, of the forces on the object's centre that are held beside the object's own
+  /// load. Empty where contact forces have no limit, and where that load alone is not held.
+  std::vector<Vec2> held_forces;
+  Vec2 breaking_force{};        ///< N, the smallest force that breaks the hold: a contact slips, leaves, or gives way
+  double least_moment = 0.0;    ///< N m, about the object's centre, held without such a force
+  double largest_moment = 0.0;  ///< N m, likewise
+};
+
 /// The lower finger of a grasp where it is planned on its own, in the world.
 struct FingerPlan {
   std::vector<double> coordinates;  ///< dimensionless, of the finger's mirror image
@@ -95,10 +110,12 @@ struct GraspPlan {
   double palm_distance = 0.0;           ///< m
   Vec2 object_center{};                 ///< m
   double object_radius = 0.0;           ///< m
+  Vec2 load{};                          ///< N, on the object: its weight, and the force that the scene gives
   Vec2 net_force{};                     ///< N, of both fingers on the object
   double axial_force = 0.0;             ///< N, the same along the axis; positive: away from the palm
   double lateral_force = 0.0;           ///< N, with which each finger presses across the axis; the mean of both
   std::optional<GraspQuality> quality;  ///< of plans; an execution has none
+  std::optional<GraspHold> hold;        ///< of solved plans, where contacts have friction
 };
 
 /// Where a rod is clamped.

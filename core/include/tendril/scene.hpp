@@ -168,6 +168,7 @@ struct ObstacleSpec {
 /// What becomes of the unknown state of friction (docs/model.md section 11).
 enum class FrictionState {
   range,  ///< planned without, then followed over the cone of every contact
+  any,    ///< of a grasp: tangential forces are planned, anywhere in their cones
   none    ///< left out
 };
 
@@ -279,6 +280,8 @@ struct GripperSpec {
   double half_palm = 0.0;               ///< m, from the axis of symmetry to the base of either finger
   double finger_angle = 0.0;            ///< rad, of the upper finger's base against the axis; the lower is mirrored
   double object_diameter = 0.0;         ///< m
+  double object_mass = 0.0;             ///< kg, >= 0; weighs where the scene has gravity
+  Vec2 object_force{};                  ///< N, dead, on the object's centre, in the world
   std::optional<double> palm_distance;  ///< m, from the palm to the object's centre, if it is fixed
   std::optional<std::pair<double, double>> palm_distance_range;  ///< m; neither: free
   Vec2 position{};                                               ///< m, the palm's middle

@@ -57,7 +57,7 @@ Certificate GraspCertifier::certify(GraspProgram& program, ConstVectorRef x) {
   }
   c.penetration = std::max(c.penetration, clearance(x).depth);
   GraspProgram& at = finer(x);
-  c.balance = norm(net_force(at));
+  c.balance = std::max(norm(net_force(at) + at.spec().load), std::abs(net_moment(at)));
   // Every contact of a grasp touches and presses, so that there is one branch only.
   c.stationarity = judge_kkt(at, x, active).stationarity;
   c.stationarity_kind = c.stationarity <= tolerance::stationarity ? "S" : "none";

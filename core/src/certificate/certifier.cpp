@@ -25,9 +25,10 @@ bool leaves_plane(const Certificate& c) {
 /// Somewhere the rod lies along an obstacle instead of touching it at a point.
 bool spreads(const Certificate& c) { return !(c.contact_convexity > tolerance::convexity); }
 
-/// Force of all contacts on the finger along its palm's axis, EI/L^2, at the point evaluated last.
+/// Force of all contacts on the finger along its palm's axis beyond what they carry, EI/L^2, at the point evaluated
+/// last.
 double axial_force(const PoseProgram& program) {
-  double sum = 0.0;
+  double sum = -program.spec().palm->load;
   for (const PoseProgram::ContactState& c : program.contacts()) sum += c.force * dot(c.push, program.spec().palm->axis);
   return sum;
 }

@@ -66,10 +66,10 @@ void add_lower_finger(Task& upper, const Scene& scene) {
   if (upper.palm->minimum > upper.palm->maximum) upper.palm->minimum = upper.palm->maximum;
   lower.palm->minimum = upper.palm->minimum / from_lower;
   lower.palm->maximum = upper.palm->maximum / from_lower;
-  // Both press with the same force.
+  // Without a load both press with the same force.
   const double force_from_lower = lower.term_units.force / upper.term_units.force;
-  if (std::max(upper.min_force, lower.min_force * force_from_lower) >
-      std::min(upper.max_force, lower.max_force * force_from_lower)) {
+  if (!upper.palm->loaded && std::max(upper.min_force, lower.min_force * force_from_lower) >
+                                 std::min(upper.max_force, lower.max_force * force_from_lower)) {
     throw SceneError("contact.min_force",
                      "one finger has to press harder than the other one may, but an object at rest is pressed equally "
                      "hard from both sides");
@@ -86,7 +86,8 @@ void add_lower_finger(Task& upper, const Scene& scene) {
       upper.left_out.push_back(
           {"moment of actuator " + std::to_string(a + 1) + " of the lower finger", "its limit is 0"});
   }
-  upper.left_out.push_back({"force of the second contact", "it is that of the first: the object is at rest"});
+  if (!upper.palm->loaded)
+    upper.left_out.push_back({"force of the second contact", "it is that of the first: the object is at rest"});
 }
 
 std::string pair_name(const Mode& above, const Mode& below) {
@@ -124,15 +125,19 @@ Description describe_both_fingers(const Task& upper, Description out) {
       add(m.variables, "coordinates", coordinates);
       add(m.variables, "moments", moments);
       add(m.variables, "contact_arc_length", arc_lengths);
-      add(m.variables, "contact_force", 1);
+      const int forces = upper.palm->loaded ? 2 : 1;
+      const int ratios = upper.friction > 0.0 ? forces : 0;
+      const int balances = !upper.palm->loaded ? 1 : ratios > 0 ? 3 : 2;
+      add(m.variables, "contact_force", forces);
+      add(m.variables, "tangential_ratio", ratios);
       add(m.variables, "palm_distance", palm);
       add(m.rows, "equilibrium", coordinates, "equality");
       add(m.rows, "contact_gap", 2, "equality");
       add(m.rows, "closest_point", arc_lengths, "equality");
       add(m.rows, "closest_point", 2 - arc_lengths, "inequality");
       add(m.rows, "non_penetration", checks, "inequality");
-      add(m.rows, "force_balance", 1, "equality");
-      const int count = coordinates + moments + arc_lengths + 1 + palm;
+      add(m.rows, "force_balance", balances, "equality");
+      const int count = coordinates + moments + arc_lengths + forces + ratios + palm;
       if (count > most) {
         most = count;
         largest = out.modes.size();

@@ -15,16 +15,16 @@ Plan search(Task& task, const PlanControl& control) {
   return task.lower ? plan_both_fingers(task, control) : Planner(task, control).run();
 }
 
-/// The finger of a grasp whose limit bounds the force of both.
+/// The finger of a grasp whose limit bounds the force of both: from below an object is pressed harder by what it
+/// carries across the axis downwards.
 Task& weaker_finger(Task& task) {
   if (!task.lower) return task;
   const double from_lower = task.lower->term_units.force / task.term_units.force;
-  return task.lower->max_force * from_lower < task.max_force ? *task.lower : task;
+  const double beside = -load_along(task.scene, task.scale).y;
+  return task.lower->max_force * from_lower < task.max_force + beside ? *task.lower : task;
 }
 
-}  // namespace
-
-Plan plan_grasp(Task& task, const PlanControl& control) {
+Plan plan_at_limit(Task& task, const PlanControl& control) {
   Task& weaker = weaker_finger(task);
   if (!std::isfinite(weaker.max_force)) return search(task, control);
   const std::string limit =
@@ -58,11 +58,44 @@ Plan plan_grasp(Task& task, const PlanControl& control) {
     task.scene.solver.time_limit = left;
     plan = search(task, control);
   }
-  const bool below = std::any_of(plan.contacts.begin(), plan.contacts.end(), [&](const PlannedContact& c) {
+  const bool of_lower = &weaker != &task && plan.grasp && plan.grasp->lower;
+  const std::vector<PlannedContact>& pressing = of_lower ? plan.grasp->lower->contacts : plan.contacts;
+  const bool below = std::any_of(pressing.begin(), pressing.end(), [&](const PlannedContact& c) {
     return c.force < (1.0 - tolerance::branch_decided) * weaker.scale.to_si(weaker.max_force, dimension::force);
   });
   if (below && plan.status == PlanStatus::solved) plan.left_out.push_back({limit, why});
   return plan;
+}
+
+/// With tangential forces as variables a grasp without them is a start, and never better.
+Plan plan_with_friction(Task& task, const PlanControl& control) {
+  const auto set = [&task](double friction) {
+    task.friction = friction;
+    if (task.lower) task.lower->friction = friction;
+  };
+  const double friction = task.friction;
+  const double time_limit = task.scene.solver.time_limit;
+  const double begin = now();
+  set(0.0);
+  Plan without = plan_at_limit(task, control);
+  set(friction);
+  const double left = time_limit - (now() - begin);
+  if (without.status == PlanStatus::interrupted || without.status == PlanStatus::failed || !(left > 0.0))
+    return without;
+  const bool solved = without.status == PlanStatus::solved;
+  PlanControl from_it = control;
+  if (solved) from_it.start = &without;
+  task.scene.solver.time_limit = left;
+  Plan plan = plan_at_limit(task, from_it);
+  task.scene.solver.time_limit = time_limit;
+  const bool better = plan.status == PlanStatus::solved && plan.objective <= without.objective;
+  return better || !solved ? plan : without;
+}
+
+}  // namespace
+
+Plan plan_grasp(Task& task, const PlanControl& control) {
+  return task.friction > 0.0 ? plan_with_friction(task, control) : plan_at_limit(task, control);
 }
 
 }  // namespace tendril

@@ -35,12 +35,19 @@ Scene finger_scene(const Scene& scene, const std::vector<const char*>& obstacles
   return finger;
 }
 
+/// What the object carries stays as it is in the world where gravity is turned or mirrored for a finger.
+void keep_load(const Scene& scene, GripperSpec& gripper) {
+  gripper.object_force = object_load(scene);
+  gripper.object_mass = 0.0;
+}
+
 /// What is known of a grasp before anything touches.
 GraspPlan object_at(const Scene& scene, double palm_distance) {
   GraspPlan grasp;
   grasp.palm_distance = palm_distance;
   grasp.object_radius = 0.5 * scene.gripper->object_diameter;
   grasp.object_center = palm_to_world(*scene.gripper, {palm_distance, 0.0});
+  grasp.load = object_load(scene);
   return grasp;
 }
 
@@ -48,17 +55,24 @@ GraspPlan object_at(const Scene& scene, double palm_distance) {
 Vec2 pressing(const GripperSpec& gripper, const std::vector<PlannedContact>& contacts) {
   Vec2 force{};
   for (const PlannedContact& c : contacts) {
-    if (c.obstacle == 0) force += -c.force * rotated(c.normal, -gripper.angle);
+    if (c.obstacle != 0) continue;
+    force += -c.force * rotated(c.normal, -gripper.angle);
+    if (c.tangential != 0.0) force += -c.tangential * rotated(c.tangent, -gripper.angle);
   }
   return force;
+}
+
+Vec2 mirrored_direction(const GripperSpec& gripper, Vec2 direction) {
+  const Vec2 local = rotated(direction, -gripper.angle);
+  return rotated({local.x, -local.y}, gripper.angle);
 }
 
 /// A finger at the other side of the axis. Moments and coordinates stay those of the upper of the two.
 FingerPlan reflected(const GripperSpec& gripper, FingerPlan finger) {
   for (PlannedContact& c : finger.contacts) {
     c.point = mirrored(gripper, c.point);
-    const Vec2 normal = rotated(c.normal, -gripper.angle);
-    c.normal = rotated({normal.x, -normal.y}, gripper.angle);
+    c.normal = mirrored_direction(gripper, c.normal);
+    c.tangent = mirrored_direction(gripper, c.tangent);
   }
   const auto angle_of = [&](double angle) { return 2.0 * gripper.angle - angle; };
   for (BackbonePoint& p : finger.backbone) {
@@ -81,6 +95,11 @@ Vec2 mirrored(const GripperSpec& gripper, Vec2 point) {
   return palm_to_world(gripper, {local.x, -local.y});
 }
 
+Vec2 object_load(const Scene& scene) {
+  const GripperSpec& gripper = *scene.gripper;
+  return scene.gravity ? gripper.object_force + gripper.object_mass * *scene.gravity : gripper.object_force;
+}
+
 std::string_view to_string(FingerName finger) { return finger == FingerName::upper ? "upper" : "lower"; }
 
 bool plans_both_fingers(const Scene& scene) {
@@ -90,14 +109,16 @@ bool plans_both_fingers(const Scene& scene) {
                      std::any_of(scene.rod.segments.begin(), scene.rod.segments.end(), [](const SegmentSpec& s) {
                        return s.linear_density != 0.0 || !s.more_linear_density.empty();
                      });
-  if (!scene.gravity || !heavy) return false;
-  const Vec2 gravity = rotated(*scene.gravity, -scene.gripper->angle);
-  return std::abs(gravity.y) > rounding_of_direction * norm(gravity);
+  const auto across = [&](Vec2 direction) {
+    return std::abs(rotated(direction, -scene.gripper->angle).y) > rounding_of_direction * norm(direction);
+  };
+  return (scene.gravity && heavy && across(*scene.gravity)) || across(object_load(scene));
 }
 
 Scene finger_of(const Scene& scene, FingerName name) {
   Scene finger = scene;
   GripperSpec& gripper = *finger.gripper;
+  keep_load(scene, gripper);
   gripper.fingers = Fingers::both;
   if (!scene.fingers.empty()) {
     const FingerSpec& own = scene.fingers[name == FingerName::upper ? 0 : 1];
@@ -177,6 +198,7 @@ Scene finger_in_palm_frame(const Scene& scene) {
   Scene finger =
       both ? finger_scene(scene, {"object", "palm"}) : finger_scene(scene, {"object", "other finger", "palm"});
   // Gravity is turned below: from here on it says nothing about the axis.
+  keep_load(scene, *finger.gripper);
   finger.gripper->fingers = both ? Fingers::both : Fingers::mirrored;
   finger.rod.base_position = {0.0, gripper.half_palm};
   finger.rod.base_angle = gripper.finger_angle;
@@ -185,6 +207,13 @@ Scene finger_in_palm_frame(const Scene& scene) {
   for (RodLoadSpec& load : finger.rod.loads) load.force = rotated(load.force, -gripper.angle);
   finger.contact.mode = ContactModeName::require;
   return finger;
+}
+
+Vec2 load_along(const Scene& scene, const Scale& scale) {
+  const Vec2 load = rotated(object_load(scene), -scene.gripper->angle);
+  Vec2 out{scale.to_dimensionless(load.x, dimension::force), scale.to_dimensionless(load.y, dimension::force)};
+  if (std::abs(out.y) <= rounding_of_direction * norm(out)) out.y = 0.0;
+  return out;
 }
 
 void set_up_grasp(Task& data) {
@@ -197,6 +226,23 @@ void set_up_grasp(Task& data) {
                      "in equilibrium; expected fingers = \"both\" in [gripper], gravity along the axis, or fingers "
                      "without mass");
   }
+  const Vec2 load = load_along(data.scene, data.scale);
+  if (mirrored && std::abs(load.y) > rounding_of_direction * norm(load)) {
+    throw SceneError("gripper.fingers",
+                     "what the object carries has a component across the axis, which mirrored fingers cannot balance; "
+                     "expected fingers = \"both\"");
+  }
+  if (norm(load) != 0.0 && !gripper.exact_balance) {
+    throw SceneError("gripper.balance", "found \"objective\", but the object is loaded; expected \"exact\"");
+  }
+  if (data.scene.contact.friction_state == FrictionState::any) {
+    data.friction = friction_of(data.scene, 0);
+    if (!data.scene.coordinates.split_at_contact) {
+      throw SceneError("coordinates.split_at_contact",
+                       "found false, but where tangential forces are planned each finger has a knot at its contact; "
+                       "expected true");
+    }
+  }
   const auto length = [&](double si) { return data.scale.to_dimensionless(si, dimension::length); };
   const double radius = length(0.5 * gripper.object_diameter);
   data.own_obstacles.push_back(std::make_unique<Circle>(Vec2{0.0, 0.0}, radius));
@@ -208,6 +254,8 @@ void set_up_grasp(Task& data) {
 
   PalmSetup palm;
   palm.balance = gripper.exact_balance;
+  palm.loaded = norm(load) != 0.0;
+  if (mirrored) palm.load = 0.5 * load.x;
   // Without a range: from the palm at the object to the object at the tip of a straight finger.
   palm.minimum = radius;
   palm.maximum = 1.0 + radius;
@@ -228,6 +276,7 @@ void finger_to_world(const GripperSpec& gripper, double distance, Plan& plan) {
   for (PlannedContact& c : plan.contacts) {
     c.point = palm_to_world(gripper, c.point + Vec2{distance, 0.0});
     c.normal = rotated(c.normal, gripper.angle);
+    c.tangent = rotated(c.tangent, gripper.angle);
   }
   for (BackbonePoint& p : plan.backbone) {
     const Vec2 at = palm_to_world(gripper, {p.x + distance, p.y});
@@ -246,7 +295,7 @@ GraspPlan grasp_of(const Scene& scene, double palm_distance, const std::vector<P
   const GripperSpec& gripper = *scene.gripper;
   GraspPlan grasp = object_at(scene, palm_distance);
   const Vec2 force = pressing(gripper, contacts);
-  grasp.axial_force = 2.0 * force.x;
+  grasp.axial_force = 2.0 * force.x + rotated(grasp.load, -gripper.angle).x;
   grasp.lateral_force = -force.y;
   grasp.net_force = rotated({grasp.axial_force, 0.0}, gripper.angle);
   return grasp;
@@ -258,9 +307,10 @@ GraspPlan grasp_of(const Scene& scene, double palm_distance, const std::vector<P
   GraspPlan grasp = object_at(scene, palm_distance);
   const Vec2 from_above = pressing(gripper, upper);
   const Vec2 from_below = pressing(gripper, lower);
-  grasp.axial_force = from_above.x + from_below.x;
+  const Vec2 net = from_above + from_below + rotated(grasp.load, -gripper.angle);
+  grasp.axial_force = net.x;
   grasp.lateral_force = 0.5 * (from_below.y - from_above.y);
-  grasp.net_force = rotated(from_above + from_below, gripper.angle);
+  grasp.net_force = rotated(net, gripper.angle);
   return grasp;
 }
 

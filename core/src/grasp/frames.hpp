@@ -12,6 +12,9 @@ Scene finger_in_palm_frame(const Scene& scene);
 /// What a search asks about an object between two fingers.
 std::unique_ptr<const Grip> pinched_object();
 
+/// What the object carries in the palm's frame, dimensionless.
+Vec2 load_along(const Scene& scene, const Scale& scale);
+
 /// Obstacles, palm and limits of a finger. Throws SceneError where the scene asks for what one mirrored finger cannot
 /// do.
 void set_up_grasp(Task& data);

@@ -19,6 +19,17 @@ class PinchedObject : public Grip {
 
 std::string metres(double value) { return shown(value) + " m"; }
 
+/// The largest force of one contact, dimensionless.
+double carried_by(const Task& finger) { return finger.max_force * std::hypot(1.0, finger.friction); }
+
+/// Why contacts that carry so much, in units of `finger`, cannot hold such a load; empty: they may.
+std::string too_heavy(const Task& finger, double load, double carried) {
+  if (!(load > carried)) return "";
+  const auto newtons = [&](double force) { return shown(finger.scale.to_si(force, dimension::force)) + " N"; };
+  return "the object is too heavy: it is loaded with " + newtons(load) + ", and all contacts at their limits carry " +
+         newtons(carried);
+}
+
 std::string PinchedObject::obstruction(const Task& data, double reach) const {
   const double radius = data.obstacles[0]->smallest_radius();
   const double length = data.scale.length;
@@ -27,10 +38,17 @@ std::string PinchedObject::obstruction(const Task& data, double reach) const {
     return "the object is too large: its radius of " + metres(radius * length) +
            " is more than the largest palm distance, " + metres(farthest * length);
   }
-  // One balanced contact is where the object's normal is square to the axis, if the other finger is the mirror image.
   const Vec2 base = data.rod.base;
   const bool mirrored = !plans_both_fingers(data.scene);
-  const bool balanced = mirrored && data.palm->balance && data.scene.contact.count == 1;
+  if (mirrored) {
+    const double carried = data.scene.contact.count * carried_by(data);
+    const std::string heavy = too_heavy(data, 2.0 * std::abs(data.palm->load), 2.0 * carried);
+    if (!heavy.empty()) return heavy;
+  }
+  // One balanced contact is where the object's normal is square to the axis, if the other finger is the mirror image
+  // and nothing but normal forces acts.
+  const bool balanced =
+      mirrored && data.palm->balance && data.scene.contact.count == 1 && !data.palm->loaded && data.friction == 0.0;
   const double nearest = data.palm->minimum;
   const double away = balanced ? std::hypot(nearest, base.y - radius) : std::hypot(nearest, base.y) - radius;
   if (!(away > reach)) return "";
@@ -62,6 +80,13 @@ std::unique_ptr<const Grip> pinched_object() { return std::make_unique<PinchedOb
 std::string pair_obstruction(const Task& upper, double upper_reach, double lower_reach) {
   // Contacts C + r n and C - r n at distances from the bases (0, w) and (0, -w) of at most a and b: the parallelogram
   // law gives |C|^2 + |r n - (0, w)|^2 <= (a^2 + b^2) / 2.
+  const Task& lower = *upper.lower;
+  const double from_lower = lower.term_units.force / upper.term_units.force;
+  const std::string heavy =
+      too_heavy(upper, norm(load_along(upper.scene, upper.scale)), carried_by(upper) + from_lower * carried_by(lower));
+  if (!heavy.empty()) return heavy;
+  // Normals that tilt are not opposite.
+  if (upper.palm->loaded || upper.friction > 0.0) return "";
   const double radius = upper.obstacles[0]->smallest_radius() * upper.scale.length;
   const double nearest = upper.palm->minimum * upper.scale.length;
   const double away = std::hypot(nearest, upper.rod.base.y * upper.scale.length - radius);

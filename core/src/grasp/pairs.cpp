@@ -85,6 +85,8 @@ std::unique_ptr<GraspProgram> GraspPlanner::assemble(const Pair& pair, const Ass
   const double unit = upper().term_units.length;
   spec.palm_minimum = upper().palm->minimum * unit;
   spec.palm_maximum = upper().palm->maximum * unit;
+  const Vec2 load = load_along(upper().scene, upper().scale);
+  spec.load = upper().term_units.force * load;
   spec.separations = parts.separations;
   return std::make_unique<GraspProgram>(spec);
 }

@@ -24,7 +24,12 @@ Response response_of(PoseProgramSpec spec, Vec2 axis, double shift, ConstVectorR
   spec.rod = &rod;
   spec.checks.clear();
   spec.terms.clear();
-  spec.palm = PalmSetup{axis, shift - 1.0, shift + 1.0, true};
+  PalmSetup palm;
+  palm.axis = axis;
+  palm.minimum = shift - 1.0;
+  palm.maximum = shift + 1.0;
+  palm.loaded = original.spec().palm->loaded;
+  spec.palm = palm;
   PoseProgram program(spec);
   const PoseProgram::Layout& at = program.layout();
   Eigen::VectorXd y(program.variable_count());
@@ -36,7 +41,7 @@ Response response_of(PoseProgramSpec spec, Vec2 axis, double shift, ConstVectorR
   const MatrixView jacobian = program.jacobian(y);
   Eigen::MatrixXd rates;
   // The row of one contact is the direction of its push alone (balance_rows.cpp): the force is another factor.
-  const bool alone = at.forces == 1;
+  const bool alone = at.forces == 1 && !palm.loaded;
   const double force = alone ? y[at.first_force] : 1.0;
   const double direction = alone ? program.constraints(y)[at.first_balance] : 0.0;
   const auto derivative = [&](int variable) {

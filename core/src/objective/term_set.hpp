@@ -29,7 +29,7 @@ struct BaseIndex {
   };
   struct Contact {
     Point point;
-    int force = -1, arc_length = -1;
+    int force = -1, arc_length = -1, lean = -1;
   };
   Point tip;
   std::vector<Point> samples;  ///< of all terms, one after the other

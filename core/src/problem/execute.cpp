@@ -6,6 +6,7 @@
 #include "base/deadline.hpp"
 #include "certificate/certifier.hpp"
 #include "certificate/clearance.hpp"
+#include "problem/friction.hpp"
 #include "rod/self_overlap.hpp"
 #include "scene/make_rod.hpp"
 #include "scene/plan_report.hpp"
@@ -199,7 +200,10 @@ Execution Executor::run() {
                      "the start shape runs through the core of " + names_[*o] +
                          ", so it is on neither side of it: expected a start that passes on one side");
   }
-  if (control_.with_obstacles && !control_.friction.empty()) loading->rub(control_.friction);
+  if (control_.with_obstacles && !control_.friction.empty()) {
+    loading->rub(control_.friction,
+                 control_.start != nullptr ? ratios_of(*control_.start, obstacles_.size()) : std::vector<double>{});
+  }
   if (is_rough()) loading->roughen(coefficients());
   const bool arrived = loading->run();
   for (TrackedSnap& snap : loading->tracker().snaps()) out.snaps.push_back(to_si(snap));

@@ -32,6 +32,17 @@ FrictionRange record(const Plan& reached, const Plan& plan, const std::vector<do
 
 }  // namespace
 
+std::vector<double> ratios_of(const Plan& plan, std::size_t obstacles) {
+  std::vector<double> ratios;
+  for (const PlannedContact& c : plan.contacts) {
+    const auto o = static_cast<std::size_t>(c.obstacle);
+    if (c.tangential == 0.0 || !(c.force > 0.0) || o >= obstacles) continue;
+    ratios.resize(obstacles, 0.0);
+    ratios[o] = c.tangential / c.force;
+  }
+  return ratios;
+}
+
 void find_friction_range(const Task& task, Plan& plan, const std::atomic<bool>* stop) {
   if (plan.status != PlanStatus::solved) return;
   const double trace = tolerance::force * task.scale.force();

@@ -7,6 +7,7 @@
 #include "base/clock.hpp"
 #include "grasp/force_limit.hpp"
 #include "grasp/frames.hpp"
+#include "grasp/hold.hpp"
 #include "problem/friction.hpp"
 #include "scene/make_rod.hpp"
 #include "scene/plan_report.hpp"
@@ -257,6 +258,7 @@ Description Problem::describe() const {
     add(m.variables, "insertion", drawn);
     add(m.variables, "contact_arc_length", at.arc_lengths);
     add(m.variables, "contact_force", at.forces);
+    add(m.variables, "tangential_ratio", at.leans);
     add(m.variables, "palm_distance", at.palm >= 0 ? 1 : 0);
     const bool rows_for_complementarity =
         at.forces > 0 && d.scene.contact.treatment != Treatment::penalty && d.min_force == 0.0;
@@ -312,12 +314,19 @@ Plan Problem::plan(const PlanControl& control) {
   const bool follows = control.follow && control.start != nullptr && control.start->status == PlanStatus::solved;
   if (follows && control.without.empty()) {
     Plan followed = *control.start;
-    if (follow_without_solver(followed)) return followed;
+    if (follow_without_solver(followed)) {
+      tell_hold(*task_, followed);
+      return followed;
+    }
   }
   for (const PoseProgramTerm& term : task_->terms) term.fault->clear();
   Plan plan = task_->palm ? plan_grasp(*task_, control) : plan_to_target(*task_, control);
   blame_terms(*task_, plan);
-  if (!task_->palm) find_friction_range(*task_, plan, control.stop);
+  if (task_->palm) {
+    tell_hold(*task_, plan);
+  } else {
+    find_friction_range(*task_, plan, control.stop);
+  }
   plan.seconds_assemble = task_->seconds_assemble;
   plan.seconds_solve = now() - begin - plan.seconds_certify;
   if (!task_->palm) plan.start_backbone = outline(task_->scene_start(), task_->rod, task_->scale.length);

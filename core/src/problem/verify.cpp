@@ -3,6 +3,7 @@
 #include <optional>
 #include <set>
 
+#include "problem/friction.hpp"
 #include "tendril/execute.hpp"
 #include "tendril/numbers.hpp"
 #include "tendril/problem.hpp"
@@ -50,6 +51,8 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
   ExecuteControl placed = control;
   placed.place = plan.place;
   placed.with_friction = false;
+  // The plan holds if its contacts push as it has them.
+  if (control.friction.empty()) placed.friction = ratios_of(plan, obstacles.size());
   ExecuteControl local = placed;
   local.start = &plan;
   local.with_obstacles = control.with_obstacles && needs_obstacles(scene);

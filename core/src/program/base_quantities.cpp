@@ -36,7 +36,7 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
     p.angle = next++;
     return p;
   };
-  for (int k = 0; k < layout.forces; ++k) index.contacts.push_back({point(), -1, -1});
+  for (int k = 0; k < layout.forces; ++k) index.contacts.push_back({point(), -1, -1, -1});
   if (terms.reads_tip() || spec.tolerance.any()) {
     index.tip = point();
     tip_place_ = places.add_tip();
@@ -66,6 +66,9 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
   for (int k = 0; k < layout.arc_lengths; ++k) {
     index.contacts[static_cast<std::size_t>(k)].arc_length = alone(layout.first_arc_length + k);
   }
+  for (int k = 0; k < layout.leans; ++k) {
+    index.contacts[static_cast<std::size_t>(k)].lean = alone(layout.first_lean + k);
+  }
   if (layout.palm >= 0) {
     index.palm = alone(layout.palm);
   } else if (spec.palm) {
@@ -83,9 +86,8 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
   for (const ContactSetup& c : spec.contacts) {
     values.references.push_back(spec.obstacles[static_cast<std::size_t>(c.obstacle)]->reference_point());
   }
-  const int variables = layout.first_shear + layout.shears;
-  rows_.setZero(dense_ + 2 * layout.forces, variables);
-  pulled_.setZero(variables);
+  rows_.setZero(dense_ + 2 * layout.forces, layout.variables());
+  pulled_.setZero(layout.variables());
   term_gradient_.setZero(index.count);
   term_rest_.setZero(index.count);
   term_jacobian_.setZero(terms.residual_count(), index.count);

@@ -53,6 +53,7 @@ class EquilibriumRows : public RowBlock {
       d_.base.add_symmetric(dx, at.force, c.push.x);
       d_.base.add_symmetric(dx + 1, at.force, c.push.y);
       if (c.lean != 0.0) add_couple_second(k, c.force, c.lean, d_.layout.first_force + k, hessian);
+      if (at.lean >= 0) add_lean_second(k, hessian);
       const int shear = d_.shear_variables[i];
       if (shear < 0) continue;
       const Vec2 tau = turned(c.surface.normal);
@@ -73,6 +74,22 @@ class EquilibriumRows : public RowBlock {
     d_.add_along(k, -force * lean * c.radius.bend * rotation, hessian);
     d_.add_slope_along(k, -lean * c.radius.slope * rotation, hessian.col(variable));
     d_.add_slope_along(k, -lean * c.radius.slope * rotation, hessian.row(variable));
+  }
+
+  /// Of a tangential force that is a variable: by it and by displacement and rotation of its place.
+  void add_lean_second(int k, Eigen::MatrixXd& hessian) {
+    const auto i = static_cast<std::size_t>(k);
+    const PoseProgram::ContactState& c = d_.contacts[i];
+    const BaseIndex::Contact& at = d_.base.index.contacts[i];
+    const int dx = d_.base.displacement(k);
+    const Vec2 push = c.force * turned(c.surface.normal);
+    d_.base.add_symmetric(dx, at.lean, push.x);
+    d_.base.add_symmetric(dx + 1, at.lean, push.y);
+    const double rotation = d_.places.rotation(d_.contact_places[i]);
+    d_.base.add_symmetric(at.force, at.lean, -c.radius.value * rotation);
+    const int lean = d_.layout.first_lean + k;
+    d_.add_slope_along(k, -c.force * c.radius.slope * rotation, hessian.col(lean));
+    d_.add_slope_along(k, -c.force * c.radius.slope * rotation, hessian.row(lean));
   }
 
   void add_moments_second(ConstVectorRef lambda, Eigen::MatrixXd& hessian) {
@@ -107,6 +124,11 @@ class EquilibriumRows : public RowBlock {
       const auto i = static_cast<std::size_t>(k);
       const PoseProgram::ContactState& c = d_.contacts[i];
       differentiate_force(k, at.first_force + k, c.force, c.push, c.lean, rows);
+      if (at.leans > 0) {
+        turning_ = d_.base.row(d_.base.index.contacts[i].point.angle);
+        along_ = d_.contact_row(k, turned(c.surface.normal));
+        rows.col(at.first_lean + k) = c.force * (along_ - c.radius.value * turning_).head(at.coordinates);
+      }
       if (d_.shear_variables[i] < 0) continue;
       differentiate_force(k, d_.shear_variables[i], c.shear, turned(c.surface.normal), 1.0, rows);
     }

@@ -28,6 +28,7 @@ struct GraspProgramSpec {
   std::array<PoseProgramSpec, 2> fingers;
   double palm_minimum = 0.0;                  ///< of the palm distance, units of the grasp
   double palm_maximum = 0.0;                  ///< equal to the minimum: the distance is fixed, and no variable
+  Vec2 load{};                                ///< on the object, in the palm's frame; units of the grasp
   std::vector<FingerSeparation> separations;  ///< a row each; none: the fingers are not kept apart
 };
 
@@ -38,7 +39,9 @@ struct GraspProgramSpec {
 /// row, the sum of their parts along the axis. (Its other root, normals on the same side, leaves a force across the
 /// axis, which the certificate finds. Forces of their own would make that row, the balance across the axis and the
 /// limits of both forces dependent at every solution.) Forces without friction pass through the centre: no moment is
-/// left either.
+/// left either. Nor do tangential forces that are as large: they share their ratio too, and the row is the sum of the
+/// pushes. An object that is loaded needs forces of their own, which are then variables of the fingers, and rows for
+/// the force along the axis and across it, and with friction for the moment.
 class TENDRIL_API GraspProgram : public NonlinearProgram {
  public:
   /// Throws Error for fingers that do not have one contact each.
@@ -53,10 +56,10 @@ class TENDRIL_API GraspProgram : public NonlinearProgram {
   Eigen::VectorXd finger_point(int which, ConstVectorRef x) const;
   /// A start of these shapes; the palm distance is the mean of theirs, the force the smaller one.
   Eigen::VectorXd start_from(const StartShape& upper, const StartShape& lower) const;
-  double force(ConstVectorRef x) const;          ///< Of either contact, units of the grasp.
+  double force(ConstVectorRef x) const;          ///< Of either contact, units of the grasp; of an object without load.
   double palm_distance(ConstVectorRef x) const;  ///< Units of the grasp.
   int palm_variable() const;                     ///< -1: the distance is fixed.
-  int balance_row() const;                       ///< Both normals along the axis, in sum.
+  int balance_row() const;                       ///< The first one: along the axis.
   int first_separation() const;                  ///< Row; one per separation.
 
   std::string row_name(int row) const override;
@@ -72,8 +75,10 @@ class TENDRIL_API GraspProgram : public NonlinearProgram {
   std::unique_ptr<Data> data_;
 };
 
-/// What the contacts of both fingers leave on the object at the points computed last, in the palm's frame; units of the
-/// grasp.
+/// What the contacts of both fingers leave on the object at the points computed last, in the palm's frame, without its
+/// load; units of the grasp.
 TENDRIL_API Vec2 net_force(const GraspProgram& program);
+/// Their moment about the object's centre, per its radius.
+TENDRIL_API double net_moment(const GraspProgram& program);
 
 }  // namespace tendril

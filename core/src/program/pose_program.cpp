@@ -73,6 +73,11 @@ PoseProgram::PoseProgram(std::unique_ptr<Data> data)
     lower_[at.palm] = s.palm->minimum;
     upper_[at.palm] = s.palm->maximum;
   }
+  for (int k = 0; k < at.leans; ++k) {
+    const double friction = s.friction[static_cast<std::size_t>(s.contacts[static_cast<std::size_t>(k)].obstacle)];
+    lower_[at.first_lean + k] = -friction;
+    upper_[at.first_lean + k] = friction;
+  }
   for (int k = 0; k < at.forces; ++k) set_branch(k, Branch::open);
   set_row_bounds();
 }
@@ -174,6 +179,7 @@ std::string PoseProgram::variable_name(int variable) const {
   if (variable < at.first_force) return numbered("contact arc length", variable - at.first_arc_length);
   if (variable == at.palm) return "palm distance";
   if (variable >= at.first_shear) return numbered("tangential contact force", variable - at.first_shear);
+  if (variable >= at.first_lean) return numbered("tangential ratio", variable - at.first_lean);
   return numbered("contact force", variable - at.first_force);
 }
 

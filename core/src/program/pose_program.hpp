@@ -91,6 +91,10 @@ struct PalmSetup {
   double minimum = 0.0;  ///< of the palm distance, units of L
   double maximum = 0.0;  ///< equal to the minimum: the distance is fixed, and no variable
   bool balance = true;   ///< whether sum_k f_k n_k . axis = 0 is a row
+  bool loaded = false;   ///< the object is: that row is a force, also of one contact
+  double load = 0.0;     ///< what these contacts carry of it along the axis, EI0/L^2
+  /// Rows of the balance: along the axis, and in a program inside another one across it and about the object's centre.
+  int parts = 1;
 };
 
 /// How far the tip may be from the target, as rows. Infinity: there is no such row.
@@ -114,8 +118,11 @@ struct PoseProgramSpec {
   int nodes = 0;                           ///< Gauss nodes per smooth interval of a piece
   double min_force = 0.0;                  ///< of every contact, units of EI0/L^2
   double max_force = infinity;             ///< of every contact, units of EI0/L^2
-  std::optional<PalmSetup> palm{};         ///< of a grasp
-  int carried = 0;  ///< the last so many obstacles stand on the palm: they move with the rod's base
+  /// Of each obstacle, a coefficient: tangential parts of contact forces are variables, up to so much of the normal
+  /// ones. Empty: contacts push along normals, or as Loads have it.
+  std::vector<double> friction{};
+  std::optional<PalmSetup> palm{};  ///< of a grasp
+  int carried = 0;                  ///< the last so many obstacles stand on the palm: they move with the rod's base
   /// The last so many obstacles bound no body: they measure how far check points lie along a direction, for rows of a
   /// program that this one is a part of. No clearance is kept from them.
   int measures = 0;
@@ -135,6 +142,7 @@ struct StartShape {
   std::vector<double> moments{};            ///< one per actuator; empty: those that hold the shape without other loads
   std::vector<double> arc_lengths{};        ///< one per contact; empty or NaN: the nearest point
   std::vector<double> forces{};             ///< one per contact; empty: 0
+  std::vector<double> leans{};              ///< ContactState::lean, one per contact; empty: 0
   std::function<double(double)> stretch{};  ///< of a rod that stretches, likewise; empty: none
   double palm_distance = std::numeric_limits<double>::quiet_NaN();  ///< NaN: where the shape nearly touches
   std::vector<double> moves{};  ///< of the rod, as Rod::moves; empty: where each of them starts
@@ -148,9 +156,8 @@ TENDRIL_API StartShape constant_curvature(double tip_angle);
 inline constexpr double knot_clearance = 1e-5;
 
 /// The nonlinear program of one way of being in contact (model.md section 5). x = (q, moments, moves of the rod,
-/// contact arc lengths, contact forces, palm distance, tangential forces where contacts stick), each block only if
-/// needed. Exact first and second derivatives;
-/// no allocation after construction.
+/// contact arc lengths, contact forces, their leans, palm distance, tangential forces where contacts stick), each block
+/// only if needed. Exact first and second derivatives; no allocation after construction.
 class TENDRIL_API PoseProgram : public NonlinearProgram {
  public:
   /// Assembles the program. Throws Error for a check point outside its piece.
@@ -168,6 +175,8 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     int arc_lengths = 0;       ///< interior contacts
     int first_force = 0;       ///< variable
     int forces = 0;            ///< all contacts
+    int first_lean = 0;        ///< variable, right behind these
+    int leans = 0;             ///< all contacts, where their tangential forces are variables
     int palm = -1;             ///< variable of the palm distance; -1: none, or fixed
     int first_shear = 0;       ///< variable
     int shears = 0;            ///< contacts that stick
@@ -178,7 +187,7 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     int first_order = 0;       ///< row
     int orders = 0;            ///< pairs of contacts that must keep their order along the rod
     int first_balance = 0;     ///< row
-    int balances = 0;          ///< 1 if the force along a grasp's axis has to vanish
+    int balances = 0;          ///< PalmSetup::parts if the object of a grasp has to be in balance
     int first_target = 0;      ///< row
     int targets = 0;           ///< rows that keep the tip near the target: its position, its angle
     int first_margin = 0;      ///< row
@@ -190,6 +199,7 @@ class TENDRIL_API PoseProgram : public NonlinearProgram {
     int first_stick = 0;       ///< row; one per contact that sticks
     /// Of the arc lengths of Places: the moves, and those of contacts.
     int slides() const { return moves + arc_lengths; }
+    int variables() const { return first_shear + shears; }
   };
   const Layout& layout() const;         ///< Where the blocks are.
   const PoseProgramSpec& spec() const;  ///< What it was assembled from.

@@ -48,8 +48,10 @@ PoseProgram::Layout layout_of(const PoseProgramSpec& spec, const Chain& chain) {
       std::count_if(spec.contacts.begin(), spec.contacts.end(), [](const ContactSetup& c) { return !c.at_tip; }));
   at.first_force = at.first_arc_length + at.arc_lengths;
   at.forces = static_cast<int>(spec.contacts.size());
-  if (spec.palm && spec.palm->minimum != spec.palm->maximum) at.palm = at.first_force + at.forces;
-  at.first_shear = at.first_force + at.forces + (at.palm >= 0 ? 1 : 0);
+  at.first_lean = at.first_force + at.forces;
+  at.leans = spec.friction.empty() ? 0 : at.forces;
+  if (spec.palm && spec.palm->minimum != spec.palm->maximum) at.palm = at.first_lean + at.leans;
+  at.first_shear = at.first_lean + at.leans + (at.palm >= 0 ? 1 : 0);
   at.shears = static_cast<int>(
       std::count_if(spec.contacts.begin(), spec.contacts.end(), [](const ContactSetup& c) { return c.sticks; }));
   at.first_gap = at.coordinates;
@@ -62,7 +64,7 @@ PoseProgram::Layout layout_of(const PoseProgramSpec& spec, const Chain& chain) {
   at.first_order = at.first_check + at.checks;
   for (int k = -1; k + 1 < at.arc_lengths; ++k) at.orders += ordered(spec, at, k) ? 1 : 0;
   at.first_balance = at.first_order + at.orders;
-  at.balances = spec.palm && spec.palm->balance && at.forces > 0 ? 1 : 0;
+  at.balances = spec.palm && spec.palm->balance && at.forces > 0 ? spec.palm->parts : 0;
   at.first_target = at.first_balance + at.balances;
   at.targets = (spec.tolerance.position < infinity ? 1 : 0) + (spec.tolerance.angle < infinity ? 1 : 0);
   at.first_margin = at.first_target + at.targets;
@@ -98,7 +100,7 @@ PoseState::PoseState(PoseProgramSpec s)
       base(spec, layout, moment_variable, contact_places, places),
       contacts(spec.contacts.size()),
       loads{spec.rod->gravity, spec.rod->tip_force, std::vector<double>(spec.obstacles.size(), 0.0)},
-      variables(layout.first_shear + layout.shears) {
+      variables(layout.variables()) {
   forces.on.resize(contact_places.size());
 }
 
@@ -130,6 +132,7 @@ void PoseState::move(ConstVectorRef x) {
     c.lean = loads.friction.empty() ? 0.0 : loads.friction[static_cast<std::size_t>(obstacle)];
     if (dot(tau, c.tangent) < 0.0) c.lean = -c.lean;
     if (spec.contacts[k].lean != 0.0) c.lean = spec.contacts[k].lean;
+    if (layout.leans > 0) c.lean = x[layout.first_lean + variable];
     c.push = c.surface.normal + c.lean * tau;
     Push& push = forces.on[static_cast<std::size_t>(place)];
     push.force = c.force * c.push;
@@ -162,6 +165,7 @@ void PoseState::add_force_work(int contact, Vec2 displacement) {
   const Vec2 sliding = add_push_work(contact, displacement, c.force);
   base.add_symmetric(at.point.x, at.force, sliding.x);
   base.add_symmetric(at.point.y, at.force, sliding.y);
+  if (at.lean >= 0) base.add_symmetric(at.force, at.lean, dot(turned(c.surface.normal), displacement));
 }
 
 void PoseState::add_shear_work(int contact, Vec2 displacement) {
@@ -174,6 +178,14 @@ void PoseState::add_shear_work(int contact, Vec2 displacement) {
 
 Vec2 PoseState::add_push_work(int contact, Vec2 displacement, double force) {
   const PoseProgram::ContactState& c = contacts[static_cast<std::size_t>(contact)];
+  const BaseIndex::Contact& at = base.index.contacts[static_cast<std::size_t>(contact)];
+  const Vec2 tau = turned(c.surface.normal);
+  if (at.lean >= 0) {
+    // Where the point moves tau turns towards -n.
+    const double turning = -force * c.surface.curvature * dot(c.surface.normal, displacement);
+    base.add_symmetric(at.point.x, at.lean, turning * tau.x);
+    base.add_symmetric(at.point.y, at.lean, turning * tau.y);
+  }
   // n + lean tau is n turned and stretched: so is what it works along, the other way.
   return add_normal_work(contact, displacement - c.lean * turned(displacement), force);
 }

@@ -81,6 +81,11 @@ void Stability::find_held(PoseProgram& program, ConstVectorRef x) {
     touching_.push_back(k);
     if (program.shear_variable(k) >= 0) sticking_.push_back(program.shear_variable(k));
   }
+  for (const int k : touching_) {
+    if (program.layout().leans == 0) break;
+    const int lean = program.layout().first_lean + k;
+    if (std::abs(x[lean]) < program.upper()[lean] - tolerance::bounds) sticking_.push_back(lean);
+  }
   const std::vector<Rod::Actuator>& actuators = program.spec().rod->actuators;
   for (std::size_t a = 0; a < actuators.size(); ++a) {
     const int variable = program.moment_variable(static_cast<int>(a));

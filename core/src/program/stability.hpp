@@ -58,7 +58,7 @@ class Stability {
 
   bool ends_hold_ = false;
   std::vector<int> touching_;
-  std::vector<int> sticking_;  ///< variables of tangential forces
+  std::vector<int> sticking_;  ///< variables of tangential forces inside of their cones
   std::vector<int> taut_;      ///< moment variables
   Eigen::MatrixXd hessian_, block_, normals_, free_, shifted_;
   Eigen::VectorXd turning_;                    ///< a row of a contact, by the coordinates

@@ -169,6 +169,11 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
     x[at.first_force + k] = std::clamp(force, lower()[at.first_force + k], upper()[at.first_force + k]);
   }
 
+  for (int k = 0; k < at.leans && k < static_cast<int>(shape.leans.size()); ++k) {
+    const int variable = at.first_lean + k;
+    x[variable] = std::clamp(shape.leans[static_cast<std::size_t>(k)], lower()[variable], upper()[variable]);
+  }
+
   x.head(at.coordinates) = d.chain.coordinates_of(shape.curvature, knots(x), shape.stretch);
   return x;
 }
@@ -219,6 +224,7 @@ StartShape PoseProgram::shape_of(ConstVectorRef x) const {
     const int variable = arc_length_variable(k);
     shape.arc_lengths.push_back(variable < 0 ? std::numeric_limits<double>::quiet_NaN() : x[variable]);
     shape.forces.push_back(x[at.first_force + k]);
+    if (at.leans > 0) shape.leans.push_back(x[at.first_lean + k]);
   }
   if (d.spec.palm) shape.palm_distance = palm_distance(x);
   return shape;

@@ -85,8 +85,9 @@ void planned_contacts(const PoseProgram& program, const std::vector<std::string>
     p.normal = c.surface.normal;
     p.force = c.force * scale.force();
     // c.lean and c.shear go with the turned normal, which may point towards the base.
-    const double along = dot(turned(c.surface.normal), c.tangent) < 0.0 ? -1.0 : 1.0;
-    p.tangential = along * (c.lean * p.force + c.shear * scale.force());
+    const double side = dot(turned(c.surface.normal), c.tangent) < 0.0 ? -1.0 : 1.0;
+    p.tangent = side * turned(c.surface.normal);
+    p.tangential = side * (c.lean * p.force + c.shear * scale.force());
     p.sticks = setup.sticks;
     p.gap = c.surface.distance * scale.length;
     p.extended = false;

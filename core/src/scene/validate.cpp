@@ -84,15 +84,24 @@ void validate_friction(const Scene& scene) {
     require_place(scene.obstacles[i].place, "obstacle[" + std::to_string(i) + "]");
     if (own.value_or(0.0) > 0.0 && path.empty()) path = at;
   }
+  if (path.empty() && scene.contact.friction_state == FrictionState::any) {
+    throw SceneError("contact.friction_state", "found \"any\" without friction, expected 'friction' beside it");
+  }
   if (path.empty() || scene.contact.friction_state == FrictionState::none) return;
   if (scene.contact.mode == ContactModeName::ignore || scene.contact.mode == ContactModeName::avoid) {
     throw SceneError(path, "there is no friction where contact is not planned (contact mode \"" +
                                std::string(to_string(scene.contact.mode)) + "\")");
   }
-  if (scene.problem == ProblemKind::grasp || scene.problem == ProblemKind::trajectory) {
-    throw SceneError(path, "friction is looked at for problems \"pose\" and \"estimate\", found \"" +
-                               std::string(to_string(scene.problem)) +
-                               "\", expected friction_state = \"none\" beside it");
+  const bool held = scene.problem == ProblemKind::grasp || scene.problem == ProblemKind::execute;
+  if (scene.contact.friction_state == FrictionState::any && !held) {
+    throw SceneError("contact.friction_state",
+                     "found \"any\", but only grasps are planned with their tangential forces, expected \"range\" or "
+                     "\"none\"");
+  }
+  if (scene.problem == ProblemKind::trajectory) {
+    throw SceneError(path,
+                     "friction is looked at for problems \"pose\", \"grasp\" and \"estimate\", found \"trajectory\", "
+                     "expected friction_state = \"none\" beside it");
   }
 }
 
@@ -402,6 +411,13 @@ void validate_gripper(const Scene& scene) {
   const GripperSpec& g = *scene.gripper;
   require_positive(g.half_palm, "gripper.half_palm", "half the palm's width", "m");
   require_positive(g.object_diameter, "gripper.object_diameter", "the object's diameter", "m");
+  require_not_negative(g.object_mass, "gripper.object_mass", "the object's mass", "kg");
+  require_finite(g.object_force.x, "gripper.object_force");
+  require_finite(g.object_force.y, "gripper.object_force");
+  if (g.object_mass > 0.0 && !scene.gravity) {
+    throw SceneError("gripper.object_mass",
+                     "the object of " + shown(g.object_mass) + " kg weighs nothing, expected 'gravity' in the scene");
+  }
   constexpr double square = 1.57079632679489662;
   const auto require_away = [](double angle, const std::string& path) {
     if (std::abs(angle) < square) return;
@@ -472,10 +488,15 @@ constexpr double largest_load = 1e12;
 void validate_loads(const Scene& scene) {
   double mass = scene.tip_load.mass;
   for (const SegmentSpec& s : scene.rod.segments) mass += s.linear_density * s.length;
+  double force = norm(scene.tip_load.force);
+  if (scene.gripper) {
+    mass += scene.gripper->object_mass;
+    force += norm(scene.gripper->object_force);
+  }
   const double weight = scene.gravity ? mass * norm(*scene.gravity) : 0.0;
-  const double load = (weight + norm(scene.tip_load.force)) / scale_of(scene).force();
+  const double load = (weight + force) / scale_of(scene).force();
   if (load <= largest_load) return;
-  throw SceneError("rod", "weight and tip load are " + shown(load, 3) +
+  throw SceneError("rod", "weight and loads are " + shown(load, 3) +
                               " times EI/L^2, the force that bends the rod, and no shape can be computed under more "
                               "than " +
                               shown(largest_load, 3) +

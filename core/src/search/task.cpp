@@ -218,6 +218,7 @@ PoseProgramSpec Task::spec(const Mode& mode, const std::vector<int>& regions, in
   s.min_force = min_force;
   s.max_force = max_force;
   s.palm = palm;
+  if (friction > 0.0) s.friction.assign(obstacles.size(), friction);
   s.carried = carried;
   s.least_margin = least_margin;
   s.least_convexity = least_convexity;

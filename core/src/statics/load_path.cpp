@@ -23,7 +23,9 @@ Loads LoadPath::loads(double load) const {
   Loads now{share * rod_.gravity, share * rod_.tip_force, shrink_, share};
   for (double& by : now.shrink) by *= 1.0 - load;
   now.friction = friction_;
-  for (double& ratio : now.friction) ratio *= load;
+  for (std::size_t o = 0; o < now.friction.size(); ++o) {
+    now.friction[o] = (1.0 - load) * first_friction_[o] + load * friction_[o];
+  }
   for (std::size_t a = 0; a < rod_.actuators.size(); ++a) {
     if (holds_length(a)) now.shortening.push_back(held(a, load));
   }

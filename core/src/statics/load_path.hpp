@@ -22,8 +22,11 @@ class LoadPath {
 
   /// Obstacle o starts `by` smaller and grows back with the load.
   void grow(std::size_t o, double by) { shrink_[o] = by; }
-  /// Contacts with obstacle o, which push along its normal at load 0, do so with this tangential part at load 1.
-  void rub(std::size_t o, double ratio) { friction_.resize(obstacles_.size()), friction_[o] = ratio; }
+  /// Contacts with obstacle o push along its normal and with this tangential part, at load 0 and at load 1.
+  void rub(std::size_t o, double first, double ratio) {
+    first_friction_.resize(obstacles_.size()), first_friction_[o] = first;
+    friction_.resize(obstacles_.size()), friction_[o] = ratio;
+  }
   bool has_friction() const { return !friction_.empty(); }
   /// Contacts with obstacle o stick and slip at this coefficient of friction.
   void roughen(std::size_t o, double coefficient) {
@@ -68,7 +71,7 @@ class LoadPath {
   Rod rod_;
   std::vector<const Obstacle*> obstacles_;
   Ends ends_;
-  std::vector<double> shrink_, friction_, coefficients_;
+  std::vector<double> shrink_, first_friction_, friction_, coefficients_;
 };
 
 }  // namespace tendril

@@ -160,8 +160,8 @@ void Loading::grow_overlapped(const std::vector<const Obstacle*>& obstacles) {
   std::erase_if(start_.contacts, [&](const PointContact& c) { return path_.distance_rate(c.setup.obstacle) != 0.0; });
 }
 
-void Loading::rub(const std::vector<double>& friction) {
-  for (std::size_t o = 0; o < friction.size(); ++o) path_.rub(o, friction[o]);
+void Loading::rub(const std::vector<double>& friction, const std::vector<double>& first) {
+  for (std::size_t o = 0; o < friction.size(); ++o) path_.rub(o, first.empty() ? 0.0 : first[o], friction[o]);
   moves_ = true;
 }
 

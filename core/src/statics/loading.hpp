@@ -34,8 +34,8 @@ class Loading {
   Loading& operator=(const Loading&) = delete;
 
   /// Contact forces, normal to the surface at the start, get a tangential part on the way: in the end so much for each
-  /// unit of the normal part, one number per obstacle.
-  void rub(const std::vector<double>& friction);
+  /// unit of the normal part, one number per obstacle. `first`: what they have of it at the start; empty: nothing.
+  void rub(const std::vector<double>& friction, const std::vector<double>& first = {});
   /// Contacts stick and slip instead, at one coefficient of friction per obstacle; not with obstacles that grow.
   void roughen(const std::vector<double>& coefficients);
 
