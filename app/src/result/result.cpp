@@ -14,6 +14,7 @@
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/coordinate_model.hpp"
+#include "tendril/tolerances.hpp"
 #include "tendril/version.hpp"
 
 namespace tendril::app {
@@ -124,7 +125,7 @@ Json numbers(const std::vector<double>& values) {
   return array;
 }
 
-Json contacts_json(const std::vector<PlannedContact>& contacts, const std::string& finger) {
+Json contacts_json(const std::vector<PlannedContact>& contacts, const std::string& finger, double friction) {
   Json array = Json::array();
   for (const PlannedContact& contact : contacts) {
     array.push_back({{"obstacle", contact.obstacle_name},
@@ -138,7 +139,8 @@ Json contacts_json(const std::vector<PlannedContact>& contacts, const std::strin
     if (!finger.empty()) array.back()["finger"] = finger;
     if (contact.tangential != 0.0) {
       array.back()["tangential_force"] = number(contact.tangential);
-      array.back()["state"] = "slip";
+      const bool sticks = std::abs(contact.tangential) < (1.0 - tolerance::bounds) * friction * contact.force;
+      array.back()["state"] = sticks ? "stick" : "slip";
     }
     if (contact.extended) array.back()["extended"] = true;
   }
@@ -228,6 +230,11 @@ std::string written(const Json& json) {
   return text;
 }
 
+double friction_in(const Scene& scene, ProblemKind problem) {
+  return problem == ProblemKind::grasp && scene.contact.friction_state == FrictionState::any ? scene.contact.friction
+                                                                                             : 0.0;
+}
+
 /// `problem` is what was done with the scene: a scene of another kind can be executed.
 Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   Json json;
@@ -258,7 +265,7 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   add_place(json, plan.place);
   json["contacts"] = Json::array();
   for (const ShownFinger& finger : fingers_of(scene, plan)) {
-    for (Json& contact : contacts_json(finger.state.contacts, finger.name))
+    for (Json& contact : contacts_json(finger.state.contacts, finger.name, friction_in(scene, problem)))
       json["contacts"].push_back(std::move(contact));
   }
   add_grasp(json, scene, plan);

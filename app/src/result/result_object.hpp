@@ -14,8 +14,12 @@ using Json = nlohmann::ordered_json;
 Json number(double value);
 Json numbers(const std::vector<double>& values);
 
-/// `finger`: whose they are; empty: a plan of one rod.
-Json contacts_json(const std::vector<PlannedContact>& contacts, const std::string& finger = "");
+/// The coefficient of planned tangential forces; 0: there are none.
+double friction_in(const Scene& scene, ProblemKind problem);
+
+/// `finger`: whose they are; empty: a plan of one rod. `friction`: a coefficient, within which tangential forces stick;
+/// 0: where there are any the contact slips.
+Json contacts_json(const std::vector<PlannedContact>& contacts, const std::string& finger = "", double friction = 0.0);
 Json backbone_json(const std::vector<BackbonePoint>& points);
 
 /// A plan as it stands in every result, without what the command did around it.
