@@ -77,6 +77,9 @@ class _Picture:
             self.ax.plot(*self.points(rod["line"]), **style)
         for key, mark, color in (("measured", "o", "C1"), ("tips", "o", "C4"), ("path", ".", "C2")):
             self.ax.plot(*self.points(frame.get(key, [])), mark, color=color, fillstyle="none", zorder=4)
+        if hold := frame.get("hold"):
+            line = np.array(hold["center"]) + self.per_newton * np.array([*hold["forces"], hold["forces"][0]])
+            self.ax.plot(*self.points(line), "--", color="C4", zorder=4)
         self.contacts([c for c in frame["contacts"] if c.get("force", 0.0) > 0.0])
         target = frame.get("target", {}).get("position")
         if target:

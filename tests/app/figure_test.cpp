@@ -101,6 +101,23 @@ TEST(Figure, ABodyIsDrawn) {
   EXPECT_TRUE(contains_text(drawn(result, "f.gnuplot"), "'frame 1: body 1.' using 1:2 with filledcurves"));
 }
 
+// Around a grasped object, in the scale of the arrows: the largest force, of a newton's part, is 16 mm long.
+TEST(Figure, ForcesHeldOnAnObjectAreDrawn) {
+  json result = bent_result(0.1);
+  result["problem"] = "grasp";
+  result["grasp"] = {
+      {"object", {{"center", {0.05, 0.03}}, {"radius", 0.01}}},
+      {"friction", {{"coefficient", 0.3}, {"held_forces", {{0.5, 0.0}, {0.0, 1.0}, {-0.5, 0.0}, {0.0, -1.0}}}}}};
+  EXPECT_TRUE(contains_text(drawn(result), "forces held"));
+  std::istringstream rows = block_of(drawn(result, "f.dat"), "frame 1: hold.");
+  double x[5] = {}, y[5] = {};
+  for (int i = 0; i < 5; ++i) rows >> x[i] >> y[i];
+  EXPECT_EQ(x[0], x[4]);
+  EXPECT_NEAR(0.5 * (x[0] + x[2]), 50.0, 1e-3);
+  EXPECT_NEAR(0.5 * (y[1] + y[3]), 30.0, 1e-3);
+  EXPECT_NEAR(y[1] - y[3], 2.0 * (x[0] - x[2]), 1e-3);
+}
+
 // Forces under friction: what they may be, and what they are.
 TEST(Figure, FrictionIsDrawn) {
   json result = bent_result(0.1);

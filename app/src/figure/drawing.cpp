@@ -127,8 +127,13 @@ class Draft {
  private:
   std::string problem() const { return result_.has("problem") ? result_.member("problem").text() : "pose"; }
 
-  /// The coefficients of the scene's obstacles.
+  /// The coefficients of the scene's obstacles, or of a grasp's object.
   void read_friction() {
+    const auto grasp = result_.optional("grasp");
+    if (const auto friction = grasp ? grasp->optional("friction") : std::nullopt) {
+      frictions_ = {friction->member("coefficient").real()};
+      return;
+    }
     const auto obstacles = result_.optional("obstacles");
     if (!obstacles) return;
     for (const Reader& entry : obstacles->list()) {
@@ -369,6 +374,12 @@ class Draft {
   void add_grasp_to(Json& frame, const Reader& plan, const Reader& grasp) const {
     if (const auto held = grasp.optional("object")) {
       frame["obstacles"].push_back(object(held->member("center").point(), held->member("radius").real()));
+    }
+    const auto friction = grasp.optional("friction");
+    const std::vector<Vec2> held = friction ? points_in(friction->member("held_forces")) : std::vector<Vec2>{};
+    if (!held.empty()) {
+      frame["hold"]["center"] = shorter_.point(grasp.member("object").member("center").point());
+      for (const Vec2 force : held) frame["hold"]["forces"].push_back({force.x, force.y});
     }
     const auto palm = grasp.optional("palm");
     if (!palm) return;

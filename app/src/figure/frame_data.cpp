@@ -46,6 +46,8 @@ void FrameFigure::add_frame(DataFile& data, std::size_t index) const {
   }
   if (one.contains("obstacles")) add_shapes(data, one["obstacles"], fmt::format("frame {}: ", index + 1));
   for (const char* key : {"palm", "measured", "tips", "path"}) add(key);
+  if (has<hold_key>(one)) block("hold", "x y; around the object, how far forces on it are held");
+  for (const Vec2 p : hold_line(one)) data.row(p);
   const double size = 0.1 * length_;
   if (has_target(one)) {
     const Vec2 target = point(one["target"]["position"]);

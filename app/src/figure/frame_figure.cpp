@@ -74,6 +74,7 @@ struct Sign {
 constexpr Sign signs[] = {
     {has<palm_key>, "palm", "with lines linewidth 3 linecolor rgb '#404040' title 'palm'"},
     {has<path_key>, "path", "with points pointtype 7 pointsize 0.6 linecolor rgb '#2e7d32' title 'targets'"},
+    {has<hold_key>, "hold", "with lines linewidth 1.8 dashtype (5,3) linecolor rgb '#7b3f98' title 'forces held'"},
     {has<measured_key>, "measured",
      "with points pointtype 6 pointsize 1.1 linewidth 1.5 linecolor rgb '#e08a00' title 'measured'"},
     {has<tips_key>, "tips",
@@ -118,6 +119,15 @@ FrameFigure::Arrow FrameFigure::arrow_of(const Json& contact) const {
   return {point(contact["surface"]), (per_newton_ * contact["force"].get<double>()) * point(contact["normal"])};
 }
 
+std::vector<Vec2> FrameFigure::hold_line(const Json& frame) const {
+  std::vector<Vec2> line;
+  if (!has<hold_key>(frame)) return line;
+  const Json& hold = frame["hold"];
+  for (const Json& force : hold["forces"]) line.push_back(point(hold["center"]) + per_newton_ * point(force));
+  line.push_back(line.front());
+  return line;
+}
+
 void FrameFigure::collect() {
   const auto add_all = [&](const Json& owner, const char* key) {
     if (!owner.contains(key)) return;
@@ -139,6 +149,7 @@ void FrameFigure::collect() {
       for (const char* list : {"line", "body", "band"}) add_all(rod, list);
     }
     for (const char* list : {"measured", "tips", "path", "palm"}) add_all(one, list);
+    for (const Vec2 p : hold_line(one)) drawn_.push_back(p);
     if (has_target(one)) drawn_.push_back(point(one["target"]["position"]));
     for (const Json& contact : one["contacts"]) {
       if (presses(contact)) drawn_.push_back(arrow_of(contact).from + 1.25 * arrow_of(contact).along);

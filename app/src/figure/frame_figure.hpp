@@ -33,6 +33,8 @@ class FrameFigure {
   };
   const Json& frame(std::size_t index) const { return drawing_["frames"][index]; }
   Arrow arrow_of(const Json& contact) const;
+  /// Around a grasped object, how far forces on it are held; empty: that is not told.
+  std::vector<Vec2> hold_line(const Json& frame) const;
   void collect();
   Box window() const;
   Vec2 emptiest_corner(double inset) const;

@@ -33,7 +33,7 @@ bool has(const Json& frame) {
   return frame.contains(key) && !frame[key].empty();
 }
 inline constexpr char palm_key[] = "palm", measured_key[] = "measured", tips_key[] = "tips",
-                      obstacles_key[] = "obstacles", path_key[] = "path";
+                      obstacles_key[] = "obstacles", path_key[] = "path", hold_key[] = "hold";
 
 /// Around an obstacle of a drawing.
 inline std::vector<ClosedLine> lines_of(const Json& shape) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "system/tables.hpp"
 #include "tendril/execute.hpp"
@@ -99,6 +100,35 @@ std::string_view turning(const Scene& scene, double moment) {
   return moment > 0.0 ? "opening" : "closing";
 }
 
+namespace {
+
+Json hold_json(const GraspHold& hold) {
+  Json corners = Json::array();
+  for (const Vec2 f : hold.held_forces) corners.push_back(numbers({f.x, f.y}));
+  return {{"coefficient", number(hold.friction)},
+          {"closure", hold.closure},
+          {"closure_coefficient", number(hold.closure_friction)},
+          {"breaking_force", numbers({hold.breaking_force.x, hold.breaking_force.y})},
+          {"held_forces", std::move(corners)},
+          {"held_moments", numbers({hold.least_moment, hold.largest_moment})}};
+}
+
+void add_hold(Grid& grid, const GraspHold& hold, const DisplayUnits& units) {
+  std::string closure = fmt::format("{:.6g}: the cones ", hold.friction);
+  closure += hold.closure ? "hold any disturbance if pressed hard enough" : "do not hold every disturbance";
+  closure += hold.closure_friction > 0.0 ? fmt::format(", which takes more than {:.6g}", hold.closure_friction) : "";
+  grid.row({"friction", closure});
+  const double force = norm(hold.breaking_force);
+  if (!std::isfinite(force)) return;
+  const double direction = std::atan2(hold.breaking_force.y, hold.breaking_force.x);
+  grid.row({"least force that breaks the hold",
+            force > 0.0 ? fmt::format("{:.6g} N, towards {:.4g} deg", force, direction * 180.0 / std::numbers::pi)
+                        : "none is held"});
+  grid.row({"moments held", units.moment(hold.least_moment) + " to " + units.moment(hold.largest_moment)});
+}
+
+}  // namespace
+
 void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
   Json pressures = Json::array();
   Json inputs = Json::array();
@@ -136,6 +166,7 @@ void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
        {{"center", numbers({grasp.object_center.x, grasp.object_center.y})}, {"radius", number(grasp.object_radius)}}},
       {"axial_force", number(grasp.axial_force)},
       {"lateral_force", number(grasp.lateral_force)}};
+  if (norm(grasp.load) != 0.0) quality["object"]["load"] = numbers({grasp.load.x, grasp.load.y});
   if (grasp.quality) {
     const GraspQuality& q = *grasp.quality;
     quality["force_to_limit"] = numbers(q.force_margins);
@@ -147,6 +178,7 @@ void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
     quality["force_by_1_percent_of_moment"] = std::move(by_moment);
     quality["force_by_1_mm_of_place"] = numbers({-1e-3 * q.axial_stiffness, -1e-3 * q.lateral_stiffness});
   }
+  if (grasp.hold) quality["friction"] = hold_json(*grasp.hold);
   json["grasp"] = std::move(quality);
   if (!grasp.lower) return;
   Json fingers = Json::array();
@@ -178,6 +210,9 @@ std::string grasp_text(const Scene& scene, const Plan& plan) {
   grid.row({"grasp", ""});
   grid.row({"palm distance", units.lengths(grasp.palm_distance)});
   grid.row({"net force", newtons(grasp.axial_force) + " along the axis (positive: away from the palm)"});
+  if (norm(grasp.load) != 0.0) {
+    grid.row({"the object carries", fmt::format("[{:.6g}, {:.6g}] N", grasp.load.x, grasp.load.y)});
+  }
   grid.row({"each finger presses", newtons(grasp.lateral_force) + " across the axis"});
   if (grasp.quality) {
     const GraspQuality& q = *grasp.quality;
@@ -203,6 +238,7 @@ std::string grasp_text(const Scene& scene, const Plan& plan) {
     }
     grid.row({"1 mm of its place", pair(-1e-3 * q.axial_stiffness, -1e-3 * q.lateral_stiffness)});
   }
+  if (grasp.hold) add_hold(grid, *grasp.hold, units);
   return '\n' + grid.text("");
 }
 

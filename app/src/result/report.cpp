@@ -125,8 +125,10 @@ void add_contacts(Grid& grid, const std::string& whose, const std::vector<Planne
     const std::string name = whose + printable(contact.obstacle_name) + (last.at_tip ? " (tip)" : "");
     if (grid.empty()) grid.row({"contact", "arc length", "force", "gap", "point"});
     if (next - first == 1) {
-      grid.row({name + (contact.extended ? " (extended)" : ""), units.lengths(contact.arc_length), force(contact.force),
-                units.lengths(contact.gap), units.point(contact.point)});
+      const std::string across =
+          contact.tangential != 0.0 ? ", " + force(contact.tangential) + " along the rod" : std::string();
+      grid.row({name + (contact.extended ? " (extended)" : ""), units.lengths(contact.arc_length),
+                force(contact.force) + across, units.lengths(contact.gap), units.point(contact.point)});
       continue;
     }
     grid.row({name + fmt::format(" (extended, {} points)", next - first),

@@ -59,11 +59,14 @@ Table<ContactSpec> contact_table() {
            quantity<T>("friction", none, not_negative, "0", "Coefficient of friction of all contacts.",
                        [](T& t, double v) { t.friction = v; }),
            text<T>("friction_state", "range",
-                   "Where contacts rub: \"range\" plans without friction and then follows every state that it allows.",
+                   "Where contacts rub: \"range\" plans without friction and then follows every state that it allows; "
+                   "\"any\" plans a grasp with tangential forces.",
                    [](T& t, const std::string& v) {
-                     t.friction_state = v == "none" ? FrictionState::none : FrictionState::range;
+                     t.friction_state = v == "none"  ? FrictionState::none
+                                        : v == "any" ? FrictionState::any
+                                                     : FrictionState::range;
                    },
-                   {"range", "none"}),
+                   {"range", "any", "none"}),
            integer<T>("check_points", 0, "0",
                       "A fixed number of clearance points, without refinement; 0: chosen and refined.",
                       [](T& t, int v) { t.check_points = v; })}};
@@ -132,6 +135,10 @@ Table<GripperSpec> gripper_table() {
        quantity<T>(
            "object_diameter", dimension::length, positive, "", "Diameter of the round object.",
            [](T& t, double v) { t.object_diameter = v; }, Need::required),
+       quantity<T>("object_mass", dimension::mass, not_negative, "0", "Mass of the object, which gravity pulls at.",
+                   [](T& t, double v) { t.object_mass = v; }),
+       point<T>("object_force", dimension::force, "[0, 0]", "Dead force on the object's centre.",
+                [](T& t, Vec2 v) { t.object_force = v; }),
        quantity<T>("palm_distance", dimension::length, positive, "free",
                    "Fixed distance from the palm to the object's centre.", [](T& t, double v) { t.palm_distance = v; }),
        quantities<T>("palm_distance_range", dimension::length, not_negative,

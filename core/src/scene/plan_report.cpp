@@ -8,6 +8,7 @@
 #include "certificate/clearance.hpp"
 #include "rod/kernels.hpp"
 #include "rod/outline.hpp"
+#include "tendril/tolerances.hpp"
 
 namespace tendril {
 
@@ -88,7 +89,9 @@ void planned_contacts(const PoseProgram& program, const std::vector<std::string>
     const double side = dot(turned(c.surface.normal), c.tangent) < 0.0 ? -1.0 : 1.0;
     p.tangent = side * turned(c.surface.normal);
     p.tangential = side * (c.lean * p.force + c.shear * scale.force());
-    p.sticks = setup.sticks;
+    const int lean = program.layout().first_lean + static_cast<int>(k);
+    const bool inside = program.layout().leans > 0 && std::abs(c.lean) < program.upper()[lean] - tolerance::bounds;
+    p.sticks = setup.sticks || inside;
     p.gap = c.surface.distance * scale.length;
     p.extended = false;
   }

@@ -113,6 +113,9 @@ const Tendril = (() => {
     return most > 0 ? (0.16 * drawing.length) / most : 0;
   }
 
+  // Around an object, how far forces on it are held, in the size of the arrows of contact forces.
+  const hold_line = ({ hold }, arrow) => (hold ? hold.forces.map((f) => plus(hold.center, times(f, arrow))) : []);
+
   // What every frame needs; of obstacles only what is near.
   function bounds_of(drawing) {
     const low = [Infinity, Infinity];
@@ -124,6 +127,7 @@ const Tendril = (() => {
       if (frame.target && frame.target.position) add(frame.target.position);
       for (const c of pressed(frame)) add(plus(c.surface, times(c.normal, 1.25 * arrow * c.force)));
       for (const list of ["palm", "measured", "tips", "path"]) (frame[list] || []).forEach(add);
+      hold_line(frame, arrow).forEach(add);
     }
     (drawing.start || []).forEach(add);
     if (low[0] > high[0]) { add([0, 0]); add([drawing.length, 0]); }
@@ -167,6 +171,7 @@ const Tendril = (() => {
       const color = doubtful ? colors.doubt : colors.rods[Math.min(i, 1)];
       pen.path(rod.line.map(at), { stroke: color, width: frame.rods.length > 2 ? 1.6 : rod.body ? 2.5 : 5, dash: doubtful ? [12, 8] : [] });
     });
+    if (frame.hold) pen.path(hold_line(frame, scene.arrow).map(at), { stroke: colors.tips, width: 1.8, dash: [7, 4], closed: true });
     for (const p of frame.measured || []) pen.disc(at(p), 4.5, { stroke: colors.measured, width: 1.8 });
     for (const p of frame.tips || []) pen.disc(at(p), 3.5, { stroke: colors.tips, width: 1.6 });
     paint_contacts(pen, scene, at);
@@ -402,7 +407,7 @@ const Tendril = (() => {
       const frames = this.drawing.frames;
       const entries = [["▬ rod", colors.rods[0], true], ["▬ other finger", colors.rods[1], frames.some((f) => f.rods.length === 2)],
         ["● ➝ contact, its force", colors.force, frames.some((f) => f.contacts.length)], ["◁ friction cone", colors.force, frames.some((f) => f.contacts.some((c) => c.friction))],
-        ["○ tip under friction", colors.tips, frames.some((f) => f.tips)], ["○ measured", colors.measured, frames.some((f) => f.measured)], ["✚ target", colors.target, frames.some((f) => f.target && f.target.position)],
+        ["○ tip under friction", colors.tips, frames.some((f) => f.tips)], ["╍ forces held", colors.tips, frames.some((f) => f.hold)], ["○ measured", colors.measured, frames.some((f) => f.measured)], ["✚ target", colors.target, frames.some((f) => f.target && f.target.position)],
         ["╍ start", colors.start, this.drawing.start], ["─ way of the tip", colors.tips, this.drawing.ordered]];
       this.legend.replaceChildren(...entries.filter((e) => e[2]).flatMap(([text, color]) => {
         const entry = element("span", { class: "sign" }, text);
