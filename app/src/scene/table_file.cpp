@@ -271,6 +271,8 @@ bool Reader::take_units(const std::vector<TextCell>& cells) {
     if (column_of_[i] < 0) continue;
     const auto at = static_cast<std::size_t>(column_of_[i]);
     std::string_view unit = i < cells.size() ? std::string_view(cells[i].text) : "";
+    // Pure numbers have none.
+    if (spec_.columns[file_.form[at]].dimension.unit.empty() && is_missing(unit)) continue;
     const bool in_brackets = unit.size() > 2 && (unit.front() == '[' || unit.front() == '(');
     if (in_brackets) unit = trimmed_text(unit.substr(1, unit.size() - 2));
     const auto size = unit.empty() ? std::nullopt : factor(unit, spec_.columns[file_.form[at]].dimension);
