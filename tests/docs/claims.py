@@ -107,6 +107,11 @@ def error_bars():
             u["shares"]["rod.bending_stiffness"] * 100]
 
 
+def hysteresis():
+    ways = run("execute scenes/brace.toml --set contact.friction=0.3 --moments '0; 1.2 N mm; 2.5 N mm; 1.2 N mm; 0'")["steps"]
+    return [ways[i]["tip"][axis] * mm for i in (1, 3) for axis in "xy"]
+
+
 def steps(method):
     return sum(s["method"] == method for s in run("plan scenes/trajectory.toml")["steps"])
 
@@ -131,6 +136,7 @@ CLAIMS = [
               run(EXECUTED)["contacts"][0]["arc_length"] * mm]),
     ("docs/execution.md", "snapping through at {} N mm; in units of EI/L that is {}.",
      lambda: [snap()["moments"][0] * Nmm, snap()["moments"][0] / snap_unit()]),
+    ("docs/execution.md", "the tip is at ({}, {}) mm on the way up and at ({}, {}) mm on the way down", hysteresis),
     ("docs/execution.md", "below {} m for `brace.toml`, {} mm with `--coordinates pcc`",
      lambda: [("below", run(VERIFIED)["model_error"]), run(PCC)["model_error"] * mm]),
     ("docs/estimate.md", "1 {} mN {} % {} mm {} mm {} ({}, {}) mm ({}, {})", estimated),

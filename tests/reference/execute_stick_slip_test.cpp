@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "execute_support.hpp"
 #include "obstacle/wall.hpp"
@@ -264,6 +265,50 @@ TEST(StickAndSlip, ARodThatLeansOnAWallUnderItsWeightSlipsBeyondTheFrictionAngle
       }
     }
   }
+}
+
+/// A rod that hangs over pegs on a quarter of a circle, its tip pulled down, is drawn back at its base: the pull there,
+/// for each unit of that at the tip.
+double pull_over_pegs(int pegs, double friction) {
+  constexpr double arc = 0.5;
+  constexpr double radius = 0.01;
+  const double tip_force = 100.0 * pegs;  // more than the rod's stiffness holds between two pegs
+  ForwardScene s;
+  s.scene.rod.actuators.clear();
+  s.scene.tip_load.force = Vec2{0.0, -tip_force};
+  s.scene.contact.friction = friction;
+  for (int i = 0; i < pegs; ++i) {
+    const double at = 0.5 * std::numbers::pi * (1.0 - (i + 0.5) / pegs);
+    s.circle(0.1 + (arc - radius) * std::cos(at), (arc - radius) * std::sin(at) - arc, radius);
+  }
+  ExecuteControl control;
+  control.place.base = {Vec2{}, 0.0};
+  const std::vector<double> no_moments;
+  const Execution hung = execute(s.scene, s.obstacles, no_moments, control);
+  EXPECT_EQ(hung.result.status, PlanStatus::solved) << hung.result.message;
+  control.start = &hung.result;
+  control.place.base->position = {-0.02, 0.0};
+  const Execution drawn = execute(s.scene, s.obstacles, no_moments, control);
+  EXPECT_EQ(drawn.result.status, PlanStatus::solved) << drawn.result.message;
+  EXPECT_EQ(drawn.result.contacts.size(), static_cast<std::size_t>(pegs));
+  double across = 0.0;
+  for (const PlannedContact& c : drawn.result.contacts) {
+    EXPECT_FALSE(c.sticks);
+    // Along the rod is clockwise.
+    across += c.force * c.normal.x + c.tangential * c.normal.y;
+  }
+  return across / tip_force;
+}
+
+// The capstan: exp(mu angle), to the second order of the pegs' spacing.
+TEST(StickAndSlip, OverPegsOnAnArcThePullGrowsAsOverACapstan) {
+  for (const int pegs : {2, 4, 8}) {
+    SCOPED_TRACE(pegs);
+    const double capstan = std::exp(0.3 * 0.5 * std::numbers::pi);
+    EXPECT_NEAR(pull_over_pegs(pegs, 0.3) / capstan, 1.0, 0.2 / (pegs * pegs));
+  }
+  // A rope would pull alike; the rod's stiffness takes a little.
+  EXPECT_NEAR(pull_over_pegs(4, 0.0), 1.0, 1e-4);
 }
 
 TEST(StickAndSlip, WhatIsCarriedOverFromAResultWithoutFrictionSticksFirst) {
