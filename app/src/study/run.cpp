@@ -143,10 +143,6 @@ void StudyCases::check() {
   if (places && scene_.problem == ProblemKind::grasp) {
     throw InputError(scene_.file + ": [study] has places of a rod, but the fingers of a grasp stand on the palm");
   }
-  const bool places = !study_.insertions.empty() || !study_.base_positions.empty() || !study_.base_angles.empty();
-  if (places && scene_.problem == ProblemKind::grasp) {
-    throw InputError(scene_.file + ": [study] has places of a rod, but the fingers of a grasp stand on the palm");
-  }
   const bool changes = !study_.moments.empty() || !study_.pressures.empty();
   const bool of_grasps = !study_.diameters.empty() || changes || !study_.force_limits.empty();
   if (of_grasps && scene_.problem != ProblemKind::grasp) {
