@@ -40,7 +40,12 @@ Plan simple_plan() {
   plan.target_error = 0.002;
   plan.objective = 0.75;
   plan.terms = {{"tip_pose", 0.5}, {"tip_pose", 0.25}};
-  plan.contacts = {{0, "peg", false, 0.0586, {0.06, 0.008}, {0.0, 1.0}, 0.0617, 0.0}};
+  PlannedContact& contact = plan.contacts.emplace_back();
+  contact.obstacle_name = "peg";
+  contact.arc_length = 0.0586;
+  contact.point = {0.06, 0.008};
+  contact.normal = {0.0, 1.0};
+  contact.force = 0.0617;
   plan.certificate.equilibrium = 1e-13;
   plan.certificate.stationarity_kind = "S";
   plan.solver_name = "nlopt";

@@ -383,7 +383,7 @@ std::vector<LoopPanel> LoopPanel::of(const Json& drawing) {
   if (!drawing.contains("loops")) return panels;
   for (const Json& loop : drawing["loops"]) {
     LoopPanel& panel = panels.emplace_back();
-    panel.title = "friction at " + loop["obstacle"].get<std::string>();
+    panel.title = "friction at " + loop["obstacle"].get<std::string>() + " (N)";
     panel.x_label = fmt::format("{} ({})", loop["input"].get<std::string>(), loop["unit"].get<std::string>());
     panel.y_label = "force along the rod (N)";
     for (const Json& p : loop["points"]) panel.points.push_back(point(p));

@@ -142,8 +142,9 @@ std::vector<Vec2> HeldDisturbances::corners() const {
 }
 
 void tell_hold(const Task& task, Plan& plan) {
+  if (!plan.grasp || plan.status != PlanStatus::solved) return;
   const double friction = friction_of(task.scene, 0);
-  if (!plan.grasp || !(friction > 0.0) || plan.status != PlanStatus::solved) return;
+  if (!(friction > 0.0)) return;
   const GripperSpec& gripper = *task.scene.gripper;
   const double trace = tolerance::force * task.scene_scale.force();
   std::vector<Pad> pads;
