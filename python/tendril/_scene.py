@@ -186,7 +186,7 @@ class Scene:
             _refuse(start is not None, "start", "an estimate starts from the measured points")
             _refuse(verify, "verify", "the obstacles of an estimate are not known, so nothing can be carried out")
             found = Result.from_json(_native.estimate(self._source()))
-            return (SequenceEstimate if "frames" in found else Estimate)(found)
+            return SequenceEstimate(found) if "frames" in found else Estimate(found)
         return self._known(Plan.from_json(scene.plan(_json_of(start, "start"), bool(verify))), start)
 
     def _known(self, result: Any, start: Earlier | None) -> Any:

@@ -162,7 +162,7 @@ struct ObstacleSpec {
   RawOptions options{};  ///< of the shape, not checked yet
   /// Coefficient of friction of its contacts; absent: that of ContactSpec.
   std::optional<double> friction{};
-  ObstaclePlace place{};
+  ObstaclePlace place{};  ///< where it is instead
 };
 
 /// What becomes of the unknown state of friction (docs/model.md section 11).
@@ -188,8 +188,8 @@ struct ContactSpec {
 
 /// Where an obstacle of a scene is at a step of a trajectory.
 struct MovedObstacle {
-  int obstacle = 0;  ///< index in the scene
-  ObstaclePlace place{};
+  int obstacle = 0;       ///< index in the scene
+  ObstaclePlace place{};  ///< where it is then
 };
 
 /// The pose that the tip should have; either part may be absent.

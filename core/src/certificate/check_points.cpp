@@ -1,7 +1,9 @@
 #include "certificate/check_points.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <span>
+#include <tuple>
 
 namespace tendril {
 
@@ -49,6 +51,14 @@ bool exchange_checks(const PoseProgram& program, ConstVectorRef x, Certifier& ce
     changed = true;
   }
   return changed;
+}
+
+void keep_unique(std::vector<CheckPoint>& checks) {
+  const auto key = [](const CheckPoint& c) { return std::tuple(c.obstacle, c.piece, c.sigma); };
+  std::sort(checks.begin(), checks.end(), [&](const CheckPoint& a, const CheckPoint& b) { return key(a) < key(b); });
+  checks.erase(std::unique(checks.begin(), checks.end(),
+                           [&](const CheckPoint& a, const CheckPoint& b) { return key(a) == key(b); }),
+               checks.end());
 }
 
 }  // namespace tendril

@@ -19,4 +19,7 @@ inline constexpr double contact_neighbourhood = 0.02;
 bool exchange_checks(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
                      std::vector<CheckPoint>& checks, double level, bool keep = false);
 
+/// Each of them once, in order.
+void keep_unique(std::vector<CheckPoint>& checks);
+
 }  // namespace tendril

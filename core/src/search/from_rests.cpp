@@ -172,7 +172,9 @@ void Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
   // What the backend cannot do with all variables it may do with the moments alone.
   Eigen::VectorXd x = feasible;
   for (int round = 0; round <= search_parameters().exchanges_along && !must_stop(); ++round) {
+    // All rounds before have added theirs, and every one is a row.
     spec.checks = checks;
+    keep_unique(spec.checks);
     PoseProgram along(spec);
     if (!come_to_point(state, along, x)) return;
     // Where the way to better moments went through an obstacle, it is watched there, and begins anew.

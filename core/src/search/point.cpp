@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "certificate/check_points.hpp"
@@ -19,14 +18,6 @@ namespace {
 /// Numbers that steer the search. They decide how a plan is found, never whether it is accepted.
 constexpr int most_nodes = 600;                         ///< of a quadrature that is refined further
 constexpr double swollen_radii[] = {0.02, 0.1, 0.005};  ///< ... to the first of these that works
-
-void keep_unique(std::vector<CheckPoint>& checks) {
-  const auto key = [](const CheckPoint& c) { return std::tuple(c.obstacle, c.piece, c.sigma); };
-  std::sort(checks.begin(), checks.end(), [&](const CheckPoint& a, const CheckPoint& b) { return key(a) < key(b); });
-  checks.erase(std::unique(checks.begin(), checks.end(),
-                           [&](const CheckPoint& a, const CheckPoint& b) { return key(a) == key(b); }),
-               checks.end());
-}
 
 }  // namespace
 
@@ -273,7 +264,7 @@ Completion Planner::bring_to_certificate(ModeState& state, const std::vector<int
                                          const std::vector<Branch>& branches, Candidate& c) {
   Completing steps{*this, state, regions, branches, every_check, every_check, c};
   const Completion completion = tendril::bring_to_certificate(steps_, state, c, std::move(x), steps);
-  keep_unique(every_check);
+  if (completion == Completion::lost) keep_unique(every_check);
   if (completion == Completion::judged && !c.has_point) note_unfit_term(*c.program, c.x);
   return completion;
 }
