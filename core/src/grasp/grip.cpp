@@ -42,7 +42,7 @@ std::string PinchedObject::obstruction(const Task& data, double reach) const {
   const bool mirrored = !plans_both_fingers(data.scene);
   if (mirrored) {
     const double carried = data.scene.contact.count * carried_by(data);
-    const std::string heavy = too_heavy(data, 2.0 * std::abs(data.palm->load), 2.0 * carried);
+    std::string heavy = too_heavy(data, 2.0 * std::abs(data.palm->load), 2.0 * carried);
     if (!heavy.empty()) return heavy;
   }
   // One balanced contact is where the object's normal is square to the axis, if the other finger is the mirror image
@@ -82,7 +82,7 @@ std::string pair_obstruction(const Task& upper, double upper_reach, double lower
   // law gives |C|^2 + |r n - (0, w)|^2 <= (a^2 + b^2) / 2.
   const Task& lower = *upper.lower;
   const double from_lower = lower.term_units.force / upper.term_units.force;
-  const std::string heavy =
+  std::string heavy =
       too_heavy(upper, norm(load_along(upper.scene, upper.scale)), carried_by(upper) + from_lower * carried_by(lower));
   if (!heavy.empty()) return heavy;
   // Normals that tilt are not opposite.
