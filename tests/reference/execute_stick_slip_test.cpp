@@ -100,7 +100,7 @@ TEST(StickAndSlip, AChainOfRubbingLinksFollowsTheSamePath) {
   const double weight = 0.084 * 9.81 * 1e-3 / 4.9e-4;
   const ForwardScene s = rubbing_arm(0.3);
   constexpr double link = 0.08 / 50;
-  RubbingChain chain(links_around(0.55, 0.63, 50, 40), 0.5, 0.0, {{{0.6, 0.0}, 0.08, {}, 0.3}});
+  RubbingChain chain(links_around(0.55, 0.63, 50, 40), 0.5, 0.0, {{{{0.6, 0.0}, 0.08}, 0.3}});
   constexpr int steps = 50;
   for (int i = 1; i <= steps; ++i) {
     const double load = static_cast<double>(i) / steps;

@@ -4,31 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/chain_surface.hpp"
+
 namespace tendril::support {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-Point direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
-double dot(Point a, Point b) { return a.x * b.x + a.y * b.y; }
-Point turned(Point a) { return {-a.y, a.x}; }
-
-/// Outward normal, gap and curvature of the gap's level line.
-struct Surface {
-  Point normal;
-  double gap;
-  double curvature;
-};
-
-Surface surface(const BvpContact& c, Point p) {
-  const Point d{p.x - c.center.x, p.y - c.center.y};
-  if (c.wall_normal.x != 0.0 || c.wall_normal.y != 0.0) return {c.wall_normal, dot(d, c.wall_normal), 0.0};
-  const double distance = std::hypot(d.x, d.y);
-  if (!(distance > 0.0)) throw BvpError("a joint lies on an obstacle's centre");
-  return {{d.x / distance, d.y / distance}, distance - c.radius, 1.0 / distance};
-}
 
 /// A torsion spring between neighbouring unknowns, with the moments of the actuators that span it.
 struct Spring {
@@ -184,7 +167,7 @@ void Chain::derivatives(const VectorXd& angle, bool with_obstacles, VectorXd& gr
   VectorXd along_normal(n_), along_tangent(n_);
   for (std::size_t k = 0; k < obstacles_.size(); ++k) {
     for (Index j = 1; j <= n_; ++j) {
-      const Surface o = surface(obstacles_[k], p[static_cast<std::size_t>(j)]);
+      const ChainSurface o = surface(obstacles_[k], p[static_cast<std::size_t>(j)]);
       const double f = pressure(k, j, o.gap);
       if (f <= 0.0) continue;
       for (Index i = 0; i < j; ++i) {
@@ -292,7 +275,7 @@ LinkChainSolution settle(const RodBvp& rod, const std::vector<double>& moments,
     Point sum{};
     double total = 0.0;
     for (std::size_t j = 1; j < out.joints.size(); ++j) {
-      const Surface o = surface(obstacles[k], out.joints[j]);
+      const ChainSurface o = surface(obstacles[k], out.joints[j]);
       out.penetration = std::max(out.penetration, -o.gap);
       const double f = chain.force(k, static_cast<Index>(j));
       if (f <= 0.0) continue;

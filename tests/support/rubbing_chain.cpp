@@ -4,16 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "support/chain_surface.hpp"
+
 namespace tendril::support {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-Point direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
-double dot(Point a, Point b) { return a.x * b.x + a.y * b.y; }
-Point turned(Point a) { return {-a.y, a.x}; }
 
 }  // namespace
 
@@ -44,21 +42,14 @@ std::vector<Point> RubbingChain::joints() const {
 
 Point RubbingChain::tip() const { return joints().back(); }
 
-RubbingChain::Surface RubbingChain::surface(const RoughObstacle& o, Point p) const {
-  const Point d{p.x - o.center.x, p.y - o.center.y};
-  if (o.wall_normal.x != 0.0 || o.wall_normal.y != 0.0) return {o.wall_normal, dot(d, o.wall_normal), 0.0};
-  const double distance = std::hypot(d.x, d.y);
-  return {{d.x / distance, d.y / distance}, distance - o.radius, 1.0 / distance};
-}
-
 double RubbingChain::slid(const Touch& t, const std::vector<Point>& now) const {
   const RoughObstacle& o = obstacles_[t.obstacle];
   const Point a = t.from;
   const Point b = now[static_cast<std::size_t>(t.joint)];
-  const Point normal = surface(o, a).normal;
-  if (o.radius == 0.0) return dot({b.x - a.x, b.y - a.y}, turned(normal));
-  const Point there = surface(o, b).normal;
-  return o.radius * std::atan2(normal.x * there.y - normal.y * there.x, dot(normal, there));
+  const Point normal = surface(o.shape, a).normal;
+  if (o.shape.radius == 0.0) return dot({b.x - a.x, b.y - a.y}, turned(normal));
+  const Point there = surface(o.shape, b).normal;
+  return o.shape.radius * std::atan2(normal.x * there.y - normal.y * there.x, dot(normal, there));
 }
 
 /// Newton's method on the balance of moments of all links with the gaps and, where joints stick, what they slide.
@@ -96,7 +87,7 @@ void RubbingChain::solve(double moment, double weight) {
     for (Index c = 0; c < count; ++c) {
       const Touch& touch = touches_[static_cast<std::size_t>(c)];
       const RoughObstacle& o = obstacles_[touch.obstacle];
-      const Surface s = surface(o, p[static_cast<std::size_t>(touch.joint)]);
+      const ChainSurface s = surface(o.shape, p[static_cast<std::size_t>(touch.joint)]);
       const Point tau = turned(s.normal);
       const double ratio = touch.slips * o.friction;
       const double shear = touch.slips != 0 ? ratio * touch.force : touch.shear;
@@ -163,12 +154,12 @@ bool RubbingChain::change_touches() {
   Touch made;
   for (std::size_t o = 0; o < obstacles_.size(); ++o) {
     for (Index j = 1; j <= n_; ++j) {
-      const double gap = surface(obstacles_[o], p[static_cast<std::size_t>(j)]).gap;
+      const double gap = surface(obstacles_[o].shape, p[static_cast<std::size_t>(j)]).gap;
       if (!(gap < deepest)) continue;
       deepest = gap;
       const Point a = before_[static_cast<std::size_t>(j)];
       const Point b = p[static_cast<std::size_t>(j)];
-      const double above = std::max(0.0, surface(obstacles_[o], a).gap);
+      const double above = std::max(0.0, surface(obstacles_[o].shape, a).gap);
       const double share = above / (above - gap);
       made = {j, o, {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)}};
     }
@@ -206,7 +197,7 @@ RubbingChain::Contact RubbingChain::contact(std::size_t obstacle) const {
   for (const Touch& t : touches_) {
     if (t.obstacle != obstacle) continue;
     const RoughObstacle& o = obstacles_[obstacle];
-    const Point normal = surface(o, p[static_cast<std::size_t>(t.joint)]).normal;
+    const Point normal = surface(o.shape, p[static_cast<std::size_t>(t.joint)]).normal;
     const double along = dot(turned(normal), direction(angle_[t.joint])) < 0.0 ? -1.0 : 1.0;
     c.force += t.force;
     c.tangential += along * (t.slips != 0 ? t.slips * o.friction * t.force : t.shear);

@@ -10,11 +10,8 @@
 /// or slide, and nothing of rolling, of tangents or of a path's rates. L = EI = 1.
 namespace tendril::support {
 
-/// A circle, or the half-plane behind a point with this outward normal.
 struct RoughObstacle {
-  Point center{};
-  double radius = 0.0;
-  Point wall_normal{};
+  BvpContact shape{};
   double friction = 0.0;
 };
 
@@ -45,11 +42,6 @@ class RubbingChain {
     int slips = 0;  ///< along the turned normal, 1 or -1: that is where friction pushes; 0: it sticks
     double force = 0.0, shear = 0.0;
   };
-  struct Surface {
-    Point normal{};
-    double gap = 0.0, curvature = 0.0;
-  };
-  Surface surface(const RoughObstacle& o, Point p) const;
   /// What a touching joint has slid along the turned normal in this step.
   double slid(const Touch& t, const std::vector<Point>& now) const;
   std::vector<Point> joints() const;

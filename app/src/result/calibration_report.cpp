@@ -4,9 +4,7 @@
 
 #include <cmath>
 
-#include "result/report_parts.hpp"
-#include "result/result_object.hpp"
-#include "system/tables.hpp"
+#include "result/fit_parts.hpp"
 
 namespace tendril::app {
 
@@ -164,13 +162,11 @@ std::string calibration_json(const Scene& scene, const Calibration& c, const Run
 
 std::string calibration_report(const Scene& scene, const Calibration& c) {
   const DisplayUnits units(scene);
-  std::string text = heading(scene) + '\n';
-  text += line("status", std::string(to_string(c.status)));
-  if (!c.message.empty()) text += line("", printable(c.message));
+  std::string text = fit_heading(scene, c);
   if (!c.shapes.empty()) {
     text += line("recordings",
                  fmt::format("{}, residuals {} (rms of a coordinate)", c.shapes.size(), units.lengths(c.residual_rms)));
-    text += line("noise", units.lengths(c.noise) + (c.noise_estimated ? " (estimated from the residuals)" : ""));
+    text += noise_line(c, units);
     if (std::isfinite(c.repeatability)) {
       text += line("repeated", units.lengths(c.repeatability) + " between recordings under the same loads");
     }

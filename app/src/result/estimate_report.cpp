@@ -4,10 +4,7 @@
 
 #include <cmath>
 
-#include "result/report_parts.hpp"
-#include "result/result_object.hpp"
-#include "system/tables.hpp"
-#include "tendril/coordinate_model.hpp"
+#include "result/fit_parts.hpp"
 
 namespace tendril::app {
 
@@ -112,14 +109,7 @@ std::string tests_text(const std::vector<ContactTest>& tests) {
 
 std::string estimate_json(const Scene& scene, const Estimate& estimate, const RunInfo& run) {
   Json json;
-  json["schema"] = 1;
-  json["status"] = to_string(estimate.status);
-  json["message"] = estimate.message;
-  if (!estimate.assumed.empty()) json["assumed"] = estimate.assumed;
-  json["scene"] = scene.file;
-  json["title"] = scene.title;
-  json["problem"] = to_string(scene.problem);
-  json["coordinates"] = {{"name", LegendreBasis::name}, {"order", estimate.order}, {"split_at_contact", true}};
+  add_fit(json, scene, estimate, scene.measurement.points, run);
   json["moments"] = numbers(estimate.moments);
   json["contacts"] = Json::array();
   for (const EstimatedContact& contact : estimate.contacts) json["contacts"].push_back(contact_json(contact));
@@ -132,54 +122,21 @@ std::string estimate_json(const Scene& scene, const Estimate& estimate, const Ru
   }
   json["tests"] = tests_json(estimate.tests);
   json["points"] = scene.measurement.points.size();
-  json["noise"] = number(estimate.noise);
-  json["noise_estimated"] = estimate.noise_estimated;
-  json["residual_rms"] = number(estimate.residual_rms);
-  json["chi2"] = number(estimate.chi_square);
-  json["degrees_of_freedom"] = estimate.degrees_of_freedom;
-  json["fit_probability"] = number(estimate.fit_probability);
-  json["model_error"] = number(estimate.model_error);
-  json["starts"] = estimate.starts;
-  json["solves"] = estimate.solves;
-  // Without a shape there is no tip: nulls.
-  const BackbonePoint nowhere{infinity, infinity, infinity, infinity, infinity};
-  const BackbonePoint& tip = estimate.backbone.empty() ? nowhere : estimate.backbone.back();
-  json["tip"] = {{"x", number(tip.x)}, {"y", number(tip.y)}, {"angle", number(tip.angle)}};
-  json["left_out"] = left_out_json(estimate.left_out);
-  json["seconds"] = {
-      {"read", number(run.seconds_read)}, {"open", number(run.seconds_open)}, {"solve", number(estimate.seconds)}};
-  json["backbone"] = backbone_json(estimate.backbone);
-  json["measured"] = Json::array();
-  for (const MeasuredPoint& p : scene.measurement.points)
-    json["measured"].push_back(numbers({p.position.x, p.position.y}));
   json["plugins"] = components_json(run.components);
-  json["versions"] = versions_json();
   return written(json);
 }
 
 std::string estimate_report(const Scene& scene, const Estimate& estimate) {
   const DisplayUnits units(scene);
-  std::string text = heading(scene) + '\n';
-  text += line("status", std::string(to_string(estimate.status)));
-  if (!estimate.message.empty()) text += line("", printable(estimate.message));
+  std::string text = fit_heading(scene, estimate);
   if (!estimate.backbone.empty()) {
     text += line("points", fmt::format("{}, residuals {} (rms of a coordinate)", scene.measurement.points.size(),
                                        units.lengths(estimate.residual_rms)));
-    text += line("noise",
-                 units.lengths(estimate.noise) + (estimate.noise_estimated ? " (estimated from the residuals)" : ""));
-    text += line(
-        "chi-square",
-        fmt::format("{:.4g} with {} degrees of freedom{}", estimate.chi_square, estimate.degrees_of_freedom,
-                    estimate.noise_estimated ? "" : fmt::format(", probability {:.2g}", estimate.fit_probability)));
-    text += line("model", fmt::format("order {} per piece, points exact to {}", estimate.order,
-                                      units.lengths(estimate.model_error)));
-    if (!estimate.assumed.empty()) text += line("assumed", estimate.assumed);
+    text += noise_line(estimate, units) + fit_lines(estimate, units);
     text += contacts_text(estimate, units) + friction_text(estimate, units);
   }
   text += tests_text(estimate.tests);
-  return text + left_out_text(estimate.left_out) +
-         fmt::format("\ntime: {}, {} starts, {} equilibria\n", seconds(estimate.seconds), estimate.starts,
-                     estimate.solves);
+  return text + fit_end(estimate);
 }
 
 }  // namespace tendril::app

@@ -4,10 +4,7 @@
 
 #include <algorithm>
 
-#include "result/report_parts.hpp"
-#include "result/result_object.hpp"
-#include "system/tables.hpp"
-#include "tendril/coordinate_model.hpp"
+#include "result/fit_parts.hpp"
 
 namespace tendril::app {
 
@@ -127,77 +124,38 @@ std::string frames_text(const SequenceEstimate& estimate, const DisplayUnits& un
 
 std::string sequence_json(const Scene& scene, const SequenceSpec& spec, const SequenceEstimate& estimate,
                           const RunInfo& run) {
+  const bool any = !estimate.frames.empty();
   Json json;
-  json["schema"] = 1;
-  json["status"] = to_string(estimate.status);
-  json["message"] = estimate.message;
-  json["assumed"] = estimate.assumed;
-  json["scene"] = scene.file;
-  json["title"] = scene.title;
-  json["problem"] = to_string(scene.problem);
-  json["coordinates"] = {{"name", LegendreBasis::name}, {"order", estimate.order}, {"split_at_contact", true}};
+  add_fit(json, scene, estimate, any ? spec.frames[estimate.frames.size() - 1].points : std::vector<MeasuredPoint>{},
+          run);
   json["frames"] = Json::array();
   for (const EstimatedFrame& frame : estimate.frames) json["frames"].push_back(frame_json(frame, estimate.timed));
   json["rates"] = {{"force", number(estimate.force_rate)},
                    {"place", number(estimate.place_rate)},
                    {"estimated", estimate.rates_estimated}};
-  json["noise"] = number(estimate.noise);
-  json["noise_estimated"] = estimate.noise_estimated;
-  json["residual_rms"] = number(estimate.residual_rms);
-  json["chi2"] = number(estimate.chi_square);
-  json["degrees_of_freedom"] = estimate.degrees_of_freedom;
-  json["fit_probability"] = number(estimate.fit_probability);
-  json["model_error"] = number(estimate.model_error);
-  json["starts"] = estimate.starts;
-  json["solves"] = estimate.solves;
-  json["left_out"] = left_out_json(estimate.left_out);
-  json["seconds"] = {
-      {"read", number(run.seconds_read)}, {"open", number(run.seconds_open)}, {"solve", number(estimate.seconds)}};
   // As a single shape has them, of the last frame.
-  const bool any = !estimate.frames.empty();
   json["moments"] = any ? json["frames"].back()["moments"] : Json::array();
   json["contacts"] = any ? json["frames"].back()["contacts"] : Json::array();
-  const BackbonePoint nowhere{infinity, infinity, infinity, infinity, infinity};
-  const BackbonePoint& tip = estimate.backbone.empty() ? nowhere : estimate.backbone.back();
-  json["tip"] = {{"x", number(tip.x)}, {"y", number(tip.y)}, {"angle", number(tip.angle)}};
-  json["backbone"] = backbone_json(estimate.backbone);
-  json["measured"] = Json::array();
-  if (any) {
-    for (const MeasuredPoint& p : spec.frames[estimate.frames.size() - 1].points)
-      json["measured"].push_back(numbers({p.position.x, p.position.y}));
-  }
-  json["versions"] = versions_json();
   return written(json);
 }
 
 std::string sequence_report(const Scene& scene, const SequenceEstimate& estimate) {
   const DisplayUnits units(scene);
-  std::string text = heading(scene) + '\n';
-  text += line("status", std::string(to_string(estimate.status)));
-  if (!estimate.message.empty()) text += line("", printable(estimate.message));
+  std::string text = fit_heading(scene, estimate);
   if (!estimate.frames.empty()) {
     text +=
         line("frames", fmt::format("{}, from {} to {}, residuals {} (rms of a coordinate)", estimate.frames.size(),
                                    when(estimate, estimate.frames.front().time),
                                    when(estimate, estimate.frames.back().time), units.lengths(estimate.residual_rms)));
-    text += line("noise",
-                 units.lengths(estimate.noise) + (estimate.noise_estimated ? " (estimated from the residuals)" : ""));
+    text += noise_line(estimate, units);
     text +=
         line("rates", fmt::format("force {}, place {} {}{}", force(estimate.force_rate),
                                   units.lengths(estimate.place_rate), estimate.timed ? "in 1 s" : "from frame to frame",
                                   estimate.rates_estimated ? " (the largest that the frames allow)" : ""));
-    text += line(
-        "chi-square",
-        fmt::format("{:.4g} with {} degrees of freedom{}", estimate.chi_square, estimate.degrees_of_freedom,
-                    estimate.noise_estimated ? "" : fmt::format(", probability {:.2g}", estimate.fit_probability)));
-    text += line("model", fmt::format("order {} per piece, points exact to {}", estimate.order,
-                                      units.lengths(estimate.model_error)));
-    text += line("assumed", estimate.assumed);
+    text += fit_lines(estimate, units);
     text += contacts_text(estimate, units) + frames_text(estimate, units);
   }
-  return text + left_out_text(estimate.left_out) +
-         fmt::format("\ntime: {}, {} starts, {} equilibria\n", seconds(estimate.seconds), estimate.starts,
-                     estimate.solves);
+  return text + fit_end(estimate);
 }
 
 }  // namespace tendril::app

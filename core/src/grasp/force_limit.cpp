@@ -80,8 +80,11 @@ Plan plan_with_friction(Task& task, const PlanControl& control) {
   Plan without = plan_at_limit(task, control);
   set(friction);
   const double left = time_limit - (now() - begin);
-  if (without.status == PlanStatus::interrupted || without.status == PlanStatus::failed || !(left > 0.0))
+  if (without.status == PlanStatus::interrupted || without.status == PlanStatus::failed) return without;
+  if (!(left > 0.0)) {
+    without.search_cut = true;
     return without;
+  }
   const bool solved = without.status == PlanStatus::solved;
   PlanControl from_it = control;
   if (solved) from_it.start = &without;
