@@ -93,16 +93,16 @@ std::unique_ptr<GraspProgram> GraspPlanner::assemble(const Pair& pair, const Ass
 
 Both<StartShape> GraspPlanner::start_shapes(const Pair& pair, int index) const {
   Both<StartShape> shapes;
-  const bool earlier = control_.start != nullptr;
+  const Plan* earlier = control_.start;
   for (std::size_t which = 0; which < 2; ++which) {
     const Task& d = *fingers_[which];
     const Mode& mode = *pair.modes[which];
-    const int own = earlier ? index - 1 : index;
-    if (own < 0) {
-      const bool apart = control_.start->grasp && control_.start->grasp->lower;
+    const int own = earlier != nullptr ? index - 1 : index;
+    if (earlier != nullptr && own < 0) {
+      const bool apart = earlier->grasp && earlier->grasp->lower;
       const FingerName name = which == 0 ? FingerName::upper : FingerName::lower;
       // What was planned for one mirrored finger is a start of both.
-      shapes[which] = shape_of(d, apart ? plan_of_finger(d.scene, *control_.start, name) : *control_.start, mode);
+      shapes[which] = shape_of(d, apart ? plan_of_finger(d.scene, *earlier, name) : *earlier, mode);
     } else if (own < grasp_starts) {
       shapes[which] = grasp_start(d, mode, own);
     } else {
