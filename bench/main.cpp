@@ -11,6 +11,7 @@
 
 #include "campaign/ablation.hpp"
 #include "campaign/campaign.hpp"
+#include "campaign/completeness.hpp"
 #include "campaign/random_scene.hpp"
 #include "campaign/reach.hpp"
 #include "campaign/relaxations.hpp"
@@ -32,7 +33,8 @@ struct Arguments {
   std::string targets_x, targets_y, output, report, against;
   int starts = 0;
   bool treatments = false;
-  std::string seeds = "1:1000";
+  std::string seeds = "1:1000", solver = "nlopt";
+  int executions = bench::CompletenessSetup{}.executions;
   int jobs = 1;
   double time_limit = bench::CampaignSetup{}.time_limit, share = bench::CampaignSetup{}.share;
   int targets = bench::ReachSetup{}.targets, way_points = bench::ReachSetup{}.way_points;
@@ -188,6 +190,20 @@ int campaign(const Arguments& arguments) {
   return shown != 0 || !bench::acceptable(setup, cases) ? 1 : 0;
 }
 
+int complete(const Arguments& arguments) {
+  plugins::Registry registry = registry_of(arguments);
+  bench::CompletenessSetup setup;
+  std::tie(setup.first, setup.last) = read_seeds(arguments.seeds);
+  setup.solver = arguments.solver;
+  setup.executions = arguments.executions;
+  setup.stop = arguments.extent.stop;
+  const std::vector<bench::CompletenessCase> cases = bench::run_completeness(registry, setup);
+  const int shown = show(arguments, {bench::completeness_section(setup, cases)});
+  const bool false_claim =
+      std::any_of(cases.begin(), cases.end(), [](const auto& c) { return c.complete && c.found_more; });
+  return shown != 0 || false_claim ? 1 : 0;
+}
+
 int reach(const Arguments& arguments) {
   plugins::Registry registry = registry_of(arguments);
   bench::ReachSetup setup;
@@ -277,6 +293,15 @@ CLI::App* add_campaign(CLI::App& program, Arguments& arguments) {
   return command;
 }
 
+CLI::App* add_complete(CLI::App& program, Arguments& arguments) {
+  CLI::App* command = add_command(program, arguments, "complete",
+                                  "Whether plans that say they are complete are the best that executions come to");
+  command->add_option("--seeds", arguments.seeds, "First and last seed of random scenes, FIRST:LAST");
+  command->add_option("--solver", arguments.solver, "Solver to plan with");
+  command->add_option("--executions", arguments.executions, "Of each scene")->check(CLI::Range(1, 1000000));
+  return command;
+}
+
 CLI::App* add_reach(CLI::App& program, Arguments& arguments) {
   CLI::App* command =
       add_command(program, arguments, "reach", "Plans to random targets that the rod of a scene is known to reach");
@@ -315,6 +340,7 @@ int run(int argc, char** argv) {
   std::vector<const CLI::App*> part_commands;
   for (const bench::Part& part : bench::parts()) part_commands.push_back(add_part(program, arguments, part));
   const CLI::App* campaign_command = add_campaign(program, arguments);
+  const CLI::App* complete_command = add_complete(program, arguments);
   const CLI::App* reach_command = add_reach(program, arguments);
   add_report(program, arguments);
   try {
@@ -324,6 +350,7 @@ int run(int argc, char** argv) {
     if (accuracy_command->parsed()) return accuracy(arguments);
     if (solvers_command->parsed()) return solvers(arguments);
     if (campaign_command->parsed()) return campaign(arguments);
+    if (complete_command->parsed()) return complete(arguments);
     if (reach_command->parsed()) return reach(arguments);
     for (std::size_t i = 0; i < part_commands.size(); ++i) {
       if (!part_commands[i]->parsed()) continue;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "campaign/allowed.hpp"
 #include "common/statistics.hpp"
 #include "common/workload.hpp"
 #include "tendril/execute.hpp"
@@ -50,19 +51,6 @@ Inputs draw(Uniform& random, const RodSpec& rod) {
     inputs.place.base = base;
   }
   return inputs;
-}
-
-/// Whether a plan of the scene may end in this state.
-bool allowed(const Scene& scene, const Plan& state) {
-  if (state.status != PlanStatus::solved || state.contacts.size() > static_cast<std::size_t>(scene.contact.count))
-    return false;
-  for (std::size_t a = 0; a < state.moments.size(); ++a) {
-    if (excess(scene.rod.actuators[a], state.moments[a]) > 0.0) return false;
-  }
-  const bool touches = scene.contact.mode != ContactModeName::avoid;
-  return std::all_of(state.contacts.begin(), state.contacts.end(), [&](const PlannedContact& c) {
-    return touches && !c.extended && c.force <= scene.contact.max_force;
-  });
 }
 
 /// Where random inputs lead the rod; nothing where no plan may end there.
@@ -111,6 +99,18 @@ ReachCase run_case(plugins::Registry& registry, const ReachSetup& setup, std::ui
 }
 
 }  // namespace
+
+bool allowed(const Scene& scene, const Plan& state) {
+  if (state.status != PlanStatus::solved || state.contacts.size() > static_cast<std::size_t>(scene.contact.count))
+    return false;
+  for (std::size_t a = 0; a < state.moments.size(); ++a) {
+    if (excess(scene.rod.actuators[a], state.moments[a]) > 0.0) return false;
+  }
+  const bool touches = scene.contact.mode != ContactModeName::avoid;
+  return std::all_of(state.contacts.begin(), state.contacts.end(), [&](const PlannedContact& c) {
+    return touches && !c.extended && c.force <= scene.contact.max_force;
+  });
+}
 
 std::vector<ReachCase> run_reach(plugins::Registry& registry, const ReachSetup& setup) {
   if (setup.scene.problem != ProblemKind::pose) throw Error("targets are drawn for a pose, and this scene is another");

@@ -268,9 +268,29 @@ std::string joined(const std::vector<std::string>& words) {
   return text.empty() ? "none" : text;
 }
 
+/// What all equilibria over the box of moments say of the plan: evidence to a resolution, no proof.
+std::string scan_text(const Scene& scene, const Plan& plan) {
+  if (!plan.scan || plan.status != PlanStatus::solved) return "";
+  const PlanScan& scan = *plan.scan;
+  const DisplayUnits units(scene);
+  std::string steps;
+  for (const double step : scan.steps) steps += (steps.empty() ? "" : ", ") + units.moment(step);
+  const std::string to = steps.empty() ? "" : " in steps of " + steps;
+  if (scan.complete())
+    return fmt::format("\ncomplete to a resolution: {} equilibria{}, none leads to a better plan\n", scan.equilibria,
+                       to);
+  std::string text = fmt::format("\nnot complete: of {} equilibria{}", scan.equilibria, to);
+  if (scan.unresolved > 0) text += fmt::format(" {} cost less and led to no plan;", scan.unresolved);
+  if (scan.lost > 0) text += fmt::format(" {} could not be followed on;", scan.lost);
+  if (!scan.whole) text += " not all were looked at;";
+  text.back() = '\n';
+  return text;
+}
+
 /// Plans that differ; nothing where there is only one.
 std::string minima_text(const Scene& scene, const Plan& plan) {
-  if (plan.minima.size() < 2) return "";
+  const std::string scanned = scan_text(scene, plan);
+  if (plan.minima.size() < 2) return scanned;
   Grid grid;
   for (const PlanMinimum& minimum : plan.minima) {
     std::string sides;
@@ -282,7 +302,7 @@ std::string minima_text(const Scene& scene, const Plan& plan) {
     grid.row({fmt::format("{:.6g}", minimum.objective), printable(minimum.mode), sides});
   }
   return fmt::format("\nbest of {} plans found: objective, contact, side of obstacles\n", plan.minima.size()) +
-         grid.text("  ");
+         grid.text("  ") + scanned;
 }
 
 }  // namespace

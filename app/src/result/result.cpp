@@ -308,6 +308,14 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
                       {"moments", numbers(minimum.moments)}});
   }
   json["minima"] = std::move(minima);
+  if (plan.scan) {
+    json["scan"] = {{"steps", numbers(plan.scan->steps)},
+                    {"equilibria", plan.scan->equilibria},
+                    {"lost", plan.scan->lost},
+                    {"unresolved", plan.scan->unresolved},
+                    {"whole", plan.scan->whole},
+                    {"complete", plan.scan->complete()}};
+  }
   json["left_out"] = left_out_json(plan.left_out);
   json["seconds"] = {{"assemble", number(plan.seconds_assemble)},
                      {"solve", number(plan.seconds_solve)},

@@ -63,6 +63,18 @@ struct PlanMinimum {
   std::vector<double> moments;  ///< N m, one per actuator
 };
 
+/// What was seen of the stable equilibria over the box of moments that can be chosen (one or two of them): evidence to
+/// a resolution, no proof.
+struct PlanScan {
+  std::vector<double> steps;  ///< N m, between neighbouring moments, one per actuator that can be chosen
+  int equilibria = 0;         ///< that were met
+  int lost = 0;               ///< ways to neighbouring moments that could not be followed to their end
+  int unresolved = 0;         ///< equilibria that cost less than the plan, and led to none
+  bool whole = true;          ///< the search was not over before
+  /// No equilibrium that was met leads to a better plan.
+  bool complete() const { return whole && lost == 0 && unresolved == 0; }
+};
+
 /// What a small error does to a grasp at held moments. NaN: the equilibrium has no derivative there.
 struct GraspQuality {
   /// N/m: force that drives the object back, per distance that it is moved along the axis (negative: it drives it on),
@@ -176,6 +188,7 @@ struct Plan {
   OptimalityReport solver;  ///< of the winning mode's last solve; iterations and evaluations are sums over all modes
   EvaluationCounts evaluations;         ///< of all programs: by solvers, polishes and restorations
   std::vector<ModeRecord> modes;        ///< every program that was looked at
+  std::optional<PlanScan> scan;         ///< of all equilibria, where the search made one
   std::vector<PlanMinimum> minima;      ///< the distinct ones that were found, best first; none of two planned fingers
   std::vector<std::string> notes;       ///< what a reader should know first, in words
   std::vector<LeftOut> left_out;        ///< what the scene could have needed and did not

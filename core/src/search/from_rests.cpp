@@ -138,7 +138,7 @@ Eigen::VectorXd Planner::feasible_near(ModeState& state, PoseProgram& program, c
   return {};
 }
 
-void Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
+double Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
   const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
   ++state.starts_used;
   const std::vector<int> regions = regions_near(mode, shape);
@@ -154,7 +154,8 @@ void Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
   PoseProgram program(unheld);
   close_contacts(program);
   const Eigen::VectorXd feasible = feasible_near(state, program, shape, start, rests);
-  if (feasible.size() == 0) return;
+  if (feasible.size() == 0) return infinity;
+  const double cost = program.cost(feasible);
   if (!slides(mode)) {
     PoseProgram held(spec);
     close_contacts(held);
@@ -164,10 +165,10 @@ void Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
     // What breaks its promises is no part of any plan.
     const bool broken = r.status == SolveStatus::failed || r.status == SolveStatus::unsupported ||
                         r.status == SolveStatus::not_finite || r.x.size() != feasible.size();
-    if (broken) return;
+    if (broken) return cost;
     const bool done = usable(r, feasible) && finish(state, held, regions, checks, r.x);
     // On its way a backend may pass through an obstacle. The plan that it finds then says nothing about where it began.
-    if (done && (d_.palm || stays_beside(d_, held, feasible, r.x))) return;
+    if (done && (d_.palm || stays_beside(d_, held, feasible, r.x))) return cost;
   }
   // What the backend cannot do with all variables it may do with the moments alone.
   Eigen::VectorXd x = feasible;
@@ -176,7 +177,7 @@ void Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
     spec.checks = checks;
     keep_unique(spec.checks);
     PoseProgram along(spec);
-    if (!come_to_point(state, along, x)) return;
+    if (!come_to_point(state, along, x)) return cost;
     // Where the way to better moments went through an obstacle, it is watched there, and begins anew.
     Certifier certifier(spec);
     std::vector<CheckPoint> more = checks;
@@ -190,10 +191,11 @@ void Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
         state.unstable = along.shape_of(x);
         state.unstable_objective = reached;
       }
-      return;
+      return cost;
     }
     checks = std::move(more);
   }
+  return cost;
 }
 
 bool Planner::finish(ModeState& state, PoseProgram& program, const std::vector<int>& regions,
@@ -210,18 +212,21 @@ bool Planner::finish(ModeState& state, PoseProgram& program, const std::vector<i
   return certified_;
 }
 
-void Planner::consider_rest(const Rest& rest) {
+double Planner::consider_rest(const Rest& rest) {
   const auto contacts = contacts_of_rest(rest);
-  if (!contacts) return;
+  if (!contacts) return infinity;
   const std::size_t i = state_of(*contacts);
+  double feasible = infinity;
+  const auto refined = [&] { feasible = std::min(feasible, refine(states_[i], shape_of(rest, modes_[i]), true)); };
   // From a stable shape the plan is wanted that is still stable, and the way there ends where stability does.
   // Eigenvalues of many coordinates take long: there they are looked at only where the way led too far.
   if (d_.coordinate_count({}) > search_parameters().many_values) {
-    consider(states_[i], [&] { refine(states_[i], shape_of(rest, modes_[i]), true); });
-    if (states_[i].best.certified() || must_stop()) return;
+    consider(states_[i], refined);
+    if (states_[i].best.certified() || must_stop()) return feasible;
   }
   const HeldStable held(d_);
-  consider(states_[i], [&] { refine(states_[i], shape_of(rest, modes_[i]), true); });
+  consider(states_[i], refined);
+  return feasible;
 }
 
 bool Planner::rest_is_due(const Mode& mode) {

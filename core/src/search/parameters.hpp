@@ -70,6 +70,10 @@
   X(double, dearer, 1e-6, "a point that costs so much more than the plan is not completed (scaled objective)")       \
   X(bool, ask_rests, true, "where no first start led to a plan, rests under sampled moments are starts")             \
   X(bool, hang, true, "under large loads shapes that hang are starts")                                               \
+  X(bool, scan, true, "a thorough search looks at all equilibria over the box of one or two moments")                \
+  X(int, fine_scan, 64, "steps of one moment from limit to limit")                                                   \
+  X(int, plane_scan, 12, "steps of each of two moments")                                                             \
+  X(int, scanned_sides, 12, "shapes on different sides that are let go at the corners of the box")                   \
   X(bool, grow_small, true, "very small obstacles are grown, and shrink back")                                       \
   X(bool, fall_back, true, "where a treatment fails, scholtes is tried")                                             \
   X(bool, settle, true, "where no plan was found, what unstable plans do when executed is a start")                  \

@@ -175,6 +175,7 @@ Plan Planner::run() {
   if (fast()) return report();
   if (winner_ >= 0 || d_.palm) hold_cheaper();
   search_further(starts(), order);
+  scan();
   if (search_parameters().settle) settle(order);
   if (search_parameters().prove) look_for_stable(order);
   // Where moments can be chosen and every search ended stationary, there is no plan; where none can, what the rod does
@@ -272,7 +273,7 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
     state.sided = true;
     // Not split, a contact may have to go on into the next piece.
     const bool hops = !d_.scene.coordinates.split_at_contact && !modes_[trial.way].contacts.empty();
-    consider(state, [&] { hops ? try_start(state, trial.start->shape) : refine(state, trial.start->shape); });
+    consider(state, [&] { hops ? try_start(state, trial.start->shape) : void(refine(state, trial.start->shape)); });
   }
 }
 

@@ -101,6 +101,13 @@ class Planner {
   double load_size() const;  ///< of all that pulls at the rod, EI/L^2
   /// The rod without moments as its loads pull it: along them but for a bend next to the clamp.
   StartShape hanging(bool long_way) const;
+  /// Where one or two moments can be chosen: all equilibria over the box of their limits are looked for, and those that
+  /// cost less than the plan are starts.
+  void scan();
+  std::vector<StartShape> scanned_shapes() const;
+  Rest rest_at(const ModeState& state) const;  ///< of a plan
+  /// What the plan costs that a rest is, as far as the coordinates can show it; infinity: a plan may not be so.
+  double cost_of(const Rest& rest) const;
   /// Where no plan was found: more starts, then every assignment of contacts if there are not too many.
   void search_further(int starts, const std::vector<std::size_t>& order);
   /// Every mode that could be had ended where its violation is stationary.
@@ -128,7 +135,8 @@ class Planner {
   /// The contacts that press, in order along the rod; nothing where a plan may not have so many, or none.
   std::optional<std::vector<ContactSetup>> contacts_of_rest(const Rest& rest) const;
   /// A plan from a rest, touching what it touches: the moments are chosen along stable equilibria.
-  void consider_rest(const Rest& rest);
+  /// Returns what the feasible point costs that lies near, if there is one.
+  double consider_rest(const Rest& rest);
   /// Along the equilibria that x belongs to, to the best moments near: the solver sees these alone.
   void slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
   /// Whether the programs of a mode are so large that they are solved along equilibria alone.
@@ -155,7 +163,8 @@ class Planner {
   /// From a shape to a feasible point near, where every contact touches, and from there to the best one near: with
   /// all variables, else along equilibria with the moments alone. `rests`: the rod rests in this shape, as far as the
   /// coordinates can show it.
-  void refine(ModeState& state, const StartShape& shape, bool rests = false);
+  /// Returns what the feasible point costs; infinity: there is none.
+  double refine(ModeState& state, const StartShape& shape, bool rests = false);
   /// The regions of contacts where the shape has them, or comes nearest to their obstacles.
   std::vector<int> regions_near(const Mode& mode, const StartShape& shape) const;
   /// Empty: there is none. `start`: the program's, from the shape.
@@ -250,6 +259,7 @@ class Planner {
   ProgramSearch steps_;
   std::deque<ModeState> states_;  ///< one per mode; stay where they are as modes are added
   std::vector<PlanMinimum> minima_;
+  std::optional<PlanScan> scan_;
   int winner_ = -1;
   bool certified_ = false;                ///< the point that complete() judged last
   bool have_plan_ = false;                ///< some mode is certified

@@ -173,6 +173,7 @@ Plan Planner::report() {
   plan.self_overlap = self_overlap(plan.backbone, d_.scene.rod.body());
   if (d_.grip) d_.grip->finish(d_, program, x, plan);
   plan.minima = minima_;
+  plan.scan = scan_;
   add_notes(plan);
   return plan;
 }

@@ -1,0 +1,79 @@
+#include <algorithm>
+
+#include "program/equations.hpp"
+#include "search/parameters.hpp"
+#include "search/planner.hpp"
+#include "search/scan.hpp"
+#include "search/sides.hpp"
+#include "search/task.hpp"
+
+namespace tendril {
+
+std::vector<StartShape> Planner::scanned_shapes() const {
+  std::vector<StartShape> shapes{d_.scene_start()};
+  if (loaded()) shapes.insert(shapes.end(), {hanging(false), hanging(true)});
+  for (SideStart& start : starts_by_sides(d_)) {
+    if (shapes.size() > static_cast<std::size_t>(search_parameters().scanned_sides)) break;
+    shapes.push_back(std::move(start.shape));
+  }
+  return shapes;
+}
+
+Rest Planner::rest_at(const ModeState& state) const {
+  const Candidate& best = state.best;
+  const StartShape shape = best.program->shape_of(best.x);
+  Rest rest{Curvature(shape.curvature, shape.stretch), moments_of(&best), {}, shape.moves};
+  const std::vector<ContactSetup>& contacts = modes_[static_cast<std::size_t>(state.mode)].contacts;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    if (shape.forces[k] > tolerance::force)
+      rest.contacts.push_back({contacts[k], shape.arc_lengths[k], shape.forces[k]});
+  }
+  return rest;
+}
+
+double Planner::cost_of(const Rest& rest) const {
+  const auto contacts = contacts_of_rest(rest);
+  if (!contacts) return infinity;
+  const auto pressed = [this](const PointContact& c) { return c.force >= d_.min_force && c.force <= d_.max_force; };
+  if (!std::all_of(rest.contacts.begin(), rest.contacts.end(), pressed)) return infinity;
+  const Mode mode = d_.mode(*contacts);
+  if (!mode.skip.empty()) return infinity;
+  const StartShape shape = shape_of(rest, mode);
+  PoseProgram program(Equations::alone(d_.spec(mode, regions_near(mode, shape), d_.nodes)));
+  return program.cost(program.start_from(shape));
+}
+
+void Planner::scan() {
+  const auto actuators = scanned_actuators(d_);
+  if (!search_parameters().scan || !thorough() || !actuators || actuators->size() > 2 || must_stop()) return;
+  const int intervals = actuators->size() == 2 ? search_parameters().plane_scan : search_parameters().fine_scan;
+  std::vector<Rest> plans;
+  for (const ModeState& state : states_) {
+    if (state.best.certified()) plans.push_back(rest_at(state));
+  }
+  const EquilibriumScan found =
+      scan_equilibria(d_, *actuators, intervals, scanned_shapes(), plans, [this] { return must_stop(); });
+  std::vector<double> costs;
+  for (const ScannedRest& rest : found.met) costs.push_back(cost_of(rest.rest));
+  std::vector<std::size_t> lowest;
+  for (std::size_t i = 0; i < found.met.size(); ++i) {
+    const std::vector<std::size_t>& beside = found.met[i].neighbours;
+    if (std::all_of(beside.begin(), beside.end(), [&](std::size_t k) { return costs[i] <= costs[k]; }))
+      lowest.push_back(i);
+  }
+  std::stable_sort(lowest.begin(), lowest.end(), [&](std::size_t a, std::size_t b) { return costs[a] < costs[b]; });
+  PlanScan told;
+  told.equilibria = static_cast<int>(found.met.size());
+  told.lost = found.lost;
+  told.whole = found.whole;
+  for (const double step : found.steps) told.steps.push_back(step * d_.scale.moment());
+  for (const std::size_t i : lowest) {
+    const auto beaten = [&](double cost) { return best_objective() < cost + search_parameters().dearer; };
+    if (beaten(costs[i])) break;
+    const double feasible = must_stop() ? costs[i] : consider_rest(found.met[i].rest);
+    if (!beaten(feasible)) ++told.unresolved;
+  }
+  scan_ = std::move(told);
+}
+
+}  // namespace tendril
