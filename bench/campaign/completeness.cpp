@@ -73,6 +73,8 @@ std::vector<CompletenessCase> run_completeness(plugins::Registry& registry, cons
     found.complete = timed.plan.scan->complete();
     found.actuators = static_cast<int>(timed.plan.scan->steps.size());
     found.equilibria = timed.plan.scan->equilibria;
+    found.lost = timed.plan.scan->lost;
+    found.unresolved = timed.plan.scan->unresolved;
     found.objective = found.best = timed.plan.objective;
     found.seconds = timed.seconds;
     look_for_better(registry, setup, std::move(scene), found);
@@ -104,6 +106,11 @@ Section completeness_section(const CompletenessSetup& setup, const std::vector<C
                {"seed", "complete", "objective", "best", "scene"},
                {},
                true};
+  Table open{"completeness_open",
+             "Plans that are not complete",
+             {"seed", "equilibria", "could not be followed on", "cost less and led to no plan", "scene"},
+             {},
+             true};
   for (int actuators = 0; actuators <= 2; ++actuators) {
     for (const bool complete : {true, false}) {
       std::vector<double> equilibria;
@@ -124,11 +131,15 @@ Section completeness_section(const CompletenessSetup& setup, const std::vector<C
     }
   }
   for (const CompletenessCase& c : cases) {
+    if (!c.complete) {
+      open.rows.push_back({static_cast<std::int64_t>(c.seed), std::int64_t{c.equilibria}, std::int64_t{c.lost},
+                           std::int64_t{c.unresolved}, c.summary});
+    }
     if (c.found_more)
       better.rows.push_back(
           {static_cast<std::int64_t>(c.seed), c.complete ? "yes" : "no", c.objective, c.best, c.summary});
   }
-  section.tables = {counts, better};
+  section.tables = {counts, better, open};
   return section;
 }
 

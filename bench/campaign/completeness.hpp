@@ -28,6 +28,8 @@ struct CompletenessCase {
   bool complete = false;    ///< as the plan says
   int actuators = 0;        ///< whose moments can be chosen
   int equilibria = 0;       ///< that the search met
+  int lost = 0;             ///< of them could not be followed on
+  int unresolved = 0;       ///< of them cost less than the plan, and led to none
   int executions = 0;       ///< that came to rest where a plan may end
   double objective = 0.0;   ///< of the plan
   double best = 0.0;        ///< the least one that a plan from an execution has

@@ -41,6 +41,7 @@ std::vector<Input> inputs(const Reads& reads, int contacts, int moments) {
   add_actuators("tensions", reads.tensions, 0.0, 40.0);
   add_actuators("shortenings", reads.shortenings, -0.1, 0.1);
   all.push_back({"bending_energy", "bending_energy", reads.bending_energy, 0.01, 5.0});
+  all.push_back({"insertion", "insertion", reads.insertion, 0.5, 1.0});
   all.push_back({"palm_distance", "palm_distance", reads.palm_distance, 0.1, 1.0});
   return all;
 }

@@ -54,6 +54,7 @@ class FlatQuantities {
       for (T& one : *all) one = next();
     }
     quantities_.bending_energy = next();
+    quantities_.insertion = next();
     quantities_.palm_distance = next();
     return quantities_;
   }

@@ -30,6 +30,7 @@ constexpr std::array flags{Flag{"tip_position", &Reads::tip_position},
                            Flag{"contact_normal", &Reads::contact_normal},
                            Flag{"contact_force", &Reads::contact_force},
                            Flag{"contact_arc_length", &Reads::contact_arc_length},
+                           Flag{"insertion", &Reads::insertion},
                            Flag{"palm_distance", &Reads::palm_distance},
                            Flag{"target", &Reads::target},
                            Flag{"mirrored", &Reads::mirrored}};
@@ -78,6 +79,7 @@ void each_number(const Reads& reads, const Quantities<T>& x, Visit&& visit) {
   for (const T& tension : x.tensions) visit(reads.tensions, tension, "tensions");
   for (const T& shortening : x.shortenings) visit(reads.shortenings, shortening, "shortenings");
   visit(reads.bending_energy, x.bending_energy, "bending_energy");
+  visit(reads.insertion, x.insertion, "insertion");
   visit(reads.palm_distance, x.palm_distance, "palm_distance");
 }
 
@@ -208,7 +210,7 @@ class PythonTerm final : public ObjectiveTerm {
     const py::object position =
         t.has_position ? py::object(py::make_tuple(t.position.x, t.position.y)) : py::object(py::none());
     const py::object angle = t.has_angle ? py::object(py::float_(t.angle)) : py::object(py::none());
-    return types.quantities(tip, sampled, touching, moments, tensions, shortenings, n[0], n[1],
+    return types.quantities(tip, sampled, touching, moments, tensions, shortenings, n[0], n[1], n[2],
                             types.target(position, angle));
   }
 

@@ -52,6 +52,23 @@ def test_a_number_is_added_as_it_is(brace):
     assert tendril.check("squared") == []
 
 
+@pytest.mark.parametrize("wanted", [0.9, 1.2])
+def test_a_term_reads_the_insertion(wanted):
+    """A rod that is drawn in and out goes where the term wants it, or to its limit; one that is not is out as a whole.
+    The unit is what is out at most.
+    """
+    @tendril.objective("out_by", reads=["insertion"], options={"share": 1.0})
+    def out_by(x, share):
+        return [x.insertion - share]
+
+    rod = {"length": 0.2, "bending_stiffness": 2e-3, "actuator": [{"limit": 0.01}]}
+    terms = [{"plugin": "actuation_effort"}, {"plugin": "out_by", "weight": 1e3, "share": wanted}]
+    drawn = tendril.Scene(problem="pose", rod={**rod, "insertion": {"min": 0.1, "max": 0.16}}, objective=terms)
+    assert drawn.plan().to_dict()["insertion"] == pytest.approx(0.16 * min(wanted, 1.0), rel=1e-6)
+    still = tendril.Scene(problem="pose", rod=rod, objective=terms).plan()
+    assert still.objective == pytest.approx(1e3 * (1.0 - wanted) ** 2, rel=1e-6)
+
+
 def formula(np, x):
     """Uses everything that derivatives have to pass."""
     c = x.contacts[0] if x.contacts else None
@@ -60,6 +77,7 @@ def formula(np, x):
     value = value + np.sqrt(2.0 + x.samples[0].angle**2) + np.log(3.0 + x.samples[0].curvature / 5.0) + abs(-2.0 - x.tip.y)
     value = value + np.sinh(x.bending_energy / 5) - np.cosh(x.moments[-1] / 3.0) ** 1.5 + np.arctan(x.tip.x) + np.tan(x.tip.y / 3)
     value = value + np.exp(0.05 * x.tensions[0]) * x.shortenings[-1] + x.samples[0].strain ** 3
+    value = value + x.insertion**2 * x.tip.x
     value = value + 1.1**x.tip.x - (3.0 - x.tip.y) ** (0.1 * x.tip.x) + np.square(x.tip.x) + 1.0 / (2.0 + x.tip.x)
     if c is not None:
         value = value + c.force * c.gap + c.normal_x * c.normal_y - c.arc_length**3 + c.x * c.y
@@ -67,7 +85,7 @@ def formula(np, x):
 
 
 READS = ["tip_position", "tip_angle", "moments", "tensions", "shortenings", "bending_energy", "contact_point", "contact_gap", "contact_normal",
-         "contact_force", "contact_arc_length"]
+         "contact_force", "contact_arc_length", "insertion"]
 
 
 def test_derivatives_pass_the_test_kit():

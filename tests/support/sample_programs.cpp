@@ -13,6 +13,7 @@ Reads Everything::reads() const {
   r.contact_point = r.contact_gap = r.contact_normal = r.contact_force = r.contact_arc_length = parts_.contacts;
   r.palm_distance = parts_.palm;
   r.tensions = r.shortenings = parts_.tendons;
+  r.insertion = parts_.insertion;
   r.target = parts_.target;
   r.samples = parts_.samples;
   return r;
@@ -99,6 +100,7 @@ SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
                                                      .palm = setup.palm,
                                                      .target = true,
                                                      .tendons = setup.profiles,
+                                                     .insertion = setup.moves,
                                                      .samples = {0.23, 0.61, 0.97}});
   spec.terms = {{everything.get(), 1.3, "everything"}};
   spec.target = {{0.9, 0.2}, 0.0, true, false};

@@ -24,6 +24,7 @@ class Everything : public ObjectiveBase<Everything> {
     bool palm = false;
     bool target = false;
     bool tendons = false;
+    bool insertion = false;
     std::vector<double> samples{};  ///< arc lengths
   };
   explicit Everything(Parts parts) : parts_(std::move(parts)) {}
@@ -34,6 +35,7 @@ class Everything : public ObjectiveBase<Everything> {
     out.residual(sin(x.tip.angle) + x.bending_energy * 0.2);
     out.smooth(0.7 * x.tip.y);
     if (parts_.palm) out.smooth(exp(x.palm_distance) * x.tip.y);
+    if (parts_.insertion) out.residual(x.insertion * x.insertion * x.tip.y);
     if (parts_.target) out.residual(x.tip.x - x.target.position.x);
     for (const T& u : x.moments) out.smooth(exp(0.3 * u) * x.tip.x);
     for (const T& tension : x.tensions) out.residual(0.2 * tension * x.tip.y);

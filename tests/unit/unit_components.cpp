@@ -124,7 +124,7 @@ template <class T>
 class World {
  public:
   static constexpr std::size_t numbers_per_contact = 9;
-  static constexpr std::size_t size = 4 + 2 * numbers_per_contact + 6 + 2;
+  static constexpr std::size_t size = 4 + 2 * numbers_per_contact + 6 + 3;
 
   World(const std::vector<T>& x, Target target) {
     std::size_t at = 4;
@@ -141,7 +141,8 @@ class World {
     quantities_.tensions = tensions_;
     quantities_.shortenings = shortenings_;
     quantities_.bending_energy = x[at + 6];
-    quantities_.palm_distance = x[at + 7];
+    quantities_.insertion = x[at + 7];
+    quantities_.palm_distance = x[at + 8];
     quantities_.target = target;
   }
   World(const World&) = delete;
@@ -231,7 +232,7 @@ TEST_P(ObjectivePlugin, DependsOnNothingThatItDoesNotRead) {
     }
   }
   for (const bool r : {reads.moments, reads.moments, reads.tensions, reads.tensions, reads.shortenings,
-                       reads.shortenings, reads.bending_energy, reads.palm_distance}) {
+                       reads.shortenings, reads.bending_energy, reads.insertion, reads.palm_distance}) {
     read.push_back(r);
   }
   ASSERT_EQ(read.size(), World<double>::size);

@@ -22,12 +22,15 @@ struct Reads {
   bool contact_normal = false;      ///< unit normal out of the obstacle there
   bool contact_force = false;       ///< normal force, units of EI0/L^2
   bool contact_arc_length = false;  ///< where along the rod it touches, units of L
+  bool insertion = false;           ///< how much of the rod is out of its port, units of L, which is out at most
   bool palm_distance = false;       ///< from the palm to the object's centre, units of L; grasps only
   bool target = false;              ///< the scene must have a [target]
   /// the term means a grasp whose other finger is the mirror image of the one that it sees, as the square of the force
   /// on the object does: it is refused where both fingers are planned
   bool mirrored = false;
-  std::vector<double> samples{};  ///< arc lengths s/L in [0,1] of backbone samples
+  /// arc lengths s/L in [0,1] of backbone samples: 0 is where the rod is clamped, wherever its base is moved to, and
+  /// points of a rod that is drawn in lie straight behind its port
+  std::vector<double> samples{};
 
   /// Whether anything of a contact is read.
   bool any_contact() const {
@@ -83,6 +86,7 @@ struct Quantities {
   /// one per tendon, units of L: by what its way along the rod is shorter than along the straight rod
   std::span<const T> shortenings{};
   T bending_energy{};  ///< units of EI0/L
+  T insertion{};       ///< units of L, which is out at most; 1 of a rod that is not drawn in or out
   T palm_distance{};   ///< units of L
   Target target{};     ///< what the scene asks for
 };

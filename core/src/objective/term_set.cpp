@@ -112,6 +112,12 @@ void TermEvaluator::bind(const BaseIndex& index, std::size_t first_sample) {
     add_input(plain_.shortenings[t], dual_.shortenings[t], index.tendons[t].turn, length * index.tendons[t].offset);
   }
   if (reads_.bending_energy) add_input(p.bending_energy, d.bending_energy, index.energy, moment);
+  if (reads_.insertion) {
+    p.insertion = length;
+    d.insertion = HyperDual(length);
+    add_input(p.insertion, d.insertion, index.port, -length);
+    if (index.port >= 0) inputs_.back().offset = length;
+  }
   if (reads_.palm_distance) add_input(p.palm_distance, d.palm_distance, index.palm, length);
   input_gradient_.resize(inputs_.size());
   input_hessian_.resize(inputs_.size() * inputs_.size());
@@ -137,7 +143,7 @@ void TermEvaluator::bind_contact(int k) {
 void TermEvaluator::read_inputs(const BaseValues& at) {
   for (Input& input : inputs_) {
     if (input.kind == Kind::plain) {
-      *input.value = input.unit * at.base[input.base[0]];
+      *input.value = input.offset + input.unit * at.base[input.base[0]];
       continue;
     }
     const SurfacePoint& s = at.surfaces[static_cast<std::size_t>(input.contact)];
@@ -188,6 +194,7 @@ std::string place_of(const Reads& reads, const Quantities<double>& x) {
         " EI/L^2, gap " + shown(c.gap) + " L");
   }
   if (reads.bending_energy) add("the bending energy " + shown(x.bending_energy) + " EI/L");
+  if (reads.insertion) add("the insertion " + shown(x.insertion) + " L");
   return text.empty() ? "whatever it reads" : text;
 }
 
@@ -348,6 +355,10 @@ bool TermSet::reads_energy() const {
 
 bool TermSet::reads_shortenings() const {
   return std::any_of(terms_.begin(), terms_.end(), [](const TermEvaluator& t) { return t.reads().shortenings; });
+}
+
+bool TermSet::reads_insertion() const {
+  return std::any_of(terms_.begin(), terms_.end(), [](const TermEvaluator& t) { return t.reads().insertion; });
 }
 
 std::vector<double> TermSet::sample_arc_lengths() const {

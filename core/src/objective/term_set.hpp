@@ -43,6 +43,7 @@ struct BaseIndex {
   };
   std::vector<Tendon> tendons;
   int energy = -1;
+  int port = -1;       ///< arc length at the port; -1: the rod is not drawn in or out
   int palm = -1;       ///< palm distance; -1: no variable
   bool thick = false;  ///< the gap depends on where along the rod the contact is
   int count = 0;
@@ -110,7 +111,8 @@ class TermEvaluator {
     Kind kind = Kind::plain;
     int contact = -1;
     int base[3] = {-1, -1, -1};
-    double unit = 1.0;  ///< of the quantity, in units of the scene
+    double unit = 1.0;    ///< of the quantity, in units of the scene
+    double offset = 0.0;  ///< what the term sees where the quantity is 0
     double factor[3] = {1.0, 0.0, 0.0};
   };
   void add_input(double& value, HyperDual& dual, int base, double unit);
@@ -145,6 +147,7 @@ class TermSet {
   bool reads_tip() const;
   bool reads_energy() const;
   bool reads_shortenings() const;
+  bool reads_insertion() const;
   std::vector<double> sample_arc_lengths() const;
   void bind(const BaseIndex& index);
   void set_target(const Target& target);

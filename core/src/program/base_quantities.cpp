@@ -69,6 +69,7 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
   for (int k = 0; k < layout.leans; ++k) {
     index.contacts[static_cast<std::size_t>(k)].lean = alone(layout.first_lean + k);
   }
+  if (spec.rod->draws() && terms.reads_insertion()) index.port = alone(layout.first_arc_length - 1);
   if (layout.palm >= 0) {
     index.palm = alone(layout.palm);
   } else if (spec.palm) {

@@ -22,6 +22,7 @@
   X(int, thorough, 10, "times as many starts, and as much work for them, where the search is thorough")              \
   X(double, same_minimum, 1e-6, "difference of the objectives (relative) of two plans that count as one")            \
   X(double, there, 0.02, "distance to the target (rad, L) below which no other turn of the tip is tried")            \
+  X(int, most_turns, 5, "angles of the tip, full turns apart, that a direction is tried for")                        \
   X(double, missed, 0.01, "distance to the target (L) from which on a plan says that it misses it")                  \
   X(int, outline_steps, 40, "points of a shape that is only looked at")                                              \
   X(int, arcs_of_one, 65, "shapes of one arc")                                                                       \

@@ -129,8 +129,12 @@ std::vector<double> Task::angles_near(double reference) const {
   const double first = nearest_turn(*direction, reference);
   const double side = first > reference ? -full_turn : full_turn;
   std::vector<double> angles{round_to_12_digits(first)};
-  for (const double other : {first + side, first - side}) {
-    if (other >= rest + low && other <= rest + high) angles.push_back(round_to_12_digits(other));
+  const auto most = static_cast<std::size_t>(search_parameters().most_turns);
+  for (int turns = 1; turns <= search_parameters().most_turns; ++turns) {
+    for (const double other : {first + turns * side, first - turns * side}) {
+      if (other >= rest + low && other <= rest + high && angles.size() < most)
+        angles.push_back(round_to_12_digits(other));
+    }
   }
   return angles;
 }
