@@ -82,6 +82,21 @@ TEST_P(Directions, WhatOneWayReachesIsReached) {
   }
 }
 
+// A rod that is curled up at rest: of the angles that a direction stands for, those that it can make are turns away
+// from where the search starts.
+TEST_P(Directions, OneThatLiesTurnsAwayIsReached) {
+  for (const char* rest : {"\"-7.6 1/m\"", "\"9 1/m\"", "\"16 1/m\""}) {
+    for (int d = -150; d <= 180; d += 30) {
+      SCOPED_TRACE(std::string(rest) + " " + std::to_string(d));
+      const Plan found = plan(arm(GetParam(), d * degree,
+                                  {"gravity=[0,0]", "rod.length=\"1 m\"", std::string("rod.rest_curvature=") + rest,
+                                   "rod.actuator.0.min=\"-3.3 N mm\"", "rod.actuator.0.max=\"3.3 N mm\""}));
+      ASSERT_TRUE(certified(found));
+      EXPECT_LT(apart(found.tip_angle, d * degree), 0.01);
+    }
+  }
+}
+
 TEST_P(Directions, TurnsAreAWishOfTheirOwn) {
   for (const int turns : {-1, 0, 1}) {
     Scene scene =
