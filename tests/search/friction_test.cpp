@@ -141,11 +141,12 @@ TEST_P(Friction, AnyOfTheBracedArmIsTheBestOfAll) {
   EXPECT_LE(std::abs(ratio), 0.6 + 1e-9);
   EXPECT_NE(ratio, 0.0);
   EXPECT_NEAR(executed_cost(made, plan, plan.moments, {ratio}) / plan.objective, 1.0, 1e-7);
-  for (const double share : {0.997, 1.003}) {
+  for (const double share : {0.99, 1.01}) {
     EXPECT_GT(executed_cost(made, plan, {share * plan.moments[0]}, {ratio}), plan.objective);
   }
   for (const double other : {-0.6, 0.0, 0.6}) {
-    EXPECT_GE(executed_cost(made, plan, plan.moments, {other}), plan.objective * (1.0 - 1e-9));
+    // To what a stationarity of 1e-6 leaves.
+    EXPECT_GE(executed_cost(made, plan, plan.moments, {other}), plan.objective * (1.0 - 1e-5));
   }
   EXPECT_LT(plan.objective, combination::plan(with_state(made, 0.0, FrictionState::range)).objective);
   verify(made, plugins::make_components(combination::registry(), made).obstacles, plan, {});
@@ -314,13 +315,13 @@ TEST(FrictionExtremes, PlansAreCertifiedOrSayWhy) {
     ASSERT_TRUE(combination::certified(any)) << mu;
     EXPECT_LE(any.objective, any_before + 1e-12) << mu;
     any_before = any.objective;
-    if (worst.status != PlanStatus::solved) {
-      EXPECT_GT(mu, 0.5);
-      EXPECT_FALSE(worst.message.empty());
-      continue;
-    }
+    ASSERT_TRUE(combination::certified(worst)) << mu;
     EXPECT_GE(worst.objective, worst_before - 1e-12) << mu;
-    if (mu == 1e-6) EXPECT_NEAR(worst.objective, without, 1e-7);
+    // Glue would carry the arm off its peg: the worst is least where nothing is touched.
+    EXPECT_EQ(worst.friction.empty(), mu == 10.0);
+    if (mu < 10.0) {
+      EXPECT_LT(worst.objective - without, 2e-4 * mu) << mu;
+    }
     worst_before = worst.objective;
   }
 }

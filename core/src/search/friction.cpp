@@ -124,8 +124,8 @@ class WorstCase {
   WorstCase(Task& task, RubbingPoint point, const std::atomic<bool>* stop)
       : task_(task), point_(std::move(point)), steps_(*task.components.solver, task.scene.solver, stop) {}
 
-  /// Turns the plan without friction into this one. False: `plan` says why there is none.
-  void run(Plan& plan);
+  /// Turns the plan without friction into this one, or says there why there is none. What it took.
+  ModeRecord run(Plan& plan);
 
  private:
   using States = std::vector<std::unique_ptr<Equilibria>>;
@@ -284,7 +284,7 @@ void WorstCase::report(WorstProgram& program, const Eigen::VectorXd& x, Plan& pl
   refuse(plan, only_unstable(*all) ? PlanStatus::unstable : PlanStatus::not_converged, why);
 }
 
-void WorstCase::run(Plan& plan) {
+ModeRecord WorstCase::run(Plan& plan) {
   Eigen::VectorXd x;
   for (int round = 0; round < search_parameters().most_exchanges; ++round) {
     build();
@@ -301,6 +301,7 @@ void WorstCase::run(Plan& plan) {
   }
   plan.evaluations += steps_.tally.evaluations;
   plan.evaluations += steps_.tally.outside_solver;
+  return attempt_.record;
 }
 
 /// The record of the way of being in contact that a solved plan is of.
@@ -319,15 +320,13 @@ bool rubs(const Task& task, const Plan& plan) {
   });
 }
 
-/// From a plan without friction to the one for its worst state, touching what it touches.
-void turn_to_worst(Task& task, const std::atomic<bool>* stop, Plan& plan) {
+/// From a plan without friction to the one for its worst state, touching what it touches. What it took.
+ModeRecord turn_to_worst(Task& task, const std::atomic<bool>* stop, Plan& plan) {
   std::optional<RubbingPoint> point = rubbing_point(task, plan, true);
-  if (point && Equilibria::apply(point->spec)) {
-    WorstCase(task, std::move(*point), stop).run(plan);
-  } else {
-    plan.status = PlanStatus::not_converged;
-    plan.message = "the states of friction of its contacts cannot be followed";
-  }
+  if (point && Equilibria::apply(point->spec)) return WorstCase(task, std::move(*point), stop).run(plan);
+  plan.status = PlanStatus::not_converged;
+  plan.message = "the states of friction of its contacts cannot be followed";
+  return {};
 }
 
 }  // namespace
@@ -379,7 +378,11 @@ Plan plan_worst(Task& task, const PlanControl& control) {
     if (!ended) {
       ModeRecord way = way_of(next);
       own.without.push_back(way.mode);
-      if (rubs(task, next)) turn_to_worst(task, control.stop, next);
+      const ModeRecord more = rubs(task, next) ? turn_to_worst(task, control.stop, next) : ModeRecord{};
+      way.solves += more.solves;
+      way.polishes += more.polishes;
+      way.iterations += more.iterations;
+      way.evaluations += more.evaluations;
       way.outcome += next.status == PlanStatus::solved ? ", in the worst state of friction " + shown(next.objective)
                                                        : "; " + next.message;
       ways.push_back(std::move(way));
