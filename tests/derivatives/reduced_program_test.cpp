@@ -16,6 +16,7 @@
 
 #include "differences.hpp"
 #include "nlp/feasibility.hpp"
+#include "program/worst_program.hpp"
 #include "support/sample_programs.hpp"
 
 namespace tendril {
@@ -90,6 +91,84 @@ TEST_P(ReducedDerivatives, HaveRowsForInequalitiesAndForLimitsOfWhatFollows) {
 TEST_P(ReducedDerivatives, NeedToKnowWhatTouches) {
   for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, Branch::open);
   EXPECT_EQ(ReducedProgram::applies(program), program.layout().forces == 0);
+}
+
+/// The equilibria of a sample whose contacts push off their normals by ratios that are variables.
+struct Rubbing {
+  explicit Rubbing(const PoseProgramSpec& spec) : program(spec) {
+    for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, Branch::touching);
+  }
+  bool begin(double tip_angle) {
+    const FeasibilityReport f = restore_feasibility(program, program.start_from(constant_curvature(tip_angle)), 1e-9);
+    if (f.feasible) reduced = std::make_unique<ReducedProgram>(program, f.x);
+    return f.feasible;
+  }
+  PoseProgram program;
+  std::unique_ptr<ReducedProgram> reduced{};
+};
+
+TEST_P(ReducedDerivatives, AgreeWhereTangentialRatiosAreChosenToo) {
+  if (!GetParam().split || program.layout().forces == 0) return;
+  sample.spec.friction.assign(sample.spec.obstacles.size(), 0.4);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> d(-1.0, 1.0);
+  int looked = 0;
+  for (int trial = 0; trial < 40 && looked < 3; ++trial) {
+    Rubbing rubbing(sample.spec);
+    if (!rubbing.begin(2.0 * d(random))) continue;
+    ReducedProgram& reduced = *rubbing.reduced;
+    ASSERT_EQ(reduced.ratio_count(), rubbing.program.layout().forces);
+    ASSERT_EQ(reduced.variable_count(), rubbing.program.layout().moments + reduced.ratio_count());
+    EXPECT_EQ(reduced.variable_name(reduced.variable_count() - 1),
+              "tangential ratio " + std::to_string(reduced.ratio_count()));
+    Eigen::VectorXd u = reduced.start();
+    for (double& value : u) value += 0.05 * d(random);
+    if (!reduced.full(u).allFinite() || !(largest(reduced.jacobian(u)) < 50.0)) continue;
+    ++looked;
+    expect_first_derivatives(reduced, u);
+    expect_hessian(reduced, u, random);
+  }
+  EXPECT_GE(looked, 2);
+}
+
+TEST_P(ReducedDerivatives, OfTheWorstOfSeveralStatesAgree) {
+  if (!GetParam().split || program.layout().forces == 0) return;
+  sample.spec.friction.assign(sample.spec.obstacles.size(), 0.4);
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> d(-1.0, 1.0);
+  constexpr double unit = 0.3;
+  int looked = 0;
+  for (int trial = 0; trial < 40 && looked < 3; ++trial) {
+    const double tip_angle = 2.0 * d(random);
+    std::vector<std::unique_ptr<Rubbing>> all;
+    std::vector<WorstProgram::State> states;
+    for (const double ratio : {0.0, 0.2, -0.4}) {
+      all.push_back(std::make_unique<Rubbing>(sample.spec));
+      if (!all.back()->begin(tip_angle)) break;
+      states.push_back(
+          {all.back()->reduced.get(), Eigen::VectorXd::Constant(all.back()->reduced->ratio_count(), ratio)});
+    }
+    if (states.size() < 3) continue;
+    WorstProgram worst(states, unit);
+    const int moments = program.layout().moments;
+    ASSERT_EQ(worst.variable_count(), moments + 1);
+    Eigen::VectorXd x = worst.start(all[0]->reduced->start().head(moments));
+    if (!x.allFinite()) continue;
+    double most = -1e300;
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      const double cost = states[k].program->cost(worst.point(k, x));
+      EXPECT_GE(x[moments], cost / unit);
+      most = std::max(most, cost / unit);
+    }
+    EXPECT_EQ(x[moments], most);
+    EXPECT_EQ(worst.cost(x), most);
+    for (double& value : x) value += 0.02 * d(random);
+    if (!worst.constraints(x).allFinite() || !(largest(worst.jacobian(x)) < 50.0)) continue;
+    ++looked;
+    expect_first_derivatives(worst, x);
+    expect_hessian(worst, x, random);
+  }
+  EXPECT_GE(looked, 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Programs, ReducedDerivatives,

@@ -49,6 +49,16 @@ def tip_errors(mode):
     return [group(mode, limit, "tip_error")["mean"] * mm for limit in (0.010, 0.0025)]
 
 
+def friction_misses():
+    def of(state):
+        return run(f"plan scenes/brace.toml --set contact.friction=0.6 --set contact.friction_state={state}")
+
+    def most(state):
+        return max(s["target_error"] for s in of(state)["friction_range"]) * mm
+
+    return [of("range")["target_error"] * mm, most("range"), most("worst"), of("any")["target_error"] * mm]
+
+
 def snap():
     run("execute scenes/snap_through.toml --moments '100 N mm' --output WORK/up")
     return run("execute scenes/snap_through.toml --moments='-50 N mm' --start WORK/up/result.json")["snaps"][0]
@@ -139,6 +149,8 @@ CLAIMS = [
     ("docs/execution.md", "the tip is at ({}, {}) mm on the way up and at ({}, {}) mm on the way down", hysteresis),
     ("docs/execution.md", "below {} m for `brace.toml`, {} mm with `--coordinates pcc`",
      lambda: [("below", run(VERIFIED)["model_error"]), run(PCC)["model_error"] * mm]),
+    ("docs/friction.md", "misses the target by {} mm, with friction by up to {} mm; the plan for the worst state by up to {} mm, "
+                         "and the one for any state by {} mm", friction_misses),
     ("docs/estimate.md", "1 {} mN {} % {} mm {} mm {} ({}, {}) mm ({}, {})", estimated),
     ("docs/estimate.md", "{} {} s {} s {} {} mN {} mN {} mm {} mm {} {} s {} s {} {} mN {} mN {} mm {} mm {} {} s {} s {} {} mN {} mN "
      "{} mm {} mm", lambda: followed(1) + followed(2) + followed(3)),

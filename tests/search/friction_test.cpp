@@ -1,4 +1,7 @@
-// What the unknown state of friction can do to a plan: intervals that contain every state that friction allows.
+// What the unknown state of friction can do to a plan: intervals that contain every state that friction allows. And
+// plans for the worst of these states, or for any of them, against what execution makes of moments and ratios nearby.
+
+#include "problem/friction.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,11 +9,59 @@
 #include "combination/support.hpp"
 #include "support/contains.hpp"
 #include "support/reference_table.hpp"
+#include "tendril/execute.hpp"
+#include "tendril/tolerances.hpp"
+#include "tendril/trajectory.hpp"
 
 namespace tendril::search {
 namespace {
 
 using combination::scene;
+
+/// What a pose costs that execution comes to at these moments, contacts pushing so far off their normals: by the
+/// formulas of tip_pose (position alone) and actuation_effort.
+double executed_cost(const Scene& scene, const Plan& from, const std::vector<double>& moments,
+                     const std::vector<double>& ratios) {
+  ExecuteControl control;
+  control.start = &from;
+  control.with_friction = false;
+  control.friction = ratios;
+  const Execution e =
+      execute(scene, plugins::make_components(combination::registry(), scene).obstacles, moments, control);
+  if (e.result.status != PlanStatus::solved) {
+    ADD_FAILURE() << e.result.message;
+    return infinity;
+  }
+  const double length = scene.rod.length();
+  const double unit = scene.rod.segments.front().bending_stiffness / length;
+  double cost = 0.0;
+  for (const ObjectiveSpec& o : scene.objectives) {
+    if (o.plugin == "tip_pose")
+      cost += o.weight * std::pow(norm(Vec2{e.result.tip_x, e.result.tip_y} - *scene.target.position) / length, 2);
+    for (const double m : moments) cost += o.plugin == "actuation_effort" ? o.weight * std::pow(m / unit, 2) : 0.0;
+  }
+  return cost;
+}
+
+/// The largest of such costs over a grid of ratios within the cones, the same at all obstacles or opposite.
+double worst_cost(const Scene& scene, const Plan& from, const std::vector<double>& moments, int steps) {
+  double worst = 0.0;
+  for (const double sign : {1.0, -1.0}) {
+    if (sign < 0.0 && scene.obstacles.size() == 1) continue;
+    for (int i = -steps; i <= steps; ++i) {
+      std::vector<double> ratios(scene.obstacles.size(), scene.contact.friction * i / steps);
+      if (ratios.size() > 1) ratios[1] *= sign;
+      worst = std::max(worst, executed_cost(scene, from, moments, ratios));
+    }
+  }
+  return worst;
+}
+
+Scene with_state(Scene scene, double friction, FrictionState state) {
+  scene.contact.friction = friction;
+  scene.contact.friction_state = state;
+  return scene;
+}
 
 Scene braced(double moment, double friction, const std::string& solver) {
   Scene made = scene("brace");
@@ -58,6 +109,72 @@ TEST_P(Friction, WidensWithTheCoefficient) {
   }
 }
 
+TEST_P(Friction, WorstOfTheBracedArmIsTheLeastOfTheWorst) {
+  Scene made = with_state(scene("brace"), 0.6, FrictionState::worst);
+  made.solver.plugin = GetParam();
+  const Plan plan = combination::plan(made);
+  ASSERT_TRUE(combination::certified(plan));
+  EXPECT_EQ(plan.friction.size(), 3U);
+  // Nowhere in the cone is it worse, and the plan shows a state at the edge.
+  EXPECT_NEAR(worst_cost(made, plan, plan.moments, 4) / plan.objective, 1.0, 1e-7);
+  ASSERT_EQ(plan.contacts.size(), 1U);
+  EXPECT_NEAR(std::abs(plan.contacts[0].tangential) / plan.contacts[0].force, 0.6, 1e-12);
+  EXPECT_FALSE(plan.contacts[0].sticks);
+  ASSERT_TRUE(plan.certificate.friction.has_value());
+  EXPECT_LE(*plan.certificate.friction, tolerance::friction);
+  // Other moments near are worse, and so is the plan without friction.
+  for (const double share : {0.997, 1.003}) {
+    EXPECT_GT(worst_cost(made, plan, {share * plan.moments[0]}, 1), plan.objective);
+  }
+  const Plan without = combination::plan(with_state(made, 0.0, FrictionState::range));
+  EXPECT_LT(without.objective, plan.objective);
+  EXPECT_GT(worst_cost(made, without, without.moments, 1), plan.objective);
+}
+
+TEST_P(Friction, AnyOfTheBracedArmIsTheBestOfAll) {
+  Scene made = with_state(scene("brace"), 0.6, FrictionState::any);
+  made.solver.plugin = GetParam();
+  Plan plan = combination::plan(made);
+  ASSERT_TRUE(combination::certified(plan));
+  ASSERT_EQ(plan.contacts.size(), 1U);
+  const double ratio = plan.contacts[0].tangential / plan.contacts[0].force;
+  EXPECT_LE(std::abs(ratio), 0.6 + 1e-9);
+  EXPECT_NE(ratio, 0.0);
+  EXPECT_NEAR(executed_cost(made, plan, plan.moments, {ratio}) / plan.objective, 1.0, 1e-7);
+  for (const double share : {0.99, 1.01}) {
+    EXPECT_GT(executed_cost(made, plan, {share * plan.moments[0]}, {ratio}), plan.objective);
+  }
+  for (const double other : {-0.6, 0.0, 0.6}) {
+    // To what a stationarity of 1e-6 leaves.
+    EXPECT_GE(executed_cost(made, plan, plan.moments, {other}), plan.objective * (1.0 - 1e-5));
+  }
+  EXPECT_LT(plan.objective, combination::plan(with_state(made, 0.0, FrictionState::range)).objective);
+  verify(made, plugins::make_components(combination::registry(), made).obstacles, plan, {});
+  EXPECT_EQ(plan.status, PlanStatus::solved) << plan.message;
+  EXPECT_LT(plan.model_error.value_or(1.0), 1e-9);
+}
+
+TEST_P(Friction, OfTwoContactsTakesEveryCornerWithEveryTreatment) {
+  for (const Treatment treatment : {Treatment::penalty, Treatment::scholtes}) {
+    Scene made = with_state(scene("two_pegs"), 0.3, FrictionState::worst);
+    made.solver.plugin = GetParam();
+    made.contact.treatment = treatment;
+    const Plan worst = combination::plan(made);
+    ASSERT_TRUE(combination::certified(worst));
+    ASSERT_EQ(worst.contacts.size(), 2U);
+    EXPECT_EQ(worst.friction.size(), 5U);
+    EXPECT_NEAR(worst_cost(made, worst, worst.moments, 1) / worst.objective, 1.0, 1e-7);
+    const Plan any = combination::plan(with_state(made, 0.3, FrictionState::any));
+    ASSERT_TRUE(combination::certified(any));
+    std::vector<double> ratios;
+    for (const PlannedContact& c : any.contacts) ratios.push_back(c.tangential / c.force);
+    ASSERT_EQ(ratios.size(), 2U);
+    EXPECT_NEAR(executed_cost(made, any, any.moments, ratios), any.objective, 1e-9);
+    EXPECT_LT(any.objective, combination::plan(with_state(made, 0.3, FrictionState::range)).objective);
+    EXPECT_GT(worst.objective, any.objective);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Solvers, Friction, testing::Values("nlopt", "ipopt", "ceres"),
                          [](const auto& each) { return std::string(each.param); });
 
@@ -84,6 +201,183 @@ TEST(FrictionRange, APlanWhoseRodGivesWayIsNotSolved) {
   EXPECT_TRUE(contains_text(plan.message, "of the ratios -10 at 'obstacle 1': the rod gives way")) << plan.message;
 }
 
+// The states that are followed in the plan's own coordinates are those that execution comes to.
+TEST(FrictionRange, OfTwoContactsIsWhatExecutionComesTo) {
+  const Scene made = with_state(scene("two_pegs"), 0.3, FrictionState::range);
+  const Plan plan = combination::plan(made);
+  ASSERT_EQ(plan.friction.size(), 5U);
+  for (const FrictionRange& state : plan.friction) {
+    ExecuteControl control;
+    control.start = &plan;
+    control.with_friction = false;
+    control.friction = state.ratios;
+    const Execution e = execute(made, plugins::make_components(combination::registry(), made).obstacles, plan, control);
+    ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
+    EXPECT_NEAR(e.result.tip_x, state.tip_x, 1e-9);
+    EXPECT_NEAR(e.result.tip_y, state.tip_y, 1e-9);
+    ASSERT_EQ(e.result.contacts.size(), state.contacts.size());
+    for (std::size_t k = 0; k < state.contacts.size(); ++k) {
+      EXPECT_NEAR(e.result.contacts[k].force / state.contacts[k].force, 1.0, 1e-6);
+      EXPECT_NEAR(e.result.contacts[k].tangential, state.contacts[k].tangential, 1e-6 * state.contacts[k].force);
+    }
+    EXPECT_NEAR(e.result.certificate.stability, state.stability, 1e-5);
+  }
+}
+
+/// Bodies on which tangential forces have a couple, and a contact at the tip.
+Scene variant(const std::string& name) {
+  if (name == "thick") return scene("brace", {"rod.thickness=\"6 mm\""});
+  if (name == "tapered") return scene("brace", {"rod.thickness=[\"8 mm\", \"4 mm\"]"});
+  return combination::scene_from_text(R"(
+problem = "pose"
+gravity = ["0 m/s^2", "-9.81 m/s^2"]
+[rod]
+length = "100 mm"
+bending_stiffness = "4.9e-4 N m^2"
+linear_density = "84 g/m"
+[[rod.actuator]]
+limit = "5 N mm"
+[[obstacle]]
+name = "floor"
+shape = "wall"
+point = ["0 mm", "-20 mm"]
+normal = [0.0, 1.0]
+[contact]
+mode = "require"
+min_force = "5 mN"
+[target]
+position = ["96 mm", "-18 mm"]
+[[objective]]
+plugin = "tip_pose"
+weight = 100
+[[objective]]
+plugin = "actuation_effort"
+weight = 1e-3
+)");
+}
+
+class FrictionOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(FrictionOf, ABodyOrATipIsPlannedAsItIsExecuted) {
+  const Scene made = variant(GetParam());
+  Plan worst = combination::plan(with_state(made, 0.4, FrictionState::worst));
+  ASSERT_TRUE(combination::certified(worst));
+  ASSERT_EQ(worst.contacts.size(), 1U);
+  EXPECT_EQ(worst.contacts[0].at_tip, std::string(GetParam()) == "tip");
+  EXPECT_NEAR(worst_cost(with_state(made, 0.4, FrictionState::worst), worst, worst.moments, 2) / worst.objective, 1.0,
+              1e-7);
+  for (const double share : {0.99, 1.01}) {
+    EXPECT_GT(worst_cost(with_state(made, 0.4, FrictionState::worst), worst, {share * worst.moments[0]}, 1),
+              worst.objective);
+  }
+  const Plan any = combination::plan(with_state(made, 0.4, FrictionState::any));
+  ASSERT_TRUE(combination::certified(any));
+  const double ratio = any.contacts[0].tangential / any.contacts[0].force;
+  EXPECT_NEAR(executed_cost(made, any, any.moments, {ratio}) / any.objective, 1.0, 1e-7);
+  const Plan range = combination::plan(with_state(made, 0.4, FrictionState::range));
+  ASSERT_TRUE(combination::certified(range));
+  EXPECT_LE(any.objective, range.objective + 1e-12);
+  EXPECT_GE(worst.objective, range.objective - 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(Rods, FrictionOf, testing::Values("thick", "tapered", "tip"),
+                         [](const auto& each) { return std::string(each.param); });
+
+TEST(FrictionRange, AStateBeyondALimitIsTold) {
+  Scene made = with_state(scene("brace"), 0.3, FrictionState::range);
+  const Plan free = combination::plan(made);
+  made.contact.max_force = free.contacts[0].force;
+  const auto told = [](const Plan& plan) {
+    return std::any_of(plan.notes.begin(), plan.notes.end(),
+                       [](const std::string& note) { return contains_text(note, "more than its limit"); });
+  };
+  EXPECT_FALSE(told(free));
+  const Plan limited = combination::plan(made);
+  ASSERT_TRUE(combination::certified(limited));
+  EXPECT_TRUE(told(limited));
+  // Planned for the worst, no state is beyond it.
+  const Plan worst = combination::plan(with_state(made, 0.3, FrictionState::worst));
+  ASSERT_TRUE(combination::certified(worst));
+  EXPECT_FALSE(told(worst));
+  for (const FrictionRange& state : worst.friction) {
+    EXPECT_LE(state.contacts[0].force, made.contact.max_force * (1.0 + 1e-9));
+  }
+}
+
+// From the smallest coefficient on the plans begin at the one without friction, and drift apart as it grows.
+TEST(FrictionExtremes, PlansAreCertifiedOrSayWhy) {
+  const double without = combination::plan(scene("brace")).objective;
+  double worst_before = without;
+  double any_before = without;
+  for (const double mu : {1e-6, 1e-3, 0.1, 1.0, 10.0}) {
+    const Plan worst = combination::plan(with_state(scene("brace"), mu, FrictionState::worst));
+    const Plan any = combination::plan(with_state(scene("brace"), mu, FrictionState::any));
+    ASSERT_TRUE(combination::certified(any)) << mu;
+    EXPECT_LE(any.objective, any_before + 1e-12) << mu;
+    any_before = any.objective;
+    ASSERT_TRUE(combination::certified(worst)) << mu;
+    EXPECT_GE(worst.objective, worst_before - 1e-12) << mu;
+    // Glue would carry the arm off its peg: the worst is least where nothing is touched.
+    EXPECT_EQ(worst.friction.empty(), mu == 10.0);
+    if (mu < 10.0) {
+      EXPECT_LT(worst.objective - without, 2e-4 * mu) << mu;
+    }
+    worst_before = worst.objective;
+  }
+}
+
+TEST(FrictionOfTrajectories, EveryStepHasItsStates) {
+  for (const FrictionState state : {FrictionState::range, FrictionState::any, FrictionState::worst}) {
+    Scene made = with_state(scene("trajectory"), 0.3, state);
+    std::vector<TargetSpec>& targets = made.trajectory.targets;
+    targets = {targets[20], targets[21], targets[22]};
+    Problem problem = combination::problem(made);
+    const Trajectory path = plan_trajectory(targets, {}, [&](const TargetSpec& target, const Plan* start, bool follow) {
+      problem.set_target(target);
+      PlanControl control;
+      control.start = start;
+      control.follow = follow;
+      return problem.plan(control);
+    });
+    ASSERT_EQ(path.steps.size(), 3U);
+    for (const TrajectoryStep& step : path.steps) {
+      ASSERT_TRUE(combination::certified(step.plan)) << to_string(step.method);
+      EXPECT_EQ(step.plan.friction.size(), 3U);
+      // Each step is what it is on its own.
+      Scene alone = made;
+      alone.problem = ProblemKind::pose;
+      alone.target = step.target;
+      alone.trajectory = {};
+      EXPECT_NEAR(step.plan.objective, combination::plan(alone).objective, 1e-9);
+    }
+  }
+}
+
+TEST(FrictionCertificate, SaysWhatIsOffItsCone) {
+  const Scene made = with_state(scene("brace"), 0.3, FrictionState::any);
+  Plan plan = combination::plan(made);
+  ASSERT_TRUE(combination::certified(plan));
+  const double unit = scale_of(made).force();
+  Plan changed = plan;
+  changed.contacts[0].tangential = 0.31 * changed.contacts[0].force;
+  changed.contacts[0].sticks = true;
+  judge_cones(made, unit, changed);
+  EXPECT_EQ(changed.status, PlanStatus::not_converged);
+  EXPECT_TRUE(contains_text(changed.message, "off its cone"));
+  // Within its cone a contact sticks, or was given its ratio, but does not slip.
+  changed = plan;
+  changed.contacts[0].tangential = 0.29 * changed.contacts[0].force;
+  changed.contacts[0].sticks = false;
+  judge_cones(made, unit, changed);
+  EXPECT_EQ(changed.status, PlanStatus::not_converged);
+  changed = plan;
+  changed.contacts[0].tangential = 0.29 * changed.contacts[0].force;
+  changed.contacts[0].sticks = true;
+  judge_cones(made, unit, changed);
+  EXPECT_EQ(changed.status, PlanStatus::solved);
+  EXPECT_EQ(changed.certificate.friction, 0.0);
+}
+
 TEST(FrictionRange, SenselessCoefficientsAreRefused) {
   const auto refusal = [](auto&& change) -> std::string {
     Scene made = scene("brace");
@@ -97,6 +391,14 @@ TEST(FrictionRange, SenselessCoefficientsAreRefused) {
   };
   EXPECT_TRUE(contains_text(refusal([](Scene& s) { s.contact.friction = -0.1; }), "must not be negative"));
   EXPECT_TRUE(contains_text(refusal([](Scene& s) { s.obstacles[0].friction = 30.0; }), "expected 0 to 10"));
+  for (const FrictionState state : {FrictionState::any, FrictionState::worst}) {
+    EXPECT_TRUE(contains_text(refusal([state](Scene& s) { s.contact.friction_state = state; }), "without friction"));
+    EXPECT_TRUE(contains_text(refusal([state](Scene& s) {
+                                s = with_state(s, 0.3, state);
+                                s.coordinates.split_at_contact = false;
+                              }),
+                              "has a knot at its contact"));
+  }
   EXPECT_TRUE(contains_text(refusal([](Scene& s) {
                               s.contact.friction = 0.3;
                               s.contact.mode = ContactModeName::avoid;

@@ -70,8 +70,11 @@ class Offer {
   }
 
  private:
-  /// Only plans of poses look at friction.
-  bool may_rub() const { return session_.scene().problem == ProblemKind::pose && !session_.scene().obstacles.empty(); }
+  /// Plans of poses look at friction, one or many.
+  bool may_rub() const {
+    const ProblemKind problem = session_.scene().problem;
+    return (problem == ProblemKind::pose || problem == ProblemKind::trajectory) && !session_.scene().obstacles.empty();
+  }
 
   const Control* find(const std::string& key) const {
     const auto found = std::find_if(controls_.begin(), controls_.end(), [&](const Control& c) { return c.key == key; });

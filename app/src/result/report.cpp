@@ -154,7 +154,7 @@ std::string contacts_text(const Scene& scene, const Plan& plan, const DisplayUni
 }
 
 /// What friction can do to the plan, whatever its state: intervals over all states that were followed.
-std::string friction_text(const Plan& plan, const DisplayUnits& units) {
+std::string friction_text(FrictionState state, const Plan& plan, const DisplayUnits& units) {
   if (plan.friction.empty()) return "";
   const auto interval = [&](const auto& value, const auto& text) {
     const auto [low, high] = std::minmax_element(plan.friction.begin(), plan.friction.end(),
@@ -167,7 +167,10 @@ std::string friction_text(const Plan& plan, const DisplayUnits& units) {
   const auto turn = [](const FrictionRange& r) { return r.tip_angle; };
   const auto margin = [](const FrictionRange& r) { return r.stability; };
   const auto pure = [](double v) { return shown(v, 3); };
-  std::string text = "\nwhatever friction does, at these inputs\n";
+  std::string text = "\nwhatever friction does, at these inputs";
+  if (state == FrictionState::worst) text += ", which are those for the worst of it: the plan shows that";
+  if (state == FrictionState::any) text += "; the plan is for friction as the contacts have it";
+  text += '\n';
   text += line("tip x", interval(x, length)) + line("tip y", interval(y, length));
   text += line("tip angle", interval(turn, [](double v) { return angle(v); }));
   if (plan.friction.front().target_error) {
@@ -175,8 +178,9 @@ std::string friction_text(const Plan& plan, const DisplayUnits& units) {
   }
   for (const PlannedContact& contact : plan.friction.front().contacts) {
     const auto pressed = [&](const FrictionRange& r) {
-      const auto same = std::find_if(r.contacts.begin(), r.contacts.end(),
-                                     [&](const PlannedContact& c) { return c.obstacle == contact.obstacle; });
+      const auto same = std::find_if(r.contacts.begin(), r.contacts.end(), [&](const PlannedContact& c) {
+        return c.obstacle == contact.obstacle && c.at_tip == contact.at_tip;
+      });
       return same == r.contacts.end() ? 0.0 : same->force;
     };
     text +=
@@ -220,6 +224,7 @@ std::string certificate_text(const Certificate& certificate) {
   at_most("complementarity", certificate.complementarity, tolerance::complementarity);
   at_most("closest point", certificate.closest_point, tolerance::closest_point);
   if (certificate.balance > 0.0) at_most("force balance", certificate.balance, tolerance::balance);
+  if (certificate.friction) at_most("friction cones", *certificate.friction, tolerance::friction);
   at_most("stationarity", certificate.stationarity, tolerance::stationarity);
   grid.row({"  kind", certificate.stationarity_kind, "S", certificate.stationarity_kind == "S" ? "ok" : "FAILS"});
   entry(certificate.held_lengths > 0 ? "stability, lengths held" : "stability", certificate.stability,
@@ -320,7 +325,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
   const bool has_shape = !plan.backbone.empty();
   if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);
   if (!run.uncertainties.empty()) text += uncertainty_text(scene, run.uncertainties.front());
-  text += friction_text(plan, units);
+  text += friction_text(scene.contact.friction_state, plan, units);
   text += verification_text(plan);
   text += line("coordinates", fmt::format("{}, order {}, {} values{}", plan.coordinates_name, plan.order,
                                           plan.coordinates.size(), plan.split_at_contact ? ", split at contact" : ""));

@@ -35,6 +35,7 @@ Json certificate_json(const Certificate& certificate) {
             {"quadrature", number(certificate.quadrature)},
             {"failures", certificate.failures}};
   if (certificate.least_stretch < 1.0) json["least_stretch"] = number(certificate.least_stretch);
+  if (certificate.friction) json["friction"] = number(*certificate.friction);
   if (certificate.held_lengths > 0) json["held_lengths"] = certificate.held_lengths;
   if (certificate.out_of_plane) json["out_of_plane"] = number(*certificate.out_of_plane);
   return json;

@@ -60,13 +60,14 @@ Table<ContactSpec> contact_table() {
                        [](T& t, double v) { t.friction = v; }),
            text<T>("friction_state", "range",
                    "Where contacts rub: \"range\" plans without friction and then follows every state that it allows; "
-                   "\"any\" plans a grasp with tangential forces.",
+                   "\"worst\" plans for the state that costs most; \"any\" plans with tangential forces.",
                    [](T& t, const std::string& v) {
-                     t.friction_state = v == "none"  ? FrictionState::none
-                                        : v == "any" ? FrictionState::any
-                                                     : FrictionState::range;
+                     t.friction_state = v == "none"    ? FrictionState::none
+                                        : v == "any"   ? FrictionState::any
+                                        : v == "worst" ? FrictionState::worst
+                                                       : FrictionState::range;
                    },
-                   {"range", "any", "none"}),
+                   {"range", "worst", "any", "none"}),
            integer<T>("check_points", 0, "0",
                       "A fixed number of clearance points, without refinement; 0: chosen and refined.",
                       [](T& t, int v) { t.check_points = v; })}};

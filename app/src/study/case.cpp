@@ -173,6 +173,7 @@ class CaseRunner {
     const bool meets = one.mode == StudyMode::ignore_then_execute;
     ExecuteControl own;
     own.with_friction = false;  // as it is planned
+    own.friction = ratios_of(outcome.plan, obstacles.size());
     own.start = &outcome.plan;
     own.with_obstacles = scene.contact.mode != ContactModeName::ignore;
     const Execution settled = execute(scene, obstacles, outcome.plan, own);
@@ -189,6 +190,7 @@ class CaseRunner {
 
     ExecuteControl from_start;
     from_start.with_friction = false;
+    from_start.friction = own.friction;
     from_start.with_obstacles = own.with_obstacles || meets;
     Json loaded;
     Json same = nullptr;
@@ -299,6 +301,7 @@ class CaseRunner {
       const std::vector<std::unique_ptr<Obstacle>> obstacles = session_.make_obstacles(trajectory.steps[i].target);
       ExecuteControl control;
       control.with_friction = false;
+      control.friction = ratios_of(plan, obstacles.size());
       control.start = &plan;
       control.with_obstacles = scene.contact.mode != ContactModeName::ignore;
       const Execution settled = execute(scene, obstacles, plan, control);

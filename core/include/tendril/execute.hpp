@@ -55,6 +55,10 @@ struct Execution {
 /// shortening (m) of a tendon told its length.
 TENDRIL_API std::vector<double> held_of(const Scene& scene, const Plan& plan);
 
+/// What ExecuteControl::friction has to be so that contacts push as they do in `plan`, for so many obstacles; empty:
+/// along their normals.
+TENDRIL_API std::vector<double> ratios_of(const Plan& plan, std::size_t obstacles);
+
 /// The stable equilibrium that the rod of `scene` reaches under what its actuators are held at: moments (N m), or
 /// shortenings (m) of tendons told their length, one per actuator of the scene, not held to their limits. `obstacles`:
 /// dimensionless, one per obstacle of the scene, not null; used whatever the contact mode says. From a start that
@@ -72,7 +76,8 @@ TENDRIL_API Execution execute(const Scene& scene, const std::vector<std::unique_
 /// elsewhere (other contacts, a tip farther off than tolerance::model_error, no certified state) a solved plan becomes
 /// `not_converged` and its message says why. Returns the execution from the plan's own start. `control.start`: what the
 /// plan was started from, null, or `&plan`: then the rod settles from the plan's own shape and is executed only once,
-/// as it is from a start that has no side of an obstacle. Plans are made without friction, and verified so.
+/// as it is from a start that has no side of an obstacle. Contacts push as they do in the plan:
+/// along their normals unless tangential forces were planned.
 TENDRIL_API Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, Plan& plan,
                              const ExecuteControl& control = {});
 

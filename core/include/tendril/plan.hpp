@@ -29,14 +29,14 @@ struct PlannedContact {
   double arc_length = 0.0;    ///< m
   Vec2 point{};               ///< m
   Vec2 normal{};              ///< unit vector out of the obstacle
-  Vec2 tangent{};             ///< unit vector across it, in the direction in which arc lengths grow
   double force = 0.0;         ///< N, along the normal
-  double tangential = 0.0;    ///< N, along the tangent
-  bool sticks = false;        ///< it does not slip, whatever is tangential
   double gap = 0.0;           ///< m
   /// The rod lies along the obstacle here: one of a run of contacts that stands for the stretch, or, in a plan that is
   /// not solved for that reason, the point whose force would be spread.
   bool extended = false;
+  Vec2 tangent{};           ///< unit vector across the normal, in the direction in which arc lengths grow
+  double tangential = 0.0;  ///< N, along the tangent
+  bool sticks = false;      ///< it does not slip, whatever is tangential
 };
 
 /// One program that the planner solved, and how it ended.

@@ -168,8 +168,9 @@ struct ObstacleSpec {
 /// What becomes of the unknown state of friction (docs/model.md section 11).
 enum class FrictionState {
   range,  ///< planned without, then followed over the cone of every contact
-  any,    ///< of a grasp: tangential forces are planned, anywhere in their cones
-  none    ///< left out
+  any,    ///< tangential forces are planned, anywhere in their cones
+  none,   ///< left out
+  worst   ///< planned for the state within the cones that costs most, then followed as above
 };
 
 /// How contact with obstacles is planned.

@@ -10,8 +10,9 @@ inline constexpr double bounds = 1e-9;   ///< moments, forces, arc lengths beyon
 inline constexpr double penetration = 1e-9;      ///< certified depth
 inline constexpr double complementarity = 1e-9;  ///< min(gap, force)
 inline constexpr double closest_point = 1e-8;    ///< tangent . normal
-inline constexpr double stationarity = 1e-6;     ///< gradient of the Lagrangian of the tightened program
-inline constexpr double stability = 1e-6;        ///< least margin
+inline constexpr double friction = 1e-9;      ///< tangential contact force off its cone, or off the edge where it slips
+inline constexpr double stationarity = 1e-6;  ///< gradient of the Lagrangian of the tightened program
+inline constexpr double stability = 1e-6;     ///< least margin
 /// A rod whose margin out of its plane is below minus this buckles out of it. A rod that buckled under thrust alone may
 /// turn about its axis: 0 but for rounding.
 inline constexpr double out_of_plane = 1e-6;

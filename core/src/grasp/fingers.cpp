@@ -126,7 +126,7 @@ Description describe_both_fingers(const Task& upper, Description out) {
       add(m.variables, "moments", moments);
       add(m.variables, "contact_arc_length", arc_lengths);
       const int forces = upper.palm->loaded ? 2 : 1;
-      const int ratios = upper.friction > 0.0 ? forces : 0;
+      const int ratios = upper.friction.empty() ? 0 : forces;
       const int balances = !upper.palm->loaded ? 1 : ratios > 0 ? 3 : 2;
       add(m.variables, "contact_force", forces);
       add(m.variables, "tangential_ratio", ratios);

@@ -5,6 +5,7 @@
 
 #include "base/clock.hpp"
 #include "grasp/frames.hpp"
+#include "search/friction.hpp"
 #include "search/planner.hpp"
 #include "tendril/tolerances.hpp"
 
@@ -67,38 +68,11 @@ Plan plan_at_limit(Task& task, const PlanControl& control) {
   return plan;
 }
 
-/// With tangential forces as variables a grasp without them is a start, and never better.
-Plan plan_with_friction(Task& task, const PlanControl& control) {
-  const auto set = [&task](double friction) {
-    task.friction = friction;
-    if (task.lower) task.lower->friction = friction;
-  };
-  const double friction = task.friction;
-  const double time_limit = task.scene.solver.time_limit;
-  const double begin = now();
-  set(0.0);
-  Plan without = plan_at_limit(task, control);
-  set(friction);
-  const double left = time_limit - (now() - begin);
-  if (without.status == PlanStatus::interrupted || without.status == PlanStatus::failed) return without;
-  if (!(left > 0.0)) {
-    without.search_cut = true;
-    return without;
-  }
-  const bool solved = without.status == PlanStatus::solved;
-  PlanControl from_it = control;
-  if (solved) from_it.start = &without;
-  task.scene.solver.time_limit = left;
-  Plan plan = plan_at_limit(task, from_it);
-  task.scene.solver.time_limit = time_limit;
-  const bool better = plan.status == PlanStatus::solved && plan.objective <= without.objective;
-  return better || !solved ? plan : without;
-}
-
 }  // namespace
 
 Plan plan_grasp(Task& task, const PlanControl& control) {
-  return task.friction > 0.0 ? plan_with_friction(task, control) : plan_at_limit(task, control);
+  if (task.friction.empty()) return plan_at_limit(task, control);
+  return plan_any(task, control, [&task](const PlanControl& own) { return plan_at_limit(task, own); });
 }
 
 }  // namespace tendril

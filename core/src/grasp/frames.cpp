@@ -235,20 +235,16 @@ void set_up_grasp(Task& data) {
   if (norm(load) != 0.0 && !gripper.exact_balance) {
     throw SceneError("gripper.balance", "found \"objective\", but the object is loaded; expected \"exact\"");
   }
-  if (data.scene.contact.friction_state == FrictionState::any) {
-    data.friction = friction_of(data.scene, 0);
-    if (!data.scene.coordinates.split_at_contact) {
-      throw SceneError("coordinates.split_at_contact",
-                       "found false, but where tangential forces are planned each finger has a knot at its contact; "
-                       "expected true");
-    }
-  }
   const auto length = [&](double si) { return data.scale.to_dimensionless(si, dimension::length); };
   const double radius = length(0.5 * gripper.object_diameter);
   data.own_obstacles.push_back(std::make_unique<Circle>(Vec2{0.0, 0.0}, radius));
   if (mirrored) data.own_obstacles.push_back(std::make_unique<Wall>(Vec2{0.0, 0.0}, Vec2{0.0, 1.0}));
   data.own_obstacles.push_back(std::make_unique<Wall>(Vec2{0.0, 0.0}, Vec2{1.0, 0.0}));
   for (const auto& obstacle : data.own_obstacles) data.obstacles.push_back(obstacle.get());
+  if (const double friction = friction_of(data.scene, 0);
+      data.scene.contact.friction_state == FrictionState::any && friction > 0.0) {
+    data.friction.assign(data.obstacles.size(), friction);
+  }
   data.carried = 1;
   data.contact_obstacles = 1;
 

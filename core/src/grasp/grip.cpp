@@ -20,7 +20,9 @@ class PinchedObject : public Grip {
 std::string metres(double value) { return shown(value) + " m"; }
 
 /// The largest force of one contact, dimensionless.
-double carried_by(const Task& finger) { return finger.max_force * std::hypot(1.0, finger.friction); }
+double carried_by(const Task& finger) {
+  return finger.max_force * (finger.friction.empty() ? 1.0 : std::hypot(1.0, finger.friction.front()));
+}
 
 /// Why contacts that carry so much, in units of `finger`, cannot hold such a load; empty: they may.
 std::string too_heavy(const Task& finger, double load, double carried) {
@@ -48,7 +50,7 @@ std::string PinchedObject::obstruction(const Task& data, double reach) const {
   // One balanced contact is where the object's normal is square to the axis, if the other finger is the mirror image
   // and nothing but normal forces acts.
   const bool balanced =
-      mirrored && data.palm->balance && data.scene.contact.count == 1 && !data.palm->loaded && data.friction == 0.0;
+      mirrored && data.palm->balance && data.scene.contact.count == 1 && !data.palm->loaded && data.friction.empty();
   const double nearest = data.palm->minimum;
   const double away = balanced ? std::hypot(nearest, base.y - radius) : std::hypot(nearest, base.y) - radius;
   if (!(away > reach)) return "";
@@ -86,7 +88,7 @@ std::string pair_obstruction(const Task& upper, double upper_reach, double lower
       too_heavy(upper, norm(load_along(upper.scene, upper.scale)), carried_by(upper) + from_lower * carried_by(lower));
   if (!heavy.empty()) return heavy;
   // Normals that tilt are not opposite.
-  if (upper.palm->loaded || upper.friction > 0.0) return "";
+  if (upper.palm->loaded || !upper.friction.empty()) return "";
   const double radius = upper.obstacles[0]->smallest_radius() * upper.scale.length;
   const double nearest = upper.palm->minimum * upper.scale.length;
   const double away = std::hypot(nearest, upper.rod.base.y * upper.scale.length - radius);

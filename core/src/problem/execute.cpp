@@ -218,6 +218,7 @@ Execution Executor::run() {
     message = inside + (message.empty() ? ", which takes its place as the loads grow" : ": " + message);
   }
   tell_limits(out.result);
+  if (is_rough()) judge_cones(scene_, scale_.force(), out.result);
   tell_friction(*loading, out.result);
   out.result.start_backbone =
       control_.start != nullptr

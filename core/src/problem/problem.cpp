@@ -15,6 +15,7 @@
 #include "search/contacts.hpp"
 #include "search/either_way.hpp"
 #include "search/follower.hpp"
+#include "search/friction.hpp"
 #include "search/parameters.hpp"
 #include "search/task.hpp"
 #include "tendril/grasp.hpp"
@@ -157,6 +158,22 @@ void make_modes(Task& d) {
   }
 }
 
+Plan plan_pose(Task& task, const PlanControl& control) {
+  if (task.friction.empty()) return plan_to_target(task, control);
+  if (task.scene.contact.friction_state == FrictionState::worst) return plan_worst(task, control);
+  return plan_any(task, control, [&task](const PlanControl& own) { return plan_to_target(task, own); });
+}
+
+/// What friction has to do with a plan.
+void tell_friction(const Task& task, Plan& plan, const std::atomic<bool>* stop) {
+  judge_cones(task.scene, task.scale.force(), plan);
+  if (task.palm) {
+    tell_hold(task, plan);
+  } else {
+    find_friction_range(task, plan, stop);
+  }
+}
+
 }  // namespace
 
 Problem::Problem(Problem&&) noexcept = default;
@@ -199,6 +216,9 @@ Problem::Problem(const Scene& scene, Components components) : task_(std::make_un
                     ? d.scale.to_dimensionless(scene.contact.min_force, dimension::force)
                     : 0.0;
   if (grasp) set_up_grasp(d);
+  const FrictionState state = d.scene.contact.friction_state;
+  if (!grasp && (state == FrictionState::any || state == FrictionState::worst))
+    d.friction = coefficients_of_friction(d);
   d.take_start();
   d.take_target(scene.problem == ProblemKind::trajectory ? scene.trajectory.targets.front() : scene.target);
   d.tolerance = {d.scale.to_dimensionless(scene.target.position_tolerance, dimension::length),
@@ -243,6 +263,7 @@ Description Problem::describe() const {
                                                                          : d.pieces_of_stretch(c.region).front());
     }
     PoseProgramSpec spec = d.spec(mode, regions, d.nodes);
+    if (d.scene.contact.friction_state == FrictionState::worst) spec.friction.clear();
     spec.checks = d.first_checks(spec, d.scene_start());
     const PoseProgram program(spec);
     const PoseProgram::Layout& at = program.layout();
@@ -291,7 +312,9 @@ Description Problem::describe() const {
 
 bool Problem::follow_without_solver(Plan& plan) {
   Task& d = *task_;
-  if (d.lower) return false;
+  // The worst state of friction changes from one to another on the way.
+  const bool worst = d.scene.contact.friction_state == FrictionState::worst && !d.friction.empty();
+  if (d.lower || worst) return false;
   d.face(plan.tip_angle);
   if (!d.follower || !d.follower->stands_at(plan)) d.follower = Follower::from(d, plan);
   if (d.follower && d.follower->step(plan)) return true;
@@ -301,7 +324,10 @@ bool Problem::follow_without_solver(Plan& plan) {
 
 void Problem::follow(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop) {
   set_target(target);
-  if (follow_without_solver(plan)) return;
+  if (follow_without_solver(plan)) {
+    tell_friction(*task_, plan, stop);
+    return;
+  }
   PlanControl control;
   control.stop = stop;
   control.start = &plan;
@@ -315,18 +341,14 @@ Plan Problem::plan(const PlanControl& control) {
   if (follows && control.without.empty()) {
     Plan followed = *control.start;
     if (follow_without_solver(followed)) {
-      tell_hold(*task_, followed);
+      tell_friction(*task_, followed, control.stop);
       return followed;
     }
   }
   for (const PoseProgramTerm& term : task_->terms) term.fault->clear();
-  Plan plan = task_->palm ? plan_grasp(*task_, control) : plan_to_target(*task_, control);
+  Plan plan = task_->palm ? plan_grasp(*task_, control) : plan_pose(*task_, control);
   blame_terms(*task_, plan);
-  if (task_->palm) {
-    tell_hold(*task_, plan);
-  } else {
-    find_friction_range(*task_, plan, control.stop);
-  }
+  tell_friction(*task_, plan, control.stop);
   plan.seconds_assemble = task_->seconds_assemble;
   plan.seconds_solve = now() - begin - plan.seconds_certify;
   if (!task_->palm) plan.start_backbone = outline(task_->scene_start(), task_->rod, task_->scale.length);

@@ -73,11 +73,6 @@ PoseProgram::PoseProgram(std::unique_ptr<Data> data)
     lower_[at.palm] = s.palm->minimum;
     upper_[at.palm] = s.palm->maximum;
   }
-  for (int k = 0; k < at.leans; ++k) {
-    const double friction = s.friction[static_cast<std::size_t>(s.contacts[static_cast<std::size_t>(k)].obstacle)];
-    lower_[at.first_lean + k] = -friction;
-    upper_[at.first_lean + k] = friction;
-  }
   for (int k = 0; k < at.forces; ++k) set_branch(k, Branch::open);
   set_row_bounds();
 }
@@ -134,6 +129,12 @@ void PoseProgram::set_branch(int contact, Branch branch) {
   data_->branches[static_cast<std::size_t>(contact)] = branch;
   lower_[at.first_force + contact] = branch == Branch::separated ? 0.0 : s.min_force;
   upper_[at.first_force + contact] = branch == Branch::separated ? 0.0 : s.max_force;
+  if (at.leans > 0) {
+    // Without a force its direction means nothing.
+    const auto obstacle = static_cast<std::size_t>(s.contacts[static_cast<std::size_t>(contact)].obstacle);
+    upper_[at.first_lean + contact] = branch == Branch::separated ? 0.0 : s.friction[obstacle];
+    lower_[at.first_lean + contact] = -upper_[at.first_lean + contact];
+  }
   set_row_bounds();
   data_->evaluated = data_->kept = false;
   invalidate();

@@ -32,9 +32,10 @@ ReducedProgram::Parts ReducedProgram::parts_of(const PoseProgram& program) {
   for (int i = 0; i < program.variable_count(); ++i) {
     if (program.lower()[i] == program.upper()[i]) continue;
     const bool moment = i >= at.first_moment && i < at.first_arc_length;
-    (moment ? parts.chosen : parts.following).push_back(i);
+    const bool ratio = i >= at.first_lean && i < at.first_lean + at.leans;
+    (moment || ratio ? parts.chosen : parts.following).push_back(i);
     const bool bounded = std::isfinite(program.lower()[i]) || std::isfinite(program.upper()[i]);
-    if (!moment && bounded) parts.limited.push_back(static_cast<int>(parts.following.size()) - 1);
+    if (!moment && !ratio && bounded) parts.limited.push_back(static_cast<int>(parts.following.size()) - 1);
   }
   for (int i = 0; i < program.row_count(); ++i) {
     (is_equation(program, i) ? parts.equations : parts.others).push_back(i);
@@ -103,6 +104,12 @@ ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts par
 }
 
 ReducedProgram::~ReducedProgram() = default;
+
+int ReducedProgram::ratio_count() const {
+  const int first = program_.layout().first_lean;
+  return static_cast<int>(
+      std::count_if(parts_.chosen.begin(), parts_.chosen.end(), [first](int i) { return i >= first; }));
+}
 
 bool ReducedProgram::correct() {
   if (equations_.size() == 0) return equations_.evaluate(x_);

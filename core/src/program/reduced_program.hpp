@@ -8,10 +8,11 @@
 
 namespace tendril {
 
-/// A pose program in its moments alone: they decide the shape, the places and the forces of contacts as long as the
-/// equilibrium is followed from a point where all of these are known. For every contact has to be decided whether it
-/// touches. What are variables there, and bounded, are rows here, behind the inequalities of the program; equations
-/// are solved by Newton's method. Exact first and second derivatives.
+/// A pose program in its moments alone, and the tangential ratios of contacts where these are variables: they decide
+/// the shape, the places and the forces of contacts as long as the equilibrium is followed from a point where all of
+/// these are known. For every contact has to be decided whether it touches. What are variables there, and bounded, are
+/// rows here, behind the inequalities of the program; equations are solved by Newton's method. Exact first and second
+/// derivatives.
 ///
 /// However many coordinates a model has, this program is as small as the rod has actuators. It is never anywhere but in
 /// equilibrium, and never leaves the branch of equilibria that it began on: where that ends, its values are not finite.
@@ -25,14 +26,16 @@ class TENDRIL_API ReducedProgram : public NonlinearProgram {
   ReducedProgram(PoseProgram& program, ConstVectorRef x);
   ~ReducedProgram() override;
 
-  /// The moments at the point that this began with.
+  /// The moments at the point that this began with, then the tangential ratios.
   const Eigen::VectorXd& start() const { return start_; }
+  /// How many of the variables, the last ones, are tangential ratios.
+  int ratio_count() const;
   /// The point of the pose program at moments u; not finite where the branch does not reach.
   const Eigen::VectorXd& full(ConstVectorRef u);
 
   /// Names of the pose program; what is a variable there and a row here keeps its name.
   std::string row_name(int row) const override;
-  std::string variable_name(int variable) const override;  ///< "moment 1" and so on.
+  std::string variable_name(int variable) const override;  ///< "moment 1", "tangential ratio 1" and so on.
 
  protected:
   void do_evaluate(ConstVectorRef u, bool derivatives, Workspace& out) override;
@@ -40,7 +43,7 @@ class TENDRIL_API ReducedProgram : public NonlinearProgram {
 
  private:
   struct Parts {
-    std::vector<int> chosen;     ///< variables: the moments that are not fixed
+    std::vector<int> chosen;     ///< variables: the moments and tangential ratios that are not fixed
     std::vector<int> following;  ///< variables: what the equations decide
     std::vector<int> equations;  ///< rows
     std::vector<int> others;     ///< rows

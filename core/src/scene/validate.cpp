@@ -84,24 +84,28 @@ void validate_friction(const Scene& scene) {
     require_place(scene.obstacles[i].place, "obstacle[" + std::to_string(i) + "]");
     if (own.value_or(0.0) > 0.0 && path.empty()) path = at;
   }
-  if (path.empty() && scene.contact.friction_state == FrictionState::any) {
-    throw SceneError("contact.friction_state", "found \"any\" without friction, expected 'friction' beside it");
+  const FrictionState state = scene.contact.friction_state;
+  const bool planned = state == FrictionState::any || state == FrictionState::worst;
+  const std::string name = state == FrictionState::any ? "\"any\"" : "\"worst\"";
+  if (path.empty() && planned) {
+    throw SceneError("contact.friction_state", "found " + name + " without friction, expected 'friction' beside it");
   }
-  if (path.empty() || scene.contact.friction_state == FrictionState::none) return;
+  if (path.empty() || state == FrictionState::none) return;
   if (scene.contact.mode == ContactModeName::ignore || scene.contact.mode == ContactModeName::avoid) {
     throw SceneError(path, "there is no friction where contact is not planned (contact mode \"" +
                                std::string(to_string(scene.contact.mode)) + "\")");
   }
-  const bool held = scene.problem == ProblemKind::grasp || scene.problem == ProblemKind::execute;
-  if (scene.contact.friction_state == FrictionState::any && !held) {
-    throw SceneError("contact.friction_state",
-                     "found \"any\", but only grasps are planned with their tangential forces, expected \"range\" or "
-                     "\"none\"");
+  if (!planned || scene.problem == ProblemKind::execute) return;
+  const bool grasp = scene.problem == ProblemKind::grasp;
+  if (scene.problem == ProblemKind::estimate || (grasp && state == FrictionState::worst)) {
+    throw SceneError("contact.friction_state", "found " + name + ", which is for poses and trajectories" +
+                                                   (grasp ? ", expected \"range\", \"any\" or \"none\""
+                                                          : " and grasps, expected \"range\" or \"none\""));
   }
-  if (scene.problem == ProblemKind::trajectory) {
-    throw SceneError(path,
-                     "friction is looked at for problems \"pose\", \"grasp\" and \"estimate\", found \"trajectory\", "
-                     "expected friction_state = \"none\" beside it");
+  if (!scene.coordinates.split_at_contact) {
+    throw SceneError("coordinates.split_at_contact",
+                     "found false, but where tangential forces are planned a rod has a knot at its contact; expected "
+                     "true");
   }
 }
 

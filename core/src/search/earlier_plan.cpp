@@ -26,7 +26,7 @@ std::optional<std::vector<ContactSetup>> contacts_of(const Task& problem, const 
 StartShape shape_of(const Task& problem, const Plan& plan, const Mode& mode) {
   StartShape shape = shape_of(rest_of(problem, plan), mode);
   if (plan.grasp) shape.palm_distance = plan.grasp->palm_distance / problem.scale.length;
-  if (problem.friction == 0.0 || plan.contacts.size() != mode.contacts.size()) return shape;
+  if (problem.friction.empty() || plan.contacts.size() != mode.contacts.size()) return shape;
   for (const PlannedContact& c : plan.contacts) {
     shape.leans.push_back(c.force > 0.0 ? c.tangential / c.force * dot(c.tangent, turned(c.normal)) : 0.0);
   }

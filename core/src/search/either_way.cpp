@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/clock.hpp"
+#include "search/limit.hpp"
 #include "search/parameters.hpp"
 #include "search/planner.hpp"
 
@@ -17,26 +17,6 @@ bool reads_direction(const Task& task) {
     return reads.target && reads.tip_angle;
   });
 }
-
-/// Another value for a while: the task keeps its own, whatever a solver throws.
-template <class T>
-struct Kept {
-  T& of;
-  const T own = of;
-  ~Kept() { of = own; }
-};
-
-/// One time limit for several searches.
-struct Limit {
-  explicit Limit(Task& task) : limit{task.scene.solver.time_limit} {}
-  Kept<double> limit;
-  const double begin = now();
-  /// What is left of it is the limit from now on.
-  bool leaves_time() {
-    limit.of = limit.own - (now() - begin);
-    return limit.of > 0.0;
-  }
-};
 
 /// Whether no other turn of the tip can bring much: it is where the target is.
 bool is_there(const Plan& plan, const Task& task) {

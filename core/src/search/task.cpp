@@ -222,9 +222,10 @@ PoseProgramSpec Task::spec(const Mode& mode, const std::vector<int>& regions, in
   s.min_force = min_force;
   s.max_force = max_force;
   s.palm = palm;
-  if (friction > 0.0) s.friction.assign(obstacles.size(), friction);
+  s.friction = friction;
   s.carried = carried;
-  s.least_margin = least_margin;
+  // The margin of contacts that slip has no derivatives here.
+  if (friction.empty()) s.least_margin = least_margin;
   s.least_convexity = least_convexity;
   s.term_units = term_units;
   s.tables = tables;

@@ -48,7 +48,7 @@ struct Task {
   std::function<double(double)> start_points;  ///< curvature of a start that the scene gives by points; empty: none
   std::optional<double> direction;             ///< rad, of the target, of which target.angle is one of many angles
   double min_force = 0.0, max_force = infinity;
-  double friction = 0.0;                  ///< of a grasp whose tangential forces are planned: the coefficient; else 0
+  std::vector<double> friction;  ///< of each obstacle, a coefficient: tangential forces are planned; empty: none are
   std::optional<double> least_margin;     ///< of stability, while plans are held at its limit
   std::optional<double> least_convexity;  ///< of contacts, while plans are held where they would spread
   std::shared_ptr<TableStore> tables = std::make_shared<TableStore>();
