@@ -22,23 +22,27 @@ namespace {
 
 using files::SceneFile;
 
-std::string plan(SceneFile& scene, const std::optional<std::string>& start, bool verified) {
-  return interruptible([&](const auto& stop) {
-    return scene.json(scene.plan({&stop, result_of(start, "start")}, verified));
+std::string plan(SceneFile& scene, const std::optional<std::string>& start, bool verified, const py::object& progress) {
+  return reporting(progress, [&](const auto& stop, const auto& report) {
+    return scene.json(scene.plan({&stop, result_of(start, "start"), report}, verified));
   });
 }
 
-std::string plan_trajectory(SceneFile& scene, bool verified) {
-  return interruptible([&](const auto& stop) { return scene.json(scene.plan_trajectory({&stop}, verified)); });
+std::string plan_trajectory(SceneFile& scene, bool verified, const py::object& progress) {
+  return reporting(progress, [&](const auto& stop, const auto& report) {
+    return scene.json(scene.plan_trajectory({&stop, std::nullopt, report}, verified));
+  });
 }
 
 std::string estimate(const SceneTuple& scene) {
   return interruptible([&](const auto& stop) { return files::estimate_json(source_of(scene), {&stop}); });
 }
 
-std::string sensitivity(SceneFile& scene, const std::vector<std::string>& keys, bool held, const std::string& moments) {
+std::string sensitivity(SceneFile& scene, const std::vector<std::string>& keys, bool held, const std::string& moments,
+                        const std::optional<std::string>& plan) {
   return interruptible([&](const auto& stop) {
-    return scene.sensitivity_json({keys, {files::InputKind::moments, moments, "moments"}, held}, {&stop});
+    const files::Inputs given{files::InputKind::moments, moments, "moments"};
+    return scene.sensitivity_json({keys, given, held, result_of(plan, "plan")}, {&stop});
   });
 }
 

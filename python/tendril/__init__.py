@@ -18,12 +18,14 @@ from ._components import Option, Quantities, check, coordinates, objective, obst
 from ._errors import Error
 from ._native import version as __version__
 from ._results import (
-    Calibration, Contact, Description, Estimate, Execution, Plan, Result, Sensitivities, SequenceEstimate, Study, Tip, Trajectory,
+    Calibration, Contact, Description, Estimate, Execution, Finger, FrictionState, Plan, Result, Sensitivities, SequenceEstimate, Study,
+    Tip, Trajectory,
 )
 from ._scene import Problem, Scene, load
 
 __all__ = [
-    "Calibration", "Contact", "Description", "Error", "Estimate", "Execution", "Failure", "Option", "Plan", "Problem", "Quantities",
+    "Calibration", "Contact", "Description", "Error", "Estimate", "Execution", "Failure", "Finger", "FrictionState", "Option", "Plan",
+    "Problem", "Quantities",
     "Result", "Scene", "Sensitivities", "SequenceEstimate", "Study", "Tip", "Trajectory", "__version__", "check", "command", "coordinates", "load", "objective",
     "obstacle", "plan_many", "plugins", "unregister",
 ]

@@ -6,8 +6,8 @@ import functools
 from collections.abc import Iterable
 from typing import Any
 
-from ._pool import Died, Progress, reporter, run_pool
-from ._results import Result
+from ._pool import Died, Progress, reporting, run_pool
+from ._results import Plan, Result
 from ._scene import Scene
 from ._values import each, whole_number
 
@@ -32,15 +32,17 @@ def plan_many(scenes: Iterable[Scene], *, jobs: int = 1, verify: bool = False, p
         if not isinstance(scene, Scene):
             raise TypeError(f"scenes[{i}]: found {type(scene).__name__}, expected a Scene")
     jobs = whole_number(jobs, "jobs")
-    report = reporter(progress, len(waiting))
     results: list[Any] = [None] * len(waiting)
+    with reporting(progress, len(waiting)) as report:
+        def take(index: int, answer: Any) -> None:
+            if isinstance(answer, Died):
+                answer = Failure({"scene": waiting[index]._file, "message": str(answer)})
+            elif isinstance(answer, Plan):
+                answer = waiting[index]._known(answer)
+            results[index] = answer
+            report(sum(result is not None for result in results), len(waiting))
 
-    def take(index: int, answer: Any) -> None:
-        died = isinstance(answer, Died)
-        results[index] = Failure({"scene": waiting[index]._file, "message": str(answer)}) if died else answer
-        report(sum(result is not None for result in results))
-
-    run_pool(functools.partial(_planned, verify=verify), waiting, jobs, start_method, take)
+        run_pool(functools.partial(_planned, verify=verify), waiting, jobs, start_method, take)
     return results
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Union
 
 Progress = Union[bool, Callable[[int, int], Any]]
@@ -125,19 +126,51 @@ def _serve(pipe: Any, work: Callable[[Any], Any]) -> None:
             return
 
 
-def reporter(progress: Progress, total: int) -> Callable[[int], Any]:
-    """What is called with how many are finished."""
+@contextlib.contextmanager
+def reporting(progress: Progress, total: int = 0) -> Iterator[Callable[[int, int], Any]]:
+    """What is called with how many are finished and how many there are, 0 where nobody knows; shows a bar where it is asked for.
+    `total`: as far as it is known beforehand.
+    """
     if not isinstance(progress, bool):
         if not callable(progress):
             raise TypeError(f"progress: found {progress!r}, expected True, False or a function of two numbers")
-        call = progress
-        return lambda finished: call(finished, total)
+        yield progress
+        return
     if not progress:
-        return lambda finished: None
+        yield lambda finished, count: None
+        return
+    bar = _bar(total)
+    try:
+        yield bar.show
+    finally:
+        bar.close()
+
+
+class _Printed:
+    """A bar where tqdm is not there."""
+
+    def show(self, finished: int, total: int) -> None:
+        print(f"\r{finished} of {total}" if total else f"\r{finished}", end="", file=sys.stderr)
+
+    def close(self) -> None:
+        print(file=sys.stderr)
+
+
+class _Drawn:
+    def __init__(self, tqdm: Any, total: int) -> None:
+        self._bar = tqdm(total=total or None)
+
+    def show(self, finished: int, total: int) -> None:
+        self._bar.total = total or None
+        self._bar.update(finished - self._bar.n)
+
+    def close(self) -> None:
+        self._bar.close()
+
+
+def _bar(total: int) -> Any:
     try:
         from tqdm.auto import tqdm
-
-        bar = tqdm(total=total)
-        return lambda finished: bar.update()
     except ImportError:
-        return lambda finished: print(f"\r{finished} of {total}", end="" if finished < total else "\n", file=sys.stderr)
+        return _Printed()
+    return _Drawn(tqdm, total)

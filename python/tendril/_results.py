@@ -27,7 +27,9 @@ class Tip(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """A contact, SI: `normal` points out of the obstacle, `force` acts along it."""
+    """A contact, SI: `normal` points out of the obstacle, `force` acts along it; under friction `tangential_force` along the
+    rod, and `state`, "stick" or "slip". `extended`: the rod lies along the obstacle here.
+    """
 
     obstacle: str
     arc_length: float
@@ -37,6 +39,19 @@ class Contact(NamedTuple):
     gap: float
     at_tip: bool
     finger: str = ""
+    tangential_force: float = 0.0
+    state: str = ""
+    extended: bool = False
+
+
+class FrictionState(NamedTuple):
+    """Where a plan's moments hold the rod if its contacts push so far off their normals. SI."""
+
+    ratios: tuple[float, ...]
+    tip: Tip
+    contacts: list[Contact]
+    stability: float
+    target_error: float | None
 
 
 class Result(Mapping[str, Any]):
@@ -205,8 +220,7 @@ class _Shape(Result):
     @property
     def tip(self) -> Tip:
         with self._part("tip"):
-            tip = self._document["tip"]
-            return Tip(tip["x"], tip["y"], tip["angle"])
+            return _tip(self._document["tip"])
 
     @property
     def moments(self) -> Array:
@@ -216,11 +230,12 @@ class _Shape(Result):
     @property
     def contacts(self) -> list[Contact]:
         with self._part("contacts"):
-            return [
-                Contact(c.get("obstacle", ""), c["arc_length"], _pair(c.get("point")), _pair(c.get("normal")), c["force"],
-                        c.get("gap"), c.get("at_tip", False), c.get("finger", ""))
-                for c in self._document["contacts"]
-            ]
+            return [_contact(c) for c in self._document["contacts"]]
+
+    @property
+    def thickness(self) -> Array | None:
+        """m, diameter of the body at each point of the backbone; None: it is a line."""
+        return self._array("thickness", self._document["thickness"]) if "thickness" in self._document else None
 
     def plot(self, ax: Any = None, *, deviations: float = 2.0, **style: Any) -> Any:
         """The body, the obstacles, the target and the contact forces, drawn with matplotlib. Returns the axes.
@@ -245,6 +260,22 @@ class _Shape(Result):
 
 def _pair(value: Any) -> Any:
     return None if value is None else (value[0], value[1])
+
+
+def _tip(tip: Any) -> Tip:
+    return Tip(tip["x"], tip["y"], tip["angle"])
+
+
+def _contact(c: Any) -> Contact:
+    return Contact(c.get("obstacle", ""), c["arc_length"], _pair(c.get("point")), _pair(c.get("normal")), c["force"], c.get("gap"),
+                   c.get("at_tip", False), c.get("finger", ""), c.get("tangential_force", 0.0), c.get("state", ""),
+                   c.get("extended", False))
+
+
+class Finger(_Shape):
+    """One finger of a grasp, in the world. Moments of the lower one are those of its mirror image."""
+
+    _needs: ClassVar[Sequence[str]] = ("moments", "tip", "contacts", "backbone")
 
 
 class Plan(_Shape):
@@ -285,6 +316,50 @@ class Plan(_Shape):
         return self._document["certificate"]
 
     @property
+    def inputs(self) -> Array:
+        """One per actuator, each in SI of what it is told: a moment, a pressure, a tension or a shortening (see
+        plan["inputs"])."""
+        with self._part("inputs"):
+            return self._array("inputs", [entry["value"] for entry in self._document["inputs"]])
+
+    @property
+    def fingers(self) -> list[Finger]:
+        """The upper and the lower finger of a grasp that plans both; else empty."""
+        with self._part("fingers"):
+            return [Finger({"schema": SCHEMA, "status": self.status, **finger}) for finger in self._document.get("fingers", [])]
+
+    @property
+    def palm_distance(self) -> float | None:
+        """m, of the object from the palm of a grasp."""
+        return self._document.get("palm_distance")
+
+    @property
+    def net_force(self) -> Array | None:
+        """N, x and y, of a grasp on its object."""
+        return self._array("net_force", self._document["net_force"]) if "net_force" in self._document else None
+
+    @property
+    def held_forces(self) -> Array:
+        """N, one row, x and y, per corner of the disturbing forces that friction holds in a grasp; none without friction."""
+        with self._part("grasp"):
+            corners = self._document.get("grasp", {}).get("friction", {}).get("held_forces", [])
+            return self._array("held_forces", corners).reshape(-1, 2)
+
+    @property
+    def friction_range(self) -> list[FrictionState]:
+        """The state without friction, then one for every corner of the cones of the contacts; empty: there is no friction."""
+        with self._part("friction_range"):
+            return [FrictionState(tuple(state["ratios"]), _tip(state["tip"]), [_contact(c) for c in state["contacts"]],
+                                  state["stability"], state.get("target_error"))
+                    for state in self._document.get("friction_range", [])]
+
+    @property
+    def moved_obstacles(self) -> dict[str, tuple[float, float, float]]:
+        """Of a step of a trajectory, obstacles that are elsewhere than in the scene: x (m), y (m) and angle (rad) by which."""
+        with self._part("moved_obstacles"):
+            return {o["obstacle"]: (o["shift"][0], o["shift"][1], o["turn"]) for o in self._document.get("moved_obstacles", [])}
+
+    @property
     def left_out(self) -> list[dict[str, str]]:
         """What the scene could have needed and did not, and why."""
         return self._document["left_out"]
@@ -298,19 +373,16 @@ class Plan(_Shape):
     def sensitivity(self, key: str, *, held: bool = False) -> dict[str, float]:
         """Derivatives of the quantities of the plan by a number of its scene, SI: `plan.sensitivity("obstacle[0].radius")`.
 
-        Of a plan that Scene.plan() has given, which is planned once more. See Scene.sensitivity().
+        Nothing is planned: it is this plan that is differentiated. See Scene.sensitivity().
         """
         return self.sensitivities(key, held=held)[key]
 
     def sensitivities(self, *keys: str, held: bool = False) -> Sensitivities:
         """The same by several numbers, by default all of the scene."""
         if self._scene is None:
-            raise TypeError("sensitivities: this result does not know its scene (it comes from a file, or from another start); "
-                            "expected one that Scene.plan() or Scene.execute() gave")
-        return self._differentiated(self._scene, keys, held)
-
-    def _differentiated(self, scene: Scene, keys: tuple[str, ...], held: bool) -> Sensitivities:
-        return scene.sensitivity(*keys, held=held)
+            raise TypeError("sensitivities: this result does not know its scene, expected one that Scene.plan() or Scene.execute() "
+                            "gave; of a result from a file: scene.sensitivity(plan=result)")
+        return self._scene.sensitivity(*keys, held=held, plan=self)
 
     def row(self) -> dict[str, Any]:
         row = super().row()
@@ -324,9 +396,6 @@ class Execution(Plan):
 
     problem = "execute"
     _needs: ClassVar[Sequence[str]] = (*Plan._needs, "load", "snaps")
-
-    def _differentiated(self, scene: Scene, keys: tuple[str, ...], held: bool) -> Sensitivities:
-        return scene.sensitivity(*keys, moments=self._document["moments"])
 
     @property
     def snaps(self) -> list[dict[str, Any]]:
@@ -391,6 +460,21 @@ class Calibration(Result):
     def numbers(self) -> list[dict[str, Any]]:
         """What was looked for: name, unit, value and error (standard deviation), None where it is not identifiable."""
         return self._document["numbers"]
+
+    @property
+    def found(self) -> Array:
+        """SI, the value of each number; NaN where it is not identifiable."""
+        return self._array("found", [number["value"] for number in self.numbers])
+
+    @property
+    def errors(self) -> Array:
+        """Their standard deviations."""
+        return self._array("errors", [number["error"] for number in self.numbers])
+
+    @property
+    def covariance(self) -> Array:
+        """Of all numbers."""
+        return self._array("covariance", self._document["covariance"])
 
     @property
     def identifiable(self) -> bool:
@@ -547,6 +631,15 @@ class Study(Result):
     @property
     def solved(self) -> bool:
         return all(case.get("status") == "solved" for case in self.cases)
+
+    def of_cases(self, key: str) -> Array:
+        """One row per case of what they tell under a key, "tip_error", "moments", ...; NaN where one does not."""
+        with self._part(key):
+            told = [case.get(key) for case in self.cases]
+            size = max((len(value) for value in told if isinstance(value, list)), default=0)
+            lists = [value if isinstance(value, list) else [None] * size for value in told]
+            rows = [value + [None] * (size - len(value)) for value in lists]
+            return self._array(f"cases {key}", rows if size else told)
 
     def table(self) -> list[dict[str, Any]]:
         """One line per case, its plain values alone, as pandas.DataFrame takes them."""

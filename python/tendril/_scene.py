@@ -11,7 +11,7 @@ from typing import Any, Union, overload
 
 from . import _native
 from ._components import components
-from ._pool import Progress
+from ._pool import Progress, reporting
 from ._results import (
     Calibration, Description, Estimate, Execution, Plan, Result, Sensitivities, SequenceEstimate, Study, Trajectory,
 )
@@ -172,31 +172,37 @@ class Scene:
         for warning in warnings:
             _warnings.warn(warning, stacklevel=4)
 
-    def plan(self, *, start: Earlier | None = None, verify: bool = False) -> Plan | Trajectory | Estimate | SequenceEstimate:
+    def plan(self, *, start: Earlier | None = None, verify: bool = False,
+             progress: Progress = False) -> Plan | Trajectory | Estimate | SequenceEstimate:
         """`tendril plan`: a pose, a grasp, a trajectory or an estimate, whatever the scene asks for.
 
         `start`: an earlier result to start from. `verify`: the plan is executed on a fine basis, and its verdict
-        depends on it. A plan that is not solved is no error: see `status` and `message`.
+        depends on it. A plan that is not solved is no error: see `status` and `message`. `progress`: called with how many
+        steps of a trajectory are finished and how many there are, of a plan with how many programs a solver has run and 0;
+        or True for a bar (of tqdm, if it is there).
         """
         scene = self._open()
         if scene.problem == "trajectory":
             _refuse(start is not None, "start", "a trajectory starts from its scene")
-            return Trajectory.from_json(scene.plan_trajectory(bool(verify)))
+            with reporting(progress) as report:
+                return Trajectory.from_json(scene.plan_trajectory(bool(verify), report if progress else None))
         if scene.problem == "estimate":
             _refuse(start is not None, "start", "an estimate starts from the measured points")
             _refuse(verify, "verify", "the obstacles of an estimate are not known, so nothing can be carried out")
             found = Result.from_json(_native.estimate(self._source()))
             return SequenceEstimate(found) if "frames" in found else Estimate(found)
-        return self._known(Plan.from_json(scene.plan(_json_of(start, "start"), bool(verify))), start)
+        with reporting(progress) as report:
+            text = scene.plan(_json_of(start, "start"), bool(verify), report if progress else None)
+        return self._known(Plan.from_json(text))
 
-    def _known(self, result: Any, start: Earlier | None) -> Any:
-        """The result, which can be had again from this scene unless it began elsewhere."""
-        result._scene = self.copy() if start is None else None
+    def _known(self, result: Any) -> Any:
+        """The result, which knows from now on that it is of this scene."""
+        result._scene = self.copy()
         return result
 
-    def trajectory(self, *, verify: bool = False) -> Trajectory:
+    def trajectory(self, *, verify: bool = False, progress: Progress = False) -> Trajectory:
         """`tendril plan` of a scene with problem = "trajectory"."""
-        return self._plan_as(Trajectory, verify=verify)
+        return self._plan_as(Trajectory, verify=verify, progress=progress)
 
     def estimate(self) -> Estimate | SequenceEstimate:
         """`tendril plan` of a scene with problem = "estimate": of a single shape, or of a sequence of shapes."""
@@ -231,7 +237,7 @@ class Scene:
         scene = self._open()
         if plan is not None:
             path, text = scene.execute_result(_json_of(plan, "plan"), _json_of(start, "start"))
-            return Trajectory.from_json(text) if path else self._known(Execution.from_json(text), start)
+            return Trajectory.from_json(text) if path else self._known(Execution.from_json(text))
         kind = told[0] if told else "moments, pressures, inputs or plan"
         values = given[kind] if told else ()
         lists = values.split(";") if isinstance(values, str) else list(_entries(values, kind))
@@ -241,7 +247,7 @@ class Scene:
             text = "; ".join(_inputs_text(entry, f"{kind}[{i}]") for i, entry in enumerate(lists))
             return Trajectory.from_json(scene.execute(kind, text, _json_of(start, "start"), True, *place))
         text = scene.execute(kind, _inputs_text(told_values, kind), _json_of(start, "start"), False, *place)
-        return self._known(Execution.from_json(text), start)
+        return self._known(Execution.from_json(text))
 
     def describe(self) -> Description:
         """`tendril describe`: the assembled program, and what was left out of it and why. Plans nothing."""
@@ -270,18 +276,21 @@ class Scene:
         text = run_study(self, jobs, (path_of(output, "output"), path_of(figure, "figure"), path_of(movie, "movie")), shard, merge, progress, start_method)
         return None if text is None else Study.from_json(text)
 
-    def sensitivity(self, *keys: str, held: bool = False, moments: Iterable[Any] | None = None) -> Sensitivities:
+    def sensitivity(self, *keys: str, held: bool = False, moments: Iterable[Any] | None = None,
+                    plan: Earlier | None = None) -> Sensitivities:
         """`tendril sensitivity`: derivatives of the scene's plan by its numbers, SI, by default all of them.
 
         `held`: of what the robot does under the plan's moments, instead of another plan; "moments[0]" is a key then.
-        `moments` (N m): of what it does under these, instead. Raises ValueError where there are none, in words.
+        `moments` (N m): of what it does under these, instead. `plan`: an earlier result of this scene, planned or executed,
+        which is differentiated as it is. Raises ValueError where there are none, in words.
         """
         for key in keys:
             if not isinstance(key, str):
                 raise TypeError(f"keys: found {key!r}, expected the path of a number such as 'obstacle[0].radius'")
         _refuse(held and moments is not None, "held", "moments that are given are held anyway, expected one of both")
+        _refuse(plan is not None and moments is not None, "plan", "its moments are those that count, expected one of both")
         text = "" if moments is None else _inputs_text(moments, "moments")
-        result = Sensitivities.from_json(self._open().sensitivity(keys, bool(held), text))
+        result = Sensitivities.from_json(self._open().sensitivity(keys, bool(held), text, _json_of(plan, "plan")))
         if "trouble" in result:
             raise ValueError(f"there are no derivatives: {result['trouble']}")
         return result

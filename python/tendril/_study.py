@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from . import _native
-from ._pool import Died, Progress, reporter, run_pool
+from ._pool import Died, Progress, reporting, run_pool
 from ._values import whole_number
 
 if TYPE_CHECKING:
@@ -38,22 +38,21 @@ def run_study(scene: Scene, jobs: int, places: tuple[str | None, str | None, str
     study = _native.Study(scene._source(), *places, part, bool(merge))
     scene._warn(study.warnings)
     waiting = study.waiting
-    before = study.finished
-    report = reporter(progress, before + len(waiting))
+    total = study.finished + len(waiting)
+    with reporting(progress, total) as report:
+        def take(at: int, answer: Any) -> None:
+            if isinstance(answer, Died):
+                study.lost(waiting[at], str(answer))
+            else:
+                study.take(waiting[at], answer)
+            report(study.finished, total)
 
-    def take(at: int, answer: Any) -> None:
-        if isinstance(answer, Died):
-            study.lost(waiting[at], str(answer))
+        cases = _Cases(scene)
+        if jobs == 1:
+            for at, index in enumerate(waiting):
+                take(at, cases(index))
         else:
-            study.take(waiting[at], answer)
-        report(study.finished)
-
-    cases = _Cases(scene)
-    if jobs == 1:
-        for at, index in enumerate(waiting):
-            take(at, cases(index))
-    else:
-        run_pool(cases, waiting, jobs, start_method, take)
+            run_pool(cases, waiting, jobs, start_method, take)
     if shard is not None and not study.one_shard:
         return None
     text, notes = study.finish()

@@ -29,7 +29,8 @@ def same(result, document):
 
 
 @pytest.mark.parametrize("name", ["brace", "avoid", "clutter", "ledge", "table", "two_pegs", "grasp_60mm", "grasp_unequal",
-                                  "trajectory", "estimate", "free", "reach_10Nmm"])
+                                  "trajectory", "estimate", "free", "reach_10Nmm", "endoscope", "extensible_arm", "inserted", "pins",
+                                  "sequence", "silicone_finger", "tendon_arm", "tendon_lengths", "window"])
 def test_plan(scenes, name):
     file = scenes / f"{name}.toml"
     same(tendril.load(file).plan(), command("plan", file))
@@ -48,6 +49,47 @@ def test_settings(scenes, brace):
     same(brace.plan(), command("plan", scenes / "brace.toml", "--set", "contact.max_force=0.05 N", "--set",
                                "rod.actuator.0.limit=0.004", "--set",
                                'coordinates={plugin="pcc",pieces=8,split_at_contact=false}'))
+
+
+@pytest.mark.parametrize("name, changes", [
+    ("brace", {"contact.friction": "0.3"}),
+    ("grasp_60mm", {"contact.friction": "0.4"}),
+    ("brace", {"rod.bending_stiffness": "4.9e-4 N m^2 +- 5 %", "obstacle[0].radius": "8 mm +- 0.2 mm"}),
+])
+def test_plan_with_friction_or_error_bars(scenes, name, changes):
+    settings = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
+    same(tendril.load(scenes / f"{name}.toml").copy(changes).plan(), command("plan", scenes / f"{name}.toml", *settings))
+
+
+MOVING = {"problem": "trajectory", "obstacle": [{"name": "peg", "shape": "circle", "center": ["60 mm", "0 mm"], "radius": "8 mm"}],
+          "trajectory": {"obstacle": [{"name": "peg", "shifts": [["0 mm", "0 mm"], ["0 mm", "-1 mm"], ["1 mm", "-2 mm"]]}]}}
+
+
+def test_moved_obstacles(brace, tmp_path):
+    scene = brace.copy(MOVING)
+    (tmp_path / "scene.toml").write_text(scene.to_toml())
+    moving = tendril.load(tmp_path / "scene.toml")
+    path = moving.trajectory(verify=True)
+    same(path, command("plan", tmp_path / "scene.toml", "--verify"))
+    assert [step.moved_obstacles for step in path.steps][1:] == [{"peg": (0.0, -0.001, 0.0)}, {"peg": (0.001, -0.002, 0.0)}]
+    path.save(tmp_path / "path.json")
+    same(moving.execute(path), command("execute", tmp_path / "scene.toml", "--plan", tmp_path / "path.json"))
+
+
+def test_execute_of_tendons(scenes):
+    file = scenes / "tendon_arm.toml"
+    count = len(tendril.load(file)["rod.actuator"])
+    inputs = ["0.1 N"] * count
+    same(tendril.load(file).execute(inputs=inputs), command("execute", file, "--inputs", ", ".join(inputs)))
+
+
+def test_execute_of_a_tentacle_and_a_grasp(scenes, tmp_path):
+    file = scenes / "tentacle.toml"
+    same(tendril.load(file).execute([]), command("execute", file))
+    grasp = scenes / "grasp_60mm.toml"
+    plan = tendril.load(grasp).plan()
+    plan.save(tmp_path / "grasp.json")
+    same(tendril.load(grasp).execute(plan), command("execute", grasp, "--plan", tmp_path / "grasp.json"))
 
 
 def test_execute_of_a_placed_rod(scenes):
@@ -106,6 +148,13 @@ def test_sensitivity(scenes, options, arguments):
     same(tendril.load(file).sensitivity(**options), command("sensitivity", file, *arguments))
     same(tendril.load(file).sensitivity("rod.length", "gravity[1]", **options),
          command("sensitivity", file, "rod.length", "gravity[1]", *arguments))
+
+
+def test_sensitivity_of_results(scenes, brace, tmp_path):
+    file = scenes / "brace.toml"
+    for result, arguments, options in ((brace.plan(), [], {}), (brace.plan(), ["--held"], {"held": True}), (brace.execute([2.4e-3]), [], {})):
+        result.save(tmp_path / "result.json")
+        same(result.sensitivities(**options), command("sensitivity", file, "--plan", tmp_path / "result.json", *arguments))
 
 
 def test_calibrate(scenes):

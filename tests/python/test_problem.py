@@ -111,3 +111,48 @@ def test_a_handler_of_the_user_is_called(scenes):
 def test_import_takes_no_numpy():
     text = "import sys, tendril; assert 'numpy' not in sys.modules and 'matplotlib' not in sys.modules"
     assert subprocess.run([sys.executable, "-c", text]).returncode == 0
+
+
+def test_progress_is_told(brace, scenes):
+    seen = []
+    plan = brace.plan(progress=lambda done, total: seen.append((done, total)))
+    assert seen == [(i + 1, 0) for i in range(len(seen))] and len(seen) == sum(mode["solves"] for mode in plan["modes"]) > 1
+    way = tendril.load(scenes / "trajectory.toml").copy({"trajectory": {"positions": [[0.09, 0.03], [0.091, 0.03], [0.092, 0.03]]}})
+    seen.clear()
+    assert len(way.trajectory(progress=lambda done, total: seen.append((done, total))).steps) == 3
+    assert seen == [(1, 3), (2, 3), (3, 3)]
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_a_bar_of_a_trajectory(scenes, capsys, monkeypatch, there):
+    if not there:
+        monkeypatch.setitem(sys.modules, "tqdm.auto", None)
+    way = tendril.load(scenes / "trajectory.toml").copy({"trajectory": {"positions": [[0.09, 0.03], [0.091, 0.03]]}})
+    way.trajectory(progress=True)
+    assert ("2/2" if there else "2 of 2") in capsys.readouterr().err
+
+
+def test_what_is_raised_in_the_report_ends_the_plan(brace, scenes):
+    def enough(done, total):
+        seen.append(done)
+        raise RuntimeError("enough")
+
+    for scene in (brace, tendril.load(scenes / "trajectory.toml"), tendril.load(scenes / "grasp_unequal.toml")):
+        seen = []
+        with pytest.raises(RuntimeError, match="enough"):
+            scene.plan(progress=enough)
+        assert seen == [1]
+    found = []
+
+    def work():
+        with pytest.raises(RuntimeError, match="enough"):
+            brace.plan(progress=enough)
+        found.append(True)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert found == [True] and brace.plan().solved
+    for progress in (None, 3, "bar"):
+        with pytest.raises(TypeError, match="progress"):
+            brace.plan(progress=progress)

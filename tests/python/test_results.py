@@ -65,6 +65,38 @@ def test_other_kinds(scenes):
     assert description.variables["moments"] == 1 and description.rows["equilibrium"] == 12
 
 
+def test_grasps_have_fingers(scenes):
+    grasp = tendril.load(scenes / "grasp_unequal.toml").plan()
+    upper, lower = grasp.fingers
+    assert upper.backbone.shape == grasp.backbone.shape and upper.tip == grasp.tip and lower.tip.y < 0.0 < upper.tip.y
+    assert upper.contacts + lower.contacts == grasp.contacts and {c.finger for c in grasp.contacts} == {"upper", "lower"}
+    assert grasp.inputs.tolist() == grasp["pressures"] and grasp.inputs.dtype == float
+    assert grasp.palm_distance == grasp["palm_distance"] > 0.0
+    assert np.abs(grasp.net_force).max() < 1e-9 and grasp.net_force.shape == (2,)
+    assert grasp.held_forces.shape == (0, 2) and grasp.friction_range == []
+
+
+def test_friction_is_told(brace, scenes):
+    plan = brace.copy({"contact.friction": 0.3}).plan()
+    straight, *corners = plan.friction_range
+    assert straight.ratios == (0.0,) and straight.tip == pytest.approx(plan.tip, abs=1e-6)
+    assert sorted(corner.ratios[0] for corner in corners) == pytest.approx([-0.3, 0.3])
+    for corner in corners:
+        contact = corner.contacts[0]
+        assert contact.tangential_force == pytest.approx(corner.ratios[0] * contact.force) and contact.state == "slip"
+    held = tendril.load(scenes / "grasp_60mm.toml").copy({"contact.friction": 0.4}).plan().held_forces
+    assert held.shape[1] == 2 and len(held) > 2 and held.dtype == float
+
+
+def test_numbers_of_many_are_arrays(scenes):
+    calibration = tendril.load(scenes / "calibrate.toml").calibrate()
+    assert calibration.found.shape == calibration.errors.shape and calibration.covariance.shape == 2 * calibration.found.shape
+    assert np.sqrt(np.diag(calibration.covariance)) == pytest.approx(calibration.errors)
+    study = tendril.load(scenes / "paradigms.toml").copy({"study.targets": [["97 mm", "20 mm"]]}).study()
+    assert study.of_cases("moments").shape == (8, 1) and study.of_cases("tip_error").shape == (8,)
+    assert tendril.load(scenes / "silicone_finger.toml").plan().thickness.min() > 0.0
+
+
 @pytest.mark.parametrize("text, why", [("{", "JSON"), ("[]", "dictionary"), ('{"schema": 2}', "schema"), ("{}", "schema"),
                                        ('{"schema": 1}', "status")])
 def test_no_results(text, why):

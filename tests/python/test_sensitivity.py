@@ -38,8 +38,39 @@ def test_an_execution_is_differentiated_under_its_own_moments(scenes):
     exact = scene.execute(["2.4 N mm"]).sensitivity("moments[0]")["tip.y"]
     tips = [scene.execute([2.4e-3 + side * 2e-6]).tip.y for side in (-2, -1, 1, 2)]
     assert exact == pytest.approx(slope(tips, 2e-6), rel=1e-6)
-    with pytest.raises(TypeError, match="from another start"):
-        scene.execute(["2.4 N mm"], start=scene.plan()).sensitivity("moments[0]")
+
+
+def test_the_state_at_hand_is_differentiated(scenes):
+    """A rod that has snapped stays on its branch: the same moment from the scene's start leads elsewhere."""
+    scene = tendril.load(scenes / "snap_through.toml")
+    far = scene.execute([0.1])
+    snapped, other = scene.execute([0.01], start=far), scene.execute([0.01], start=scene.execute([-0.1]))
+    assert abs(snapped.tip.x - other.tip.x) > 0.01
+    for start, state in ((far, snapped), (scene.execute([-0.1]), other)):
+        tips = [scene.execute([0.01 + side * 1e-5], start=start).tip.x for side in (-2, -1, 1, 2)]
+        assert state.sensitivity("moments[0]")["tip.x"] == pytest.approx(slope(tips, 1e-5), rel=1e-6)
+
+
+def test_nothing_is_planned_for_the_derivatives_of_a_plan(scenes, tmp_path):
+    scene = tendril.load(scenes / "brace.toml")
+    plan = scene.plan()
+    plan.save(tmp_path / "plan.json")
+    for held in (False, True):
+        known = plan.sensitivities(held=held)
+        assert known == scene.sensitivity(held=held) == scene.sensitivity(held=held, plan=tmp_path / "plan.json")
+        [there] = tendril.plan_many([scene])
+        assert there.sensitivities(held=held) == known
+    executed = scene.execute(plan.moments)
+    assert executed.sensitivities() == scene.sensitivity(moments=plan.moments) == scene.sensitivity(plan=executed)
+    stiffer = scene.copy({"rod.bending_stiffness": "6e-4 N m^2"})
+    for result, held, why in ((plan, False, "no isolated optimum"), (plan, True, "no equilibrium of this scene"),
+                              (executed, True, "no solution next to it")):
+        with pytest.raises(ValueError, match=why):
+            stiffer.sensitivity("rod.length", held=held, plan=result)
+    with pytest.raises(ValueError, match="plan: "):
+        scene.sensitivity(plan=plan, moments=[1e-3])
+    with pytest.raises(tendril.Error, match="status"):
+        scene.sensitivity(plan={**plan.to_dict(), "status": 3})
 
 
 def test_derivatives_of_the_plan_are_those_of_other_plans(scenes):

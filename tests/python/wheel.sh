@@ -1,24 +1,26 @@
 #!/usr/bin/env bash
-# wheel.sh PYTHON SOURCE BUILD WORK: the wheel is made without network, installed into a clean environment, and passes the suite
-# there without the source tree.
+# wheel.sh PYTHON SOURCE BUILD WORK: wheels are made without network, installed into an empty environment, and pass the suite there
+# without the source tree.
 set -euo pipefail
 python=$1 source=$2 build=$3 work=$4
 rm -rf "$work"
 mkdir -p "$work/run"
 # A copy, since setuptools writes beside what it builds.
 mkdir "$work/source"
-cp -r "$source"/{pyproject.toml,setup.py,README.md,LICENSE,core} "$work/source"
+cp -r "$source"/{pyproject.toml,setup.py,README.md,LICENSE,core,scripts} "$work/source"
 clean() { env -i HOME="$work" PATH=/usr/bin:/bin LANG=C.UTF-8 "$@"; }
-clean TENDRIL_BUILD_DIR="$build" "$python" -m pip wheel "$work/source" --no-build-isolation --no-index --no-deps \
-  --wheel-dir "$work" > "$work/log" 2>&1 || { cat "$work/log"; exit 1; }
-ls "$work"/tendril-*-cp3*-linux_*.whl
-# The distribution's numpy, matplotlib and pytest are seen; tendril is what the wheel brings.
-"$python" -m venv --system-site-packages "$work/venv"
-clean "$work/venv/bin/pip" install --no-index --no-deps "$work"/tendril-*.whl > "$work/log" 2>&1 || { cat "$work/log"; exit 1; }
-rm -rf "$work/source"
+clean TENDRIL_BUILD_DIR="$build" "$work/source/scripts/wheelhouse" "$work/wheels" matplotlib pytest pint tqdm
+ls "$work"/wheels/tendril-*-cp3*-linux_*.whl
+# Nothing of the distribution's Python packages is seen.
+"$python" -m venv "$work/venv"
+clean "$work/venv/bin/pip" install --no-index --find-links "$work/wheels" tendril[pictures] pytest pint tqdm > "$work/log" 2>&1 \
+  || { cat "$work/log"; exit 1; }
+rm -rf "$work/source" "$work/wheels"
 cp -r "$source/scenes" "$source"/tests/python "$work/run"
 cd "$work/run"
-clean "$work/venv/bin/python" -c "import tendril; print(tendril.__file__)" | grep -F "$work/venv/lib"
+for module in tendril numpy matplotlib pytest; do
+  clean "$work/venv/bin/python" -c "import $module; print($module.__file__)" | grep -F "$work/venv/lib"
+done
 # No library of the build is looked at: each is found inside the environment.
 clean "$work/venv/bin/python" -c '
 import tendril, pathlib

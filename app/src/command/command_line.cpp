@@ -10,6 +10,7 @@
 #include "live/live.hpp"
 #include "session/inputs.hpp"
 #include "tendril/app/commands.hpp"
+#include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/study_command.hpp"
 #include "tendril/version.hpp"
@@ -302,7 +303,7 @@ Command sensitivity_command(CLI::App& app) {
   struct Parsed {
     SceneOptions scene;
     std::vector<std::string> keys;
-    std::string moments;
+    std::string moments, plan;
     bool held = false, json = false;
   };
   CLI::App* sensitivity = app.add_subcommand(
@@ -318,11 +319,16 @@ Command sensitivity_command(CLI::App& app) {
                    "What the rod does under these, one per actuator, in N m or with units")
       ->type_name("\"M, ...\"")
       ->excludes("--held");
+  sensitivity->add_option("--plan", parsed->plan, "Result of this scene that is taken as it is; nothing is planned")
+      ->type_name("RESULT.json")
+      ->excludes("--moments");
   add_json(*sensitivity, parsed->json);
-  return {sensitivity, [parsed] {
-            return run_sensitivity({parsed->scene.arguments(),
-                                    {parsed->keys, {files::InputKind::moments, parsed->moments}, parsed->held},
-                                    parsed->json});
+  return {sensitivity, [sensitivity, parsed] {
+            require_name(*sensitivity, "--plan", parsed->plan);
+            files::SensitivityWishes wishes{
+                parsed->keys, {files::InputKind::moments, parsed->moments}, parsed->held, std::nullopt};
+            if (!parsed->plan.empty()) wishes.plan = {read_input(parsed->plan, "plan"), parsed->plan};
+            return run_sensitivity({parsed->scene.arguments(), wishes, parsed->json});
           }};
 }
 

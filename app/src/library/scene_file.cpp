@@ -53,8 +53,11 @@ class SceneFile::Opened {
  public:
   explicit Opened(const SceneSource& source) : session(arguments_of(source)) { session.stop_by(stop_of(nullptr)); }
 
-  /// Lets `run` end what is done from now on.
-  void begin(const Run& run) { session.stop_by(stop_of(run.stop)); }
+  /// Lets `run` end what is done from now on, and hear of it.
+  void begin(const Run& run) {
+    session.stop_by(stop_of(run.stop));
+    session.tell(run.progress);
+  }
   std::optional<Plan> start_of(const Run& run) const {
     if (!run.start) return std::nullopt;
     return app::parse_start(run.start->text, run.start->name, session.scene());

@@ -37,6 +37,7 @@ std::vector<PlannedContact> read_contacts(const Reader& root, const Scene& scene
     if (entry.has("at_tip")) contact.at_tip = entry.member("at_tip").truth();
     if (entry.has("tangential_force")) contact.tangential = entry.member("tangential_force").real();
     if (entry.has("state")) contact.sticks = entry.member("state").text() == "stick";
+    if (entry.has("extended")) contact.extended = entry.member("extended").truth();
     if (obstacle == names.end()) continue;
     if (contact.arc_length < 0.0 || contact.arc_length > length * (1.0 + 1e-9)) {
       entry.member("arc_length").fail("an arc length on the rod");
@@ -143,6 +144,28 @@ void read_fingers(const Reader& root, const Scene& scene, const std::string& fil
   read_tip(fingers[1], below.tip_x, below.tip_y, below.tip_angle);
 }
 
+/// A plan as a start for `scene`.
+Plan read_plan(const Reader& root, const Scene& scene, const std::string& file) {
+  Plan plan;
+  const Reader coordinates = root.member("coordinates");
+  plan.coordinates_name = coordinates.member("name").text();
+  plan.order = coordinates.member("order").whole(0, 1'000'000);
+  plan.split_at_contact = coordinates.member("split_at_contact").truth();
+  if (scene.gripper) plan.grasp.emplace().palm_distance = root.member("palm_distance").real();
+  if (plans_both_fingers(scene)) {
+    read_fingers(root, scene, file, plan);
+    return plan;
+  }
+  plan.coordinates = coordinates.member("values").reals();
+  plan.moments = read_moments(root, scene.rod, file);
+  plan.place = read_place(root);
+  plan.turns = read_turns(root, scene.rod, 0);
+  read_tip(root, plan.tip_x, plan.tip_y, plan.tip_angle);
+  plan.contacts = read_contacts(root, scene, scene.rod.length());
+  plan.backbone = read_backbone(root, scene.rod.length(), plan.place.insertion);
+  return plan;
+}
+
 }  // namespace
 
 Json parse_result(const std::string& text, const std::string& file, const std::string& what) {
@@ -182,25 +205,17 @@ Plan read_start(const std::filesystem::path& path, const Scene& scene, const std
 
 Plan parse_start(const std::string& text, const std::string& file, const Scene& scene, const std::string& what) {
   const Json json = parse_result(text, file, what);
+  return read_plan(Reader(json, file, ""), scene, file);
+}
+
+JudgedPlan parse_judged(const std::string& text, const std::string& file, const Scene& scene) {
+  const Json json = parse_result(text, file, "plan");
   const Reader root(json, file, "");
-  Plan plan;
-  const Reader coordinates = root.member("coordinates");
-  plan.coordinates_name = coordinates.member("name").text();
-  plan.order = coordinates.member("order").whole(0, 1'000'000);
-  plan.split_at_contact = coordinates.member("split_at_contact").truth();
-  if (scene.gripper) plan.grasp.emplace().palm_distance = root.member("palm_distance").real();
-  if (plans_both_fingers(scene)) {
-    read_fingers(root, scene, file, plan);
-    return plan;
-  }
-  plan.coordinates = coordinates.member("values").reals();
-  plan.moments = read_moments(root, scene.rod, file);
-  plan.place = read_place(root);
-  plan.turns = read_turns(root, scene.rod, 0);
-  read_tip(root, plan.tip_x, plan.tip_y, plan.tip_angle);
-  plan.contacts = read_contacts(root, scene, scene.rod.length());
-  plan.backbone = read_backbone(root, scene.rod.length(), plan.place.insertion);
-  return plan;
+  JudgedPlan judged{read_plan(root, scene, file), root.member("problem").text() == to_string(ProblemKind::execute)};
+  if (root.member("status").text() == to_string(PlanStatus::solved)) judged.plan.status = PlanStatus::solved;
+  const Reader certificate = root.member("certificate");
+  if (certificate.has("stability")) judged.plan.certificate.stability = certificate.member("stability").real();
+  return judged;
 }
 
 }  // namespace tendril::app

@@ -65,11 +65,19 @@ std::vector<KeySensitivity> derivatives(const Session& session, const Sensitivit
   return out;
 }
 
+/// What is differentiated.
+JudgedPlan result_of(Session& session, const SensitivityWishes& wishes) {
+  if (wishes.plan) return parse_judged(wishes.plan->text, wishes.plan->name, session.scene());
+  if (wishes.moments.text.empty()) return {session.plan(std::nullopt)};
+  return {session.execute(moments_of(wishes.moments, session), std::nullopt).result, true};
+}
+
 }  // namespace
 
 SceneSensitivity sensitivities_of(Session& session, const SensitivityWishes& wishes) {
   const Scene& scene = session.scene();
-  if (scene.problem != ProblemKind::pose) {
+  const bool planned = !wishes.plan && wishes.moments.text.empty();
+  if (scene.problem != ProblemKind::pose && (planned || scene.problem != ProblemKind::execute)) {
     throw InputError("sensitivity: found problem = \"" + std::string(to_string(scene.problem)) +
                      "\", expected a scene that plans a pose");
   }
@@ -77,9 +85,7 @@ SceneSensitivity sensitivities_of(Session& session, const SensitivityWishes& wis
   for (const std::string& key : wishes.keys) {
     if (!key.starts_with("moments[")) spread_of(session.document(), scene, key);
   }
-  const bool executed = !wishes.moments.text.empty();
-  const Plan plan =
-      executed ? session.execute(moments_of(wishes.moments, session), std::nullopt).result : session.plan(std::nullopt);
+  const auto [plan, executed] = result_of(session, wishes);
   SceneSensitivity out;
   out.of = executed ? sensitivity_of(scene, session.make_obstacles(), plan)
                     : session.sensitivity(plan, wishes.held ? SensitivityKind::held : SensitivityKind::replanned);

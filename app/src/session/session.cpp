@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "scene/calibrated_rod.hpp"
 #include "scene/error_bars.hpp"
@@ -239,6 +240,7 @@ Plan Session::plan_from(const Plan* start, bool follow, const std::vector<std::s
   control.start = start;
   control.follow = follow;
   control.without = without;
+  if (progress_) control.progress = [this, runs = 0]() mutable { progress_(++runs, 0); };
   constexpr double grace = 2.0;
   std::optional<Watchdog> watchdog;
   if (stop_ == nullptr) {
@@ -260,8 +262,10 @@ Trajectory Session::plan_trajectory() {
   problem();
   const auto guard = guarded();
   const std::vector<ObstacleSpec> still = scene_.obstacles;
-  Trajectory trajectory = tendril::plan_trajectory(scene_.trajectory.targets,
-                                                   {scene_.trajectory.replan_every, scene_.trajectory.cold_starts},
+  // Steps are what is told of, not the programs of each.
+  const TrajectoryOptions options{scene_.trajectory.replan_every, scene_.trajectory.cold_starts,
+                                  std::exchange(progress_, nullptr)};
+  Trajectory trajectory = tendril::plan_trajectory(scene_.trajectory.targets, options,
                                                    [this](const TargetSpec& target, const Plan* start, bool follow) {
                                                      move_obstacles(target);
                                                      problem().set_target(target);

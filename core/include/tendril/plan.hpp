@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -234,6 +235,8 @@ struct PlanControl {
   /// solver is called.
   bool follow = false;
   std::vector<std::string> without{};  ///< ways of being in contact (ModeRecord::mode) that are not tried
+  /// Called after every run of the solver by the thread that plans; must not throw. Empty: nobody is told.
+  std::function<void()> progress{};
 };
 
 /// What was built and what was left out, for `describe`.

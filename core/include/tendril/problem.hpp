@@ -33,7 +33,7 @@ class TENDRIL_API Problem {
   /// and from the second such step in a row nothing is allocated as long as the active set stays; otherwise everything
   /// is planned. `stop` as in PlanControl.
   void follow(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop = nullptr);
-  /// The derivatives of a plan that this problem made by numbers of its scene, by the implicit function theorem
+  /// The derivatives of a plan of this scene by its numbers, by the implicit function theorem
   /// (docs/model.md section 15): one factorization, a right-hand side per number. `keys`: of scene_numbers() (or, of
   /// held plans, "moments[i]"); none: all of them. Where there is no derivative the trouble says why. Throws Error for
   /// an unknown key.

@@ -54,6 +54,8 @@ struct TrajectoryOptions {
   /// become better; it may jump there. 0: only when a contact comes or goes, or Newton fails.
   int replan_every = 0;
   bool cold_starts = false;  ///< plan each target from the scene's own start as well, to compare
+  /// Called after every step with how many are finished and how many there are; must not throw. Empty: nobody is told.
+  std::function<void(int finished, int steps)> progress{};
 };
 
 /// Targets between two of a trajectory that may be tried where a step fails: halves of halves, so steps down to 1/64.

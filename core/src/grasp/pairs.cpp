@@ -30,7 +30,7 @@ class GraspPlanner {
   GraspPlanner(Task& upper, const PlanControl& control)
       : fingers_{&upper, upper.lower.get()},
         control_(control),
-        steps_(*upper.components.solver, upper.scene.solver, control.stop) {}
+        steps_(*upper.components.solver, upper.scene.solver, control) {}
 
   Plan run();
 

@@ -106,6 +106,9 @@ class Differentiator {
 std::string Differentiator::hold() {
   equations_.emplace(Equations::of_contacts(p_.program));
   if (!equations_->evaluate(p_.x)) return "the plan's equations are not finite";
+  if (equations_->size() > 0 && !(equations_->residual().cwiseAbs().maxCoeff() <= same_point)) {
+    return "it is no equilibrium of this scene";
+  }
   for (int k = 0; k < at_.forces; ++k) {
     if (!(p_.x[p_.program.force_variable(k)] > weak)) {
       return "contact " + std::to_string(k + 1) + " touches without pressing: one side's derivative is not the other's";

@@ -131,11 +131,13 @@ Trajectory plan_trajectory(const std::vector<TargetSpec>& targets, const Traject
                            const PlanStep& plan) {
   Trajectory trajectory;
   Walker walker(options, plan);
-  for (std::size_t i = 0; i < targets.size() && !trajectory.interrupted; ++i) {
+  for (std::size_t i = 0; i < targets.size(); ++i) {
     const bool full = options.replan_every > 0 && i % static_cast<std::size_t>(options.replan_every) == 0;
     TrajectoryStep step = walker.step(targets[i], full);
     trajectory.interrupted = step.plan.status == PlanStatus::interrupted;
-    if (!trajectory.interrupted) trajectory.steps.push_back(std::move(step));
+    if (trajectory.interrupted) break;
+    trajectory.steps.push_back(std::move(step));
+    if (options.progress) options.progress(static_cast<int>(i + 1), static_cast<int>(targets.size()));
   }
   return trajectory;
 }

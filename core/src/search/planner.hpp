@@ -63,10 +63,7 @@ inline void close_contacts(PoseProgram& program) {
 class Planner {
  public:
   Planner(Task& data, const PlanControl& control)
-      : d_(data),
-        control_(control),
-        modes_(data.modes),
-        steps_(*data.components.solver, data.scene.solver, control.stop) {}
+      : d_(data), control_(control), modes_(data.modes), steps_(*data.components.solver, data.scene.solver, control) {}
 
   Plan run();
 

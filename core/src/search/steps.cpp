@@ -95,6 +95,7 @@ OptimalityReport ProgramSearch::solve(Attempt& attempt, NonlinearProgram& progra
   tally.seconds += report.seconds;
   tally.seconds_evaluating += report.seconds_evaluating;
   tally.add_inside(program, report.evaluations);
+  if (progress_) progress_();
   return report;
 }
 

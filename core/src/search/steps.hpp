@@ -1,6 +1,6 @@
 #pragma once
 
-#include <atomic>
+#include <functional>
 #include <string>
 
 #include "base/deadline.hpp"
@@ -55,9 +55,9 @@ void report_tally(const Tally& tally, Plan& plan);
 /// The steps from a point of a program to a better one, whatever the program is of: counted, and within one time limit.
 class ProgramSearch {
  public:
-  /// `solver`, `spec` and `stop` (null: nothing does) must outlive this.
-  ProgramSearch(Solver& solver, const SolverSpec& spec, const std::atomic<bool>* stop)
-      : solver_(solver), spec_(spec), deadline_(stop, spec.time_limit) {}
+  /// All three must outlive this.
+  ProgramSearch(Solver& solver, const SolverSpec& spec, const PlanControl& control)
+      : solver_(solver), spec_(spec), progress_(control.progress), deadline_(control.stop, spec.time_limit) {}
 
   bool must_stop() const { return deadline_.over(); }
   const Deadline& deadline() const { return deadline_; }
@@ -84,6 +84,7 @@ class ProgramSearch {
  private:
   Solver& solver_;
   const SolverSpec& spec_;
+  const std::function<void()>& progress_;
   Deadline deadline_;
   Polisher polisher_;
   const PolishReport* polished_ = nullptr;

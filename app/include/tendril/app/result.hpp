@@ -44,6 +44,14 @@ Plan read_start(const std::filesystem::path& path, const Scene& scene, const std
 Plan parse_start(const std::string& text, const std::string& file, const Scene& scene,
                  const std::string& what = "start");
 
+/// An earlier result as a start, and what became of it.
+struct JudgedPlan {
+  Plan plan;              ///< as a start, with its margin of stability, and solved if it was
+  bool executed = false;  ///< given moments were carried out; else it was planned
+};
+/// Throws InputError as read_start() does.
+JudgedPlan parse_judged(const std::string& text, const std::string& file, const Scene& scene);
+
 /// Targets and moments of the steps in what trajectory_json() has written; empty: it holds one plan, or nothing that
 /// can be read. Throws InputError as read_start() does.
 std::vector<TrajectoryStep> parse_steps(const std::string& text, const std::string& file, const Scene& scene);

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,6 +46,8 @@ class Session {
   /// Runs are ended by `stop` from now on. Else by Ctrl-C (a second one kills), and a watchdog ends the process with
   /// exit code 1 where a solver does not return within two seconds after the time limit.
   void stop_by(const std::atomic<bool>& stop) { stop_ = &stop; }
+  /// As files::Run::progress, from now on.
+  void tell(std::function<void(int finished, int total)> progress) { progress_ = std::move(progress); }
 
   const Scene& scene() const { return scene_; }
   const Document& document() const { return document_; }
@@ -122,6 +125,7 @@ class Session {
   std::vector<LeftOut> dropped_;
   std::optional<Problem> problem_;
   const std::atomic<bool>* stop_ = nullptr;
+  std::function<void(int finished, int total)> progress_;
   std::vector<Spread> spreads_;  ///< numbers with error bars
   std::vector<Uncertainty> uncertainties_;
   double seconds_read_ = 0.0;

@@ -104,12 +104,17 @@ struct SensitivityWishes {
   std::vector<std::string> keys{};  ///< numbers such as obstacle[0].radius; none: all of the scene
   Inputs moments{};                 ///< carried out instead of planned ones; without text: none
   bool held = false;                ///< what the rod does under the plan's moments, instead of another plan
+  /// An earlier result of this scene, which is differentiated as it is: planned, or carried out, where it is held.
+  std::optional<ResultText> plan{};
 };
 
 /// What a run starts from and what may end it.
 struct Run {
   const std::atomic<bool>* stop = nullptr;  ///< set to true from outside to end the run cleanly; null: nothing does
   std::optional<ResultText> start{};        ///< an earlier result to start from
+  /// Told how many steps of a trajectory are finished, and how many there are; of a plan how many programs a solver has
+  /// run, and 0. By the thread that runs; must not throw. Empty: nobody is told.
+  std::function<void(int finished, int total)> progress{};
 };
 
 /// A scene file opened with its plugins: what the command does with it, as objects and as JSON.
