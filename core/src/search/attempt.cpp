@@ -33,13 +33,13 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
       Eigen::VectorXd x = start;
       if ((proving_ || hurried()) && nothing_near(state, program, x)) break;
       // Of many values most follow from the moments: what a solver would do with all of them takes it minutes.
-      if (slides(mode)) {
+      if (solved_reduced(mode)) {
         if (!come_to_point(state, program, x)) break;
         touching = true;
         if (complete(state, regions, checks, x, branches_of(program))) break;
         continue;
       }
-      if (!swell(state, spec, shape, branch, program, x) && !find_point(state, program, x, branch)) {
+      if (!radius_homotopy(state, spec, shape, branch, program, x) && !find_point(state, program, x, branch)) {
         if (state.last.status == SolveStatus::not_finite) note_unfit_term(program, x);
         break;
       }
@@ -52,7 +52,7 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
   };
   const int stationary_before = state.stationary_violations;
   // A contact that does not touch belongs to a smaller mode, and has its proof there.
-  const bool direct = required || proving_ || slides(mode);
+  const bool direct = required || proving_ || solved_reduced(mode);
   const bool touching = search(direct ? Branch::touching : Branch::open);
   // A contact that the treatment let go, or could not decide: the branch that touches is a program of its own. It is
   // part of the one just searched, so where that has nothing feasible and a plan is at hand, it is not searched again.

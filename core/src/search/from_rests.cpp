@@ -77,7 +77,7 @@ std::optional<std::vector<ContactSetup>> Planner::contacts_of_rest(const Rest& r
   return contacts;
 }
 
-void Planner::slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
+void Planner::solve_reduced(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
   if (must_stop() || !ReducedProgram::applies(program)) return;
   ReducedProgram reduced(program, x);
   const OptimalityReport r = solve(state, reduced, reduced.start());
@@ -85,7 +85,7 @@ void Planner::slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) 
   if (const Eigen::VectorXd& reached = reduced.full(r.x); reached.allFinite()) x = reached;
 }
 
-bool Planner::slides(const Mode& mode) const {
+bool Planner::solved_reduced(const Mode& mode) const {
   return search_parameters().reduce_large && !d_.palm && d_.coordinate_count(mode) > search_parameters().many_values;
 }
 
@@ -98,7 +98,7 @@ bool Planner::come_to_point(ModeState& state, PoseProgram& program, Eigen::Vecto
     return false;
   }
   x = f.x;
-  slide(state, program, x);
+  solve_reduced(state, program, x);
   return true;
 }
 
@@ -122,18 +122,18 @@ std::vector<int> Planner::regions_near(const Mode& mode, const StartShape& shape
 
 Eigen::VectorXd Planner::feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape,
                                        const Eigen::VectorXd& start, bool rests) {
-  FeasibilityReport f = steps_.look(program, start);
+  FeasibilityReport f = steps_.restoration(program, start);
   // What few coordinates leave of a sharp bend can lie on the wrong side of all that is near: less of it may do.
   for (const double share : shares_of_bend) {
     if (f.feasible || must_stop() || !rests) break;
     StartShape less = shape;
     less.curvature = [&shape, share](double s) { return share * shape.curvature(s); };
-    const FeasibilityReport again = steps_.look(program, program.start_from(less));
+    const FeasibilityReport again = steps_.restoration(program, program.start_from(less));
     if (again.feasible) f = again;
   }
   if (f.feasible) return f.x;
   const double least = state.violation;
-  ProgramSearch::note(state, program, f);
+  ProgramSearch::record_violation(state, program, f);
   keep_nearest(state, program, f, least);
   return {};
 }
@@ -148,19 +148,19 @@ double Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
   const Eigen::VectorXd start = bare.start_from(shape);
   std::vector<CheckPoint> checks = d_.first_checks(bare, start, shape);
   spec.checks = checks;
-  PoseProgramSpec unheld = spec;  // rows that hold a plan back are for the way to better moments
-  unheld.least_margin.reset();
-  unheld.least_convexity.reset();
-  PoseProgram program(unheld);
+  PoseProgramSpec without_margins = spec;  // rows that hold a plan back are for the way to better moments
+  without_margins.least_margin.reset();
+  without_margins.least_convexity.reset();
+  PoseProgram program(without_margins);
   close_contacts(program);
   const Eigen::VectorXd feasible = feasible_near(state, program, shape, start, rests);
   if (feasible.size() == 0) return infinity;
   const double cost = program.cost(feasible);
-  if (!slides(mode)) {
+  if (!solved_reduced(mode)) {
     PoseProgram held(spec);
     close_contacts(held);
     FeasibilityReport f;
-    if (spec.least_margin) f = steps_.look(held, feasible);
+    if (spec.least_margin) f = steps_.restoration(held, feasible);
     const OptimalityReport r = solve(state, held, f.feasible ? f.x : feasible);
     // What breaks its promises is no part of any plan.
     const bool broken = r.status == SolveStatus::failed || r.status == SolveStatus::unsupported ||

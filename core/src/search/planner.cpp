@@ -30,7 +30,7 @@ void Planner::consider(ModeState& state, const std::function<void()>& trial) {
   state.stationary_violations = std::min(state.stationary_violations, before + 1);
   if (d_.least_margin && state.stationary_violations > before) {
     state.stationary_violations = before;
-    ++state.unheld;
+    ++state.stationary_with_margins;
   }
   // A grown mode whose new contact does not press is the smaller one with one more knot: no better a plan.
   const bool grown = static_cast<std::size_t>(state.mode) >= d_.modes.size();
@@ -191,7 +191,7 @@ void Planner::search(const std::vector<std::size_t>& order) {
   for (int round = 0; round < starts() && !must_stop(); ++round) {
     // One start per mode finds most plans; only if no mode is certified are more starts spent. A grasp comes in
     // families with several valleys of the effort; what follows its own starts is no equilibrium.
-    // Where nothing can be chosen equilibria stand alone, and no search leads from one to a better one.
+    // No free moment: equilibria are isolated, and every start is tried.
     if (winner_ >= 0 && !thorough() &&
         (balanced_by_row() ? round >= earlier + d_.grip->starts() : round > 0 && !d_.palm && chooses()))
       break;

@@ -135,9 +135,9 @@ class Planner {
   /// Returns what the feasible point costs that lies near, if there is one.
   double consider_rest(const Rest& rest);
   /// Along the equilibria that x belongs to, to the best moments near: the solver sees these alone.
-  void slide(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
+  void solve_reduced(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
   /// Whether the programs of a mode are so large that they are solved along equilibria alone.
-  bool slides(const Mode& mode) const;
+  bool solved_reduced(const Mode& mode) const;
   /// From x, with every contact closed, to an equilibrium near that the rows allow, and along equilibria from there.
   /// False: there is none near.
   bool come_to_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
@@ -185,12 +185,12 @@ class Planner {
   void note_unfit_term(PoseProgram& program, const Eigen::VectorXd& x);
   /// From x (any quality) to a decided branch and a point on it. False: no feasible point was found.
   bool find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced);
-  bool treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment);
+  bool solve_treatment(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment);
   /// The same for contacts with obstacles so small that a step of any solver passes over
-  /// them: they are swollen to a size that can be found, and shrink back in steps that Newton follows. False: none is
+  /// them: they are grown to a size that can be found, and shrink back in steps that Newton follows. False: none is
   /// so small, or it was lost.
-  bool swell(ModeState& state, const PoseProgramSpec& spec, const StartShape& shape, Branch forced,
-             PoseProgram& program, Eigen::VectorXd& x);
+  bool radius_homotopy(ModeState& state, const PoseProgramSpec& spec, const StartShape& shape, Branch forced,
+                       PoseProgram& program, Eigen::VectorXd& x);
   OptimalityReport solve(ModeState& state, NonlinearProgram& program, const Eigen::VectorXd& x,
                          const OptimalityReport* warm = nullptr);
   bool sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, bool solver_allowed);

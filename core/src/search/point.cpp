@@ -32,9 +32,9 @@ bool Planner::sharpen(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   return steps_.sharpen(state, program, x, solver_allowed && !following_);
 }
 
-bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartShape& shape, Branch forced,
-                    PoseProgram& program, Eigen::VectorXd& x) {
-  std::vector<std::unique_ptr<ShrunkObstacle>> swollen;
+bool Planner::radius_homotopy(ModeState& state, const PoseProgramSpec& spec, const StartShape& shape, Branch forced,
+                              PoseProgram& program, Eigen::VectorXd& x) {
+  std::vector<std::unique_ptr<ShrunkObstacle>> grown;
   std::vector<double> radii;
   PoseProgramSpec larger = spec;
   larger.checks.clear();
@@ -43,13 +43,13 @@ bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartSh
     if (obstacle != spec.obstacles[static_cast<std::size_t>(c.obstacle)]) continue;  // grown for another contact
     const double radius = obstacle->smallest_radius();
     if (!(radius < search_parameters().tiny_radius)) continue;
-    swollen.push_back(std::make_unique<ShrunkObstacle>(*obstacle));
+    grown.push_back(std::make_unique<ShrunkObstacle>(*obstacle));
     radii.push_back(radius);
-    obstacle = swollen.back().get();
+    obstacle = grown.back().get();
   }
-  if (swollen.empty() || !search_parameters().grow_small || must_stop() || following_) return false;
+  if (grown.empty() || !search_parameters().grow_small || must_stop() || following_) return false;
   const auto grow_to = [&](double radius) {
-    for (std::size_t i = 0; i < swollen.size(); ++i) swollen[i]->shrink(-std::max(0.0, radius - radii[i]));
+    for (std::size_t i = 0; i < grown.size(); ++i) grown[i]->shrink(-std::max(0.0, radius - radii[i]));
   };
   const double least = *std::min_element(radii.begin(), radii.end());
   grow_to(swollen_radii[0]);
@@ -87,7 +87,7 @@ bool Planner::swell(ModeState& state, const PoseProgramSpec& spec, const StartSh
   return true;
 }
 
-bool Planner::treat(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment) {
+bool Planner::solve_treatment(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment) {
   std::vector<ComplementaryPair> pairs(static_cast<std::size_t>(program.layout().forces));
   for (int k = 0; k < program.layout().forces; ++k) {
     pairs[static_cast<std::size_t>(k)] = {program.layout().first_gap + k, program.force_variable(k)};
@@ -138,14 +138,14 @@ bool Planner::find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd
     x = r.x;
     if (r.infeasibility <= search_parameters().nearly_feasible) return true;
   } else {
-    if (treat(state, program, x, d_.scene.contact.treatment)) return true;
+    if (solve_treatment(state, program, x, d_.scene.contact.treatment)) return true;
     // With a plan in hand the branch that touches is tried directly; the slower treatment is for when nothing else
     // works.
     if (search_parameters().fall_back && d_.scene.contact.treatment != Treatment::scholtes && !have_plan_ &&
         !must_stop()) {
       for (int k = 0; k < contacts; ++k) program.set_branch(k, Branch::open);
       state.record.outcome += "fallback to scholtes; ";
-      if (treat(state, program, x, Treatment::scholtes)) return true;
+      if (solve_treatment(state, program, x, Treatment::scholtes)) return true;
     }
   }
   if (restore(state, program, x)) return true;
@@ -172,10 +172,10 @@ void Planner::keep_nearest(ModeState& state, const PoseProgram& program, const F
 }
 
 bool Planner::nothing_near(ModeState& state, PoseProgram& program, const Eigen::VectorXd& x) {
-  const FeasibilityReport f = steps_.look(program, x, proving_);
+  const FeasibilityReport f = steps_.restoration(program, x, proving_);
   if (!f.stationary_violation) return false;
   const double least = state.violation;
-  ProgramSearch::note(state, program, f);
+  ProgramSearch::record_violation(state, program, f);
   keep_nearest(state, program, f, least);
   return true;
 }
@@ -291,7 +291,7 @@ void Planner::look_for_spread() {
       c.certifier = std::make_unique<Certifier>(spec);
       close_contacts(*c.program);
       const StartShape shape = start < 0 ? states_[i].nearest : start_shape(start, mode);
-      const FeasibilityReport f = steps_.look(*c.program, c.program->start_from(shape));
+      const FeasibilityReport f = steps_.restoration(*c.program, c.program->start_from(shape));
       if (!f.feasible) continue;
       c.x = f.x;
       if (!sharpen(states_[i], *c.program, c.x, false)) continue;

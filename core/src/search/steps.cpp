@@ -49,7 +49,7 @@ void Tally::add_outside(const NonlinearProgram& program, const EvaluationCounts&
   work += work_of(program, asked);
 }
 
-std::string told_uselessness(const std::string& solver, const OptimalityReport& last) {
+std::string refusal_message(const std::string& solver, const OptimalityReport& last) {
   const std::string reason = last.message.empty() ? last.native_status : last.message;
   return (reason.empty() ? "" : reason + "; ") + "solver '" + solver + "' ended every solve as " +
          std::string(to_string(last.status));
@@ -125,7 +125,7 @@ bool ProgramSearch::sharpen(Attempt& attempt, NonlinearProgram& program, Eigen::
   return r.infeasibility <= restored;
 }
 
-FeasibilityReport ProgramSearch::look(NonlinearProgram& program, const Eigen::VectorXd& x, bool patiently) {
+FeasibilityReport ProgramSearch::restoration(NonlinearProgram& program, const Eigen::VectorXd& x, bool patiently) {
   const EvaluationCounts before = program.counts();
   FeasibilityReport report =
       restore_feasibility(program, x, restored,
@@ -138,11 +138,11 @@ FeasibilityReport ProgramSearch::look(NonlinearProgram& program, const Eigen::Ve
 FeasibilityReport ProgramSearch::restore(Attempt& attempt, NonlinearProgram& program, const Eigen::VectorXd& x) {
   FeasibilityReport f = look(program, x);
   if (f.feasible) return f;
-  note(attempt, program, f);
+  record_violation(attempt, program, f);
   return f;
 }
 
-void ProgramSearch::note(Attempt& attempt, const NonlinearProgram& program, const FeasibilityReport& f) {
+void ProgramSearch::record_violation(Attempt& attempt, const NonlinearProgram& program, const FeasibilityReport& f) {
   if (f.stationary_violation) ++attempt.stationary_violations;
   if (f.x.allFinite() && f.infeasibility < attempt.violation) {
     attempt.violation = f.infeasibility;

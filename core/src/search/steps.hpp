@@ -47,7 +47,7 @@ struct Tally {
 };
 
 /// What a plan says of a solver that did nothing.
-std::string told_uselessness(const std::string& solver, const OptimalityReport& last);
+std::string refusal_message(const std::string& solver, const OptimalityReport& last);
 
 /// Puts a tally into a plan: sums over all programs.
 void report_tally(const Tally& tally, Plan& plan);
@@ -74,10 +74,10 @@ class ProgramSearch {
   /// Reduces the violation alone, and remembers where there is nothing feasible near.
   FeasibilityReport restore(Attempt& attempt, NonlinearProgram& program, const Eigen::VectorXd& x);
   /// The same as a look that leaves no trace but its counts; `patiently`: however slowly the violation falls.
-  FeasibilityReport look(NonlinearProgram& program, const Eigen::VectorXd& x, bool patiently = false);
+  FeasibilityReport restoration(NonlinearProgram& program, const Eigen::VectorXd& x, bool patiently = false);
 
   /// Remembers what such a look came to, where it ended at no feasible point.
-  static void note(Attempt& attempt, const NonlinearProgram& program, const FeasibilityReport& f);
+  static void record_violation(Attempt& attempt, const NonlinearProgram& program, const FeasibilityReport& f);
 
   Tally tally;
 

@@ -62,7 +62,7 @@ bool Way::infeasible() const {
   if (judged().certified()) return false;
   // Rows that have no common point have none with stability either.
   const int without = judged().has_point ? 0 : stationary_violations;
-  return without + unheld >= search_parameters().most_starts;
+  return without + stationary_with_margins >= search_parameters().most_starts;
 }
 
 void tell_outcomes(const Ways& ways, double objective_scale, const std::string& untried, Plan& plan) {
@@ -119,7 +119,7 @@ void judge(const Ways& ways, const Grounds& grounds, Plan& plan) {
   const bool infeasible = std::all_of(ways.begin(), ways.end(), [](const Way* w) { return w->infeasible(); });
   if (tally.solver_did_nothing() && (grounds.solved || (!stopped && !late))) {
     plan.status = PlanStatus::failed;
-    plan.message = grounds.unfit.empty() ? told_uselessness(plan.solver_name, plan.solver) : grounds.unfit;
+    plan.message = grounds.unfit.empty() ? refusal_message(plan.solver_name, plan.solver) : grounds.unfit;
   } else if (grounds.solved) {
     plan.status = PlanStatus::solved;
   } else if (stopped) {

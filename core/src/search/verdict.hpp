@@ -32,10 +32,11 @@ struct Way : Attempt {
   /// The best point so far.
   virtual const Judged& judged() const = 0;
 
-  std::string skip;          ///< why it need not be solved, known before anything is
-  bool left_out = false;     ///< on request: not tried, which proves nothing
-  bool deferred = false;     ///< the last start was left to times without any plan
-  int unheld = 0;            ///< starts that ended where the violation of the rows, stability among them, is stationary
+  std::string skip;       ///< why it need not be solved, known before anything is
+  bool left_out = false;  ///< on request: not tried, which proves nothing
+  bool deferred = false;  ///< the last start was left to times without any plan
+  int stationary_with_margins =
+      0;                     ///< starts that ended where the violation of the rows, stability among them, is stationary
   double dearer = infinity;  ///< least objective of points that cost more than the plan and were not completed
   /// From enough starts no stable plan is near: its rows have none, or none that is stable.
   bool infeasible() const;
