@@ -11,7 +11,7 @@ struct Task;
 
 /// Whether the tangential forces of a plan's contacts are in the cones that the scene has, and on their edges where
 /// they slip: Certificate::friction. What is not is solved no longer. `force_unit`: N.
-void judge_cones(const Scene& scene, double force_unit, Plan& plan);
+TENDRIL_API void judge_cones(const Scene& scene, double force_unit, Plan& plan);
 
 /// What the unknown state of friction can do to a solved plan at its moments (model.md section 11, "range"): fills
 /// Plan::friction where obstacles that the plan touches have friction. Every corner of the cones of its contacts is
