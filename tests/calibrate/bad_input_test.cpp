@@ -118,7 +118,7 @@ TEST(Refused, IsAnInputOfAnotherKind) {
 TEST(Refused, AreUnknownsThatDoNotExistOrTwice) {
   CalibrationSpec spec = good();
   spec.unknowns[0].segment = 2;
-  expect_refused(spec, "found 2, expected a number from 0 to 1");
+  expect_refused(spec, "found segment 2, expected 1");
   spec = good();
   spec.unknowns.push_back(spec.unknowns[0]);
   spec.unknowns[1].segment = 1;

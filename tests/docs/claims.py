@@ -77,6 +77,13 @@ def along_axis(coordinates):
     return max(grasps(lambda c: c["axial_force"], coordinates))
 
 
+def rubbing_effort(friction):
+    """Of the grasp of 75 mm at 10 N."""
+    any_state = " --set contact.friction_state=any" if friction else ""
+    return run("plan scenes/grasp_sizes.toml --set 'gripper.object_diameter=75 mm' --set 'contact.max_force=10 N' "
+               f"--set contact.friction={friction}{any_state}")["terms"]["actuation_effort"]
+
+
 BRACE = "plan scenes/brace.toml"
 VERIFIED = BRACE + " --verify"
 EXECUTED = "execute scenes/brace.toml --moments '2.5 N mm'"
@@ -164,6 +171,7 @@ CLAIMS = [
               ("below", max(grasps(lambda c: c["planned_axial_force"])))]),
     ("docs/grasps.md", "order 6 leaves up to {} N along the axis and `psc`, with its three functions per piece, up to {} N",
      lambda: [along_axis("legendre"), along_axis("psc")]),
+    ("docs/grasps.md", "({} mm at {} N: {} to {} of the objective)", lambda: [75, 10, rubbing_effort(0), rubbing_effort(0.3)]),
     ("docs/grasps.md", "push it away from the palm with {} N per finger, {} N mm more pull it in with {} N",
      lambda: [axial(0.010), 10, -axial(-0.010)]),
 ]

@@ -94,6 +94,7 @@ int run_calibrate(const CalibrateArguments& arguments) {
 
 int run_sensitivity(const SensitivityArguments& arguments) {
   Session session(arguments.scene);
+  note_dropped(session);
   const SceneSensitivity found = sensitivities_of(session, arguments.wishes);
   print(arguments.json ? sensitivity_json(session.scene(), found.of, found.keys)
                        : sensitivity_report(session.scene(), found.of, found.keys));

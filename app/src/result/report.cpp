@@ -329,10 +329,14 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
   text += verification_text(plan);
   text += line("coordinates", fmt::format("{}, order {}, {} values{}", plan.coordinates_name, plan.order,
                                           plan.coordinates.size(), plan.split_at_contact ? ", split at contact" : ""));
-  text += line("solver", fmt::format("{}: {} ({}), {} iterations, {} evaluations", plan.solver_name,
-                                     to_string(plan.solver.status),
-                                     plan.solver.native_status.empty() ? "-" : printable(plan.solver.native_status),
-                                     plan.solver.iterations, plan.solver.evaluations.values));
+  const bool asked =
+      std::any_of(plan.modes.begin(), plan.modes.end(), [](const ModeRecord& mode) { return mode.solves > 0; });
+  text +=
+      line("solver", asked ? fmt::format("{}: {} ({}), {} iterations, {} evaluations", plan.solver_name,
+                                         to_string(plan.solver.status),
+                                         plan.solver.native_status.empty() ? "-" : printable(plan.solver.native_status),
+                                         plan.solver.iterations, plan.solver.evaluations.values)
+                           : plan.solver_name + ": not called");
   if (has_shape)
     text += moments_text(scene, plan, units) + contacts_text(scene, plan, units) + grasp_text(scene, plan) +
             certificate_text(plan.certificate);

@@ -170,7 +170,7 @@ class Recordings {
 
  private:
   void take_row(const TableFile& file, std::size_t row, const std::string& name, bool check);
-  Recording& called(const std::string& name, const std::string& place, bool check);
+  Recording& called(const std::string& name, const std::string& place);
 
   const Context& context_;
   Scene& scene_;
@@ -194,13 +194,12 @@ void Recordings::read(const std::string& name, bool check) {
   for (std::size_t row = 0; row < file.rows.size(); ++row) take_row(file, row, name, check);
 }
 
-Recording& Recordings::called(const std::string& name, const std::string& place, bool check) {
+Recording& Recordings::called(const std::string& name, const std::string& place) {
   const auto [at, fresh] = index_.emplace(name, list_.size());
   if (fresh) {
     list_.emplace_back();
     list_.back().name = name;
     list_.back().place = place;
-    list_.back().check_only = check;
   }
   return list_[at->second];
 }
@@ -212,7 +211,7 @@ void Recordings::take_row(const TableFile& file, std::size_t row, const std::str
     return at == file.form.end() ? "" : file.texts[row][static_cast<std::size_t>(at - file.form.begin())];
   };
   const std::string own = word(case_column);
-  Recording& recording = called(own.empty() ? place : own, place, check);
+  Recording& recording = called(own.empty() ? place : own, place);
   if (const std::string group = word(group_column); !group.empty()) recording.group = group;
   CalibrationMarker marker;
   marker.arc_length = std::numeric_limits<double>::quiet_NaN();
@@ -235,7 +234,16 @@ void Recordings::take_row(const TableFile& file, std::size_t row, const std::str
   if (!seen) return;
   // A point without an arc length is the tip.
   if (std::isnan(marker.arc_length)) marker.arc_length = scene_.rod.length();
-  if (marker.position || marker.angle) recording.markers.push_back(marker);
+  if (!marker.position && !marker.angle) return;
+  // What was known of it may stand elsewhere: the file with its points says whether it is fitted.
+  if (recording.markers.empty()) recording.check_only = check;
+  if (recording.check_only != check) {
+    throw InputError(
+        fmt::format("{}: recording \"{}\" has points among 'files' and among 'check_files', expected it "
+                    "in one of them",
+                    place, recording.name));
+  }
+  recording.markers.push_back(marker);
 }
 
 std::vector<Recording> Recordings::take() {
@@ -332,6 +340,10 @@ CalibrationSpec finish_calibration(const Context& context, const CalibrationDraf
   const Document& document = context.document;
   if (draft.files.empty()) {
     document.fail(document.find("calibrate"), "[calibrate] has no 'files', expected CSV files with measured points");
+  }
+  if (draft.spec.folds == 1) {
+    document.fail(document.find("calibrate.folds"),
+                  "found 1 part, expected 0 or at least 2: each is predicted from the others");
   }
   if (draft.spec.angle_noise > 0.0 && draft.spec.noise == 0.0) {
     document.fail(document.find("calibrate.angle_noise"), "found 'angle_noise' without 'noise', expected both");

@@ -306,6 +306,7 @@ void Document::apply(const std::vector<Override>& overrides) {
     if (static_cast<int>(parts.size()) > deepest_key || std::find(parts.begin(), parts.end(), "") != parts.end()) {
       fail(position, "found the key '" + setting.key.substr(0, 200) + "', expected one such as contact.max_force");
     }
+    if (parts.front() == "include") fail(position, "found 'include', expected it in the scene: settings come after it");
     Node* node = &root_;
     for (std::size_t i = 0; i < parts.size(); ++i) {
       if (auto* list = std::get_if<Node::List>(&node->value)) {

@@ -16,7 +16,6 @@ namespace tendril::app {
 
 namespace {
 
-constexpr std::string_view sign = "+-";
 /// Of the value: how far apart a key is read to differentiate by it.
 constexpr double reading_step = 0.01;
 /// A number that moves by less than this share of itself, per share of the key, does not go with it.
@@ -174,6 +173,7 @@ void read_correlations(const Document& document, std::vector<Spread>& spreads) {
     if (one == spreads.end() || other == spreads.end()) continue;
     one->correlations[other->key] = other->correlations[one->key] = correlation;
   }
+  if (spreads.empty()) return;
   const auto count = static_cast<Eigen::Index>(spreads.size());
   Eigen::MatrixXd all = Eigen::MatrixXd::Identity(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -190,12 +190,6 @@ void read_correlations(const Document& document, std::vector<Spread>& spreads) {
 }
 
 }  // namespace
-
-std::optional<std::pair<std::string_view, std::string_view>> split_error_bar(std::string_view text) {
-  const auto at = text.find(sign);
-  if (at == std::string_view::npos) return std::nullopt;
-  return std::pair(text.substr(0, at), text.substr(at + sign.size()));
-}
 
 std::vector<std::string> number_keys(const Document& document) {
   std::vector<std::string> keys;

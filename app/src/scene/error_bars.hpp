@@ -13,9 +13,6 @@
 
 namespace tendril::app {
 
-/// "8 mm +- 0.2 mm" as the number and what stands behind the sign; nothing where there is no sign.
-std::optional<std::pair<std::string_view, std::string_view>> split_error_bar(std::string_view text);
-
 /// The keys of numbers that a result may depend on, in the order of the document.
 std::vector<std::string> number_keys(const Document& document);
 

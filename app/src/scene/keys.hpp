@@ -100,15 +100,6 @@ void read_table(const Context& context, const Node& node, const std::string& nam
   }
 }
 
-/// A plain angle is in rad. Nobody bends a rod by so many turns: asks whether degrees were meant.
-inline void warn_of_many_turns(const Context& context, const Node& node, double angle) {
-  constexpr double turn_and_a_half = 9.42477796076938;
-  if (std::holds_alternative<std::string>(node.value) || !(std::abs(angle) > turn_and_a_half)) return;
-  context.warnings.push_back(
-      context.document.describe(node.position) +
-      fmt::format(": found {} rad, which is more than a turn and a half; did you mean \"{} deg\"?", angle, angle));
-}
-
 inline double read_quantity(const Context& context, const Node& node, const KeySpec& spec) {
   double value = 0.0;
   if (const auto* integer = std::get_if<std::int64_t>(&node.value)) {
@@ -130,7 +121,6 @@ inline double read_quantity(const Context& context, const Node& node, const KeyS
         fmt::format(" {} {}", spec.minimum_excluded ? "greater than" : "not below", spec.minimum);
     context.fail(node, expected_quantity(spec.dimension, restriction));
   }
-  if (spec.dimension.unit == dimension::angle.unit) warn_of_many_turns(context, node, value);
   return value;
 }
 

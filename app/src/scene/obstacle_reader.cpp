@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 
 #include "scene/stl_section.hpp"
 #include "scene/svg_file.hpp"
@@ -67,6 +68,7 @@ class FileReader {
       fail("found a file for the shape '" + spec.shape + "', expected one for a polygon or a channel");
     }
     refuse_beside(spec, {"vertices", "outlines"});
+    refuse_foreign_keys();
     const std::string kind = lower_case(path().extension().string());
     const std::vector<Outline> lines = kind == ".svg"   ? read_drawing()
                                        : kind == ".stl" ? read_section()
@@ -83,6 +85,22 @@ class FileReader {
 
  private:
   [[noreturn]] void fail(const std::string& message) const { context_.document.fail(at_, message); }
+
+  /// What says nothing of a file of this kind was meant for another one.
+  void refuse_foreign_keys() const {
+    const std::string kind = lower_case(path().extension().string());
+    const auto only = [&](const char* key, bool given, std::initializer_list<std::string_view> kinds) {
+      if (!given || std::find(kinds.begin(), kinds.end(), kind) != kinds.end()) return;
+      std::string names;
+      for (const std::string_view name : kinds) names += (names.empty() ? "" : " or ") + std::string(name);
+      context_.document.fail(context_.document.find(key_ + '.' + key),
+                             fmt::format("found '{}' for {}, expected it with a file {}", key, draft_.name, names));
+    };
+    only("id", !draft_.id.empty(), {".svg"});
+    only("plane", !draft_.plane.empty(), {".stl"});
+    only("height", draft_.height.has_value(), {".stl"});
+    only("unit", draft_.unit.has_value(), {".svg", ".stl"});
+  }
 
   void refuse_beside(const ObstacleSpec& spec, const std::vector<std::string>& names) const {
     for (const std::string& name : names) {
@@ -101,8 +119,8 @@ class FileReader {
   double tolerance_for(Vec2 low, Vec2 high) const { return draft_.tolerance.value_or(1e-3 * norm(high - low)); }
 
   std::vector<Outline> read_section() {
-    std::vector<Outline> lines = read_stl_section(path(), draft_.plane.empty() ? 'z' : draft_.plane[0], draft_.height,
-                                                  draft_.unit.value_or(1e-3));
+    std::vector<Outline> lines = read_stl_section(path(), draft_.plane.empty() ? 'z' : draft_.plane[0],
+                                                  draft_.height.value_or(0.0), draft_.unit.value_or(1e-3));
     Vec2 low = lines[0][0];
     Vec2 high = low;
     for (const Outline& line : lines) {
@@ -183,6 +201,8 @@ class FileReader {
 
   void read_channel(ObstacleSpec& spec) {
     refuse_beside(spec, {"points"});
+    refuse_foreign_keys();
+    if (draft_.tolerance) fail("found a 'tolerance' of a channel, expected one of a polygon");
     const TableFile file = read_rows({{"width", dimension::length, {"w", "diameter"}}});
     std::vector<Vec2> line;
     std::vector<double> widths;

@@ -16,7 +16,7 @@ struct OutlineFileDraft {
   std::string id;
   std::optional<double> unit;  ///< m
   std::string plane;
-  double height = 0.0;              ///< m
+  std::optional<double> height;     ///< m
   std::optional<double> tolerance;  ///< m
   Vec2 position{};                  ///< m, of the file's origin
   double angle = 0.0;               ///< rad, of its first axis

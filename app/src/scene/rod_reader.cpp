@@ -101,9 +101,9 @@ void warn_of_outside(const Context& context, const std::string& path, const RodS
 void place_base(const Document& document, const std::string& path, const RodDraft& draft, RodSpec& rod) {
   const auto two = [&](const auto& range, const char* key, const char* what) {
     if (range.size() != 2)
-      document.fail(document.find(path + key), fmt::format("found {} {}, expected two: the least and "
-                                                           "the largest",
-                                                           range.size(), what));
+      document.fail(document.find(path + key),
+                    fmt::format("found a list of {} {}, expected two {}: the least and the largest", range.size(),
+                                range.size() == 1 ? "entry" : "entries", what));
   };
   if (!draft.base_position_range.empty()) {
     two(draft.base_position_range, "position_range", "points");

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "scene/measurement_reader.hpp"
+#include "scene/plain_numbers.hpp"
 #include "scene/rod_reader.hpp"
 #include "scene/scene_tables.hpp"
 #include "scene/table_file.hpp"
@@ -227,6 +228,7 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
   scene.obstacles = finish_obstacles(context, std::move(draft.obstacles), scene);
   finish_moving_obstacles(context, draft.trajectory.obstacles, scene);
   scene.warnings.insert(scene.warnings.begin(), warnings.begin(), warnings.end());
+  for (std::string& question : doubtful_numbers(document, scene)) scene.warnings.push_back(std::move(question));
   scene.file = document.file();
   scene.units = units->most_used();
   scene.read_quantity = [units = std::move(units)](std::string_view number, const Dimension& wanted) {

@@ -166,6 +166,7 @@ std::vector<Outline> read_stl_section(const std::filesystem::path& path, char ax
     }
     section.add(triangle);
   }
+  if (!(low <= high)) throw InputError(path.string() + ": found no facets, expected those of a closed body");
   std::vector<Outline> lines = section.outlines(path);
   std::erase_if(lines, [](const Outline& line) { return line.size() < 3; });
   if (lines.empty()) {

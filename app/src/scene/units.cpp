@@ -241,13 +241,22 @@ std::string expected_quantity(const Dimension& dimension, const std::string& res
   return text;
 }
 
+std::optional<std::pair<std::string_view, std::string_view>> split_error_bar(std::string_view text) {
+  for (const std::string_view sign : {"+-", "\xc2\xb1"}) {
+    const auto at = text.find(sign);
+    if (at != std::string_view::npos) return std::pair(text.substr(0, at), text.substr(at + sign.size()));
+  }
+  return std::nullopt;
+}
+
 double Units::read(std::string_view text, const Dimension& dimension) const {
   const auto refuse = [&](std::string why, const std::string& hint = "") {
     const std::string expected = expected_quantity(dimension, dimension.unit.empty() ? " without a unit" : "");
     throw QuantityError(quoted(text), std::move(why), expected, hint);
   };
   // An error bar behind it is another number.
-  std::string_view rest = trimmed(text.substr(0, text.find("+-")));
+  const auto with_error = split_error_bar(text);
+  std::string_view rest = trimmed(with_error ? with_error->first : text);
   if (rest.starts_with('+') && rest.size() > 1 && (is_digit(rest[1]) || rest[1] == '.')) rest.remove_prefix(1);
 
   double value = 0.0;

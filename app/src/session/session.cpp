@@ -9,6 +9,7 @@
 
 #include "scene/calibrated_rod.hpp"
 #include "scene/error_bars.hpp"
+#include "scene/plain_numbers.hpp"
 #include "tendril/app/files.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/interrupt.hpp"
@@ -129,13 +130,30 @@ Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Unit
       registry_ = std::make_unique<plugins::Registry>(
           plugins::Catalog(plugins::search_places(arguments.plugin_directories)), arguments.components);
       // An estimate opens no plugin, so nobody knows which options are foreign.
-      if (scene_.problem != ProblemKind::estimate) drop_foreign_options(other_coordinates, other_solver);
+      if (scene_.problem != ProblemKind::estimate) {
+        drop_foreign_options(other_coordinates, other_solver);
+        ask_about_shapes();
+      }
     }
   }
   seconds_read_ -= seconds_open_;
 }
 
 Session::~Session() = default;
+
+void Session::ask_about_shapes() {
+  const Node* tables = document_.root().find("obstacle");
+  if (tables == nullptr || !needs_obstacles(scene_)) return;
+  for (std::size_t i = 0; i < scene_.obstacles.size(); ++i) {
+    const std::string path = fmt::format("obstacle[{}]", i);
+    const OptionSchema& schema = located(
+                                     path, [&]() -> auto& { return registry_->obstacle(scene_.obstacles[i].shape); })
+                                     .options;
+    for (std::string& question : doubtful_numbers(document_, scene_, schema, std::get<Node::List>(tables->value)[i])) {
+      scene_.warnings.push_back(std::move(question));
+    }
+  }
+}
 
 void Session::drop_foreign_options(bool other_coordinates, bool other_solver) {
   const auto drop = [&](RawOptions& options, const OptionSchema& schema, const std::string& table,

@@ -280,9 +280,11 @@ void CalibrationInput::require_plausible(const Recording& r, const SeenShape& sh
 }
 
 void CalibrationInput::add_unknowns(const Scene& scene, const CalibrationSpec& spec) {
-  for (const CalibrationUnknownSpec& u : spec.unknowns) {
+  for (std::size_t i = 0; i < spec.unknowns.size(); ++i) {
+    const CalibrationUnknownSpec& u = spec.unknowns[i];
+    at_ = "calibrate.unknown[" + std::to_string(i) + "]";
     if (u.per != CalibrationScope::all && !is_base(u.kind)) {
-      throw SceneError("calibrate.unknown",
+      throw SceneError(at_ + ".per",
                        std::string(to_string(u.kind)) + " per recording or group, expected only the base's to differ");
     }
     if (u.per == CalibrationScope::all) {

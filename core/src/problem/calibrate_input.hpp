@@ -58,6 +58,7 @@ struct CalibrationInput {
   bool is_sought(CalibrationUnknown kind) const;
   bool is_sought(CalibrationUnknown kind, int index) const;
 
+  std::string at_;                   ///< where in the scene the unknown stands that is being added
   double gravity_ = 0.0;             ///< m/s^2, that the rod's weights are made with
   double aside_ = 0.0;               ///< L, the largest that a point has out of the plane
   std::vector<double> input_sizes_;  ///< SI, the largest that each actuator was told

@@ -29,19 +29,17 @@ bool is_part(CalibrationUnknown of_modulus, CalibrationUnknown part) {
 
 void CalibrationInput::require_stretch(const CalibrationUnknownSpec& u) const {
   if (problem.rod.stretches()) return;
-  throw SceneError("calibrate.unknown.name", "found \"" + std::string(to_string(u.kind)) +
-                                                 "\" of a rod that does not stretch, expected [coordinates] "
-                                                 "stretch_order");
+  throw SceneError(at_ + ".name", "found \"" + std::string(to_string(u.kind)) +
+                                      "\" of a rod that does not stretch, expected [coordinates] stretch_order");
 }
 
 /// What a number belongs to, and how its scene has it.
 CalibrationInput::Subject CalibrationInput::subject_of(const Scene& scene, const CalibrationSpec& spec,
                                                        const CalibrationUnknownSpec& u) const {
-  const auto number_between = [](int value, int least, std::size_t most, const char* key) {
+  const auto number_between = [this](int value, int least, std::size_t most, const std::string& key) {
     if (value >= least && value <= static_cast<int>(most)) return value;
-    throw SceneError(std::string("calibrate.unknown.") + key, "found " + std::to_string(value) +
-                                                                  ", expected a number from " + std::to_string(least) +
-                                                                  " to " + std::to_string(most));
+    throw SceneError(at_ + '.' + key, "found " + key + " " + std::to_string(value) + ", expected " +
+                                          (most == 1 ? "1" : "1 to " + std::to_string(most)));
   };
   const std::size_t segments = problem.rod.segments.size();
   switch (u.kind) {
@@ -71,8 +69,8 @@ CalibrationInput::Subject CalibrationInput::subject_of(const Scene& scene, const
       number_between(u.degree, 1, 6, "degree");
       const auto a = static_cast<std::size_t>(actuator - 1);
       if (!(input_sizes_[a] > 0.0)) {
-        throw SceneError("calibrate.unknown.actuator", "no recording tells actuator " + std::to_string(actuator) +
-                                                           " anything, so that its moment cannot be found");
+        throw SceneError(at_ + ".actuator", "no recording tells actuator " + std::to_string(actuator) +
+                                                " anything, so that its moment cannot be found");
       }
       if (u.kind == CalibrationUnknown::force) {
         require_stretch(u);
@@ -98,7 +96,7 @@ CalibrationInput::Subject CalibrationInput::subject_of(const Scene& scene, const
     case CalibrationUnknown::base_y:
       return {"base y", "m", -1, scale.length, scene.rod.base_position.y, place_spread};
   }
-  throw SceneError("calibrate.unknown", "found no such number");
+  throw SceneError(at_, "found no such number");
 }
 
 void CalibrationInput::add_unknown(const Scene& scene, const CalibrationSpec& spec, const CalibrationUnknownSpec& u,
@@ -107,7 +105,7 @@ void CalibrationInput::add_unknown(const Scene& scene, const CalibrationSpec& sp
   const bool line =
       std::any_of(problem.rod.loads.begin(), problem.rod.loads.end(), [](const Rod::Load& l) { return !l.at_point(); });
   if (u.kind == CalibrationUnknown::base_angle && line) {
-    throw SceneError("calibrate.unknown.name",
+    throw SceneError(at_ + ".name",
                      "the base's angle cannot be looked for while a force acts along the "
                      "rod, expected loads at points");
   }
@@ -145,12 +143,15 @@ void CalibrationInput::add_unknown(const Scene& scene, const CalibrationSpec& sp
 void CalibrationInput::require_sensible(const CalibrationUnknownSpec& u, const Sought& one,
                                         const CalibratedNumber& number) const {
   if (u.prior && !(u.prior_error > 0.0)) {
-    throw SceneError("calibrate.unknown.prior", "a prior needs its standard deviation 'prior_error'");
+    throw SceneError(at_ + ".prior", "a prior needs its standard deviation 'prior_error'");
   }
-  if (!(one.lower <= one.upper)) throw SceneError("calibrate.unknown.min", "found a minimum above the maximum");
+  if (!u.prior && u.prior_error != 0.0) {
+    throw SceneError(at_ + ".prior_error", "found a 'prior_error' without the 'prior' that it belongs to");
+  }
+  if (!(one.lower <= one.upper)) throw SceneError(at_ + ".min", "found a minimum above the maximum");
   const bool factor = is_factor(one.kind);
   if (factor && !(one.start > 0.0 && one.upper > 0.0)) {
-    throw SceneError("calibrate.unknown", number.name + " is a factor, expected a start and a maximum above 0");
+    throw SceneError(at_, number.name + " is a factor, expected a start and a maximum above 0");
   }
   for (std::size_t i = 0; i < problem.unknowns.size(); ++i) {
     const Sought& other = problem.unknowns[i];
@@ -158,8 +159,8 @@ void CalibrationInput::require_sensible(const CalibrationUnknownSpec& u, const S
     const bool same_base = other.group == one.group || other.group < 0 || one.group < 0;
     const bool same_kind = other.kind == one.kind || is_part(other.kind, one.kind) || is_part(one.kind, other.kind);
     if (same_kind && other.power == one.power && same_base && (other.index == one.index || whole)) {
-      throw SceneError("calibrate.unknown", "found \"" + number.name + "\" beside \"" + numbers[i].name +
-                                                "\", expected each number to be looked for once");
+      throw SceneError(at_, "found \"" + number.name + "\" beside \"" + numbers[i].name +
+                                "\", expected each number to be looked for once");
     }
   }
 }

@@ -150,6 +150,9 @@ void conclude(const EstimateInput& in, const ShapeFit& fit, Estimate& out) {
                   " would be no better than chance (probability " + shown(next.probability, 3) +
                   "), so a further one, if there is any, is not identifiable";
   }
+  if (out.noise_estimated) return;
+  const std::string doubt = doubt_of_noise(out.chi_square, out.degrees_of_freedom);
+  if (!doubt.empty()) out.message += (out.message.empty() ? "" : "; ") + doubt;
 }
 
 /// What the points say with the number of contacts that they support.

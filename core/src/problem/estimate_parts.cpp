@@ -12,6 +12,8 @@ namespace {
 constexpr double largest_relative_error = 0.1;
 /// Residuals larger than this often by chance alone mean that the model does not fit.
 constexpr double least_fit_probability = 1e-6;
+/// Residuals as many times smaller than the noise, and that so seldom by chance, are asked about.
+constexpr double least_doubt_of_noise = 2.0;
 /// Where the noise is not known, residuals as large as this (units of L) are none, and from this on a row of them that
 /// is too smooth to be noise is told.
 constexpr double no_noise = 0.05;
@@ -35,6 +37,14 @@ std::string misfit(const MeasuredShape& measured, double length, const Eigen::Ve
     return size + "change too smoothly along the rod to be noise";
   }
   return "";
+}
+
+std::string doubt_of_noise(double chi_square, int degrees) {
+  const double times = std::sqrt(static_cast<double>(degrees) / chi_square);
+  if (degrees < 1 || times < least_doubt_of_noise) return "";
+  if (1.0 - chi_square_probability(chi_square, degrees) >= least_fit_probability) return "";
+  return "the residuals are " + shown(times, 3) +
+         " times smaller than the noise: is 'noise' right? What is smaller than it counts as chance";
 }
 
 EstimatedContact contact_of(const Scale& scale, const NormalForce& force, const LoadedRod::Point& at,

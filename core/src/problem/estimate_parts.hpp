@@ -17,6 +17,9 @@ inline constexpr double order_tolerance = 1e-10;
 /// Why a shape does not explain points from which it is off by `residual`; empty: it does, as far as that tells.
 std::string misfit(const MeasuredShape& measured, double length, const Eigen::VectorXd& residual, int contacts);
 
+/// What is to be asked where residuals are far smaller than the noise that the scene states; empty: nothing.
+std::string doubt_of_noise(double chi_square, int degrees);
+
 /// A contact in SI units; `covariance` of force and place, too. `at`: of the rod there.
 EstimatedContact contact_of(const Scale& scale, const NormalForce& force, const LoadedRod::Point& at,
                             const Eigen::Matrix2d& covariance);

@@ -229,7 +229,10 @@ void report_frames(const Sequence& q, SequenceEstimate& out) {
                   (troubled == 1 ? " frames is" : " frames are") + " not explained, first " + out.message;
   }
   if (coordinates > 0) out.residual_rms = std::sqrt(squares / static_cast<double>(coordinates)) * q.in.scale.length;
-  if (!out.noise_estimated) out.fit_probability = chi_square_probability(out.chi_square, out.degrees_of_freedom);
+  if (out.noise_estimated) return;
+  out.fit_probability = chi_square_probability(out.chi_square, out.degrees_of_freedom);
+  const std::string doubt = doubt_of_noise(out.chi_square, out.degrees_of_freedom);
+  if (!doubt.empty()) out.message += (out.message.empty() ? "" : "; ") + doubt;
 }
 
 /// A contact of which no frame tells force and place.

@@ -119,6 +119,9 @@ void tell_left_out(Task& d, const Scene& scene) {
     leave("contact variables and rows",
           scene.contact.mode == ContactModeName::avoid ? "contact mode \"avoid\"" : "max_force is 0");
   }
+  if (scene.contact.min_force > 0.0 && scene.contact.mode != ContactModeName::require) {
+    leave("least contact force", "only contact mode \"require\" asks for it");
+  }
   if (!d.palm) {
     leave("palm distance", "a pose has no palm");
     return;

@@ -281,27 +281,28 @@ void validate_stretch(const Scene& scene) {
 
 /// Where the rod may be moved to. `at`: its table.
 void validate_place(const RodSpec& rod, const std::string& at) {
-  const auto require_range = [&](double low, double high, double own, const char* key, const char* what) {
+  const auto require_range = [&](double low, double high, double own, const char* key, const char* what,
+                                 const std::string& unit) {
     const std::string path = at + key;
     require_finite(low, path);
     require_finite(high, path);
     if (low > high) {
-      throw SceneError(path,
-                       "the limits contradict each other: at least " + shown(low) + " and at most " + shown(high));
+      throw SceneError(path, "the limits contradict each other: at least " + shown(low) + unit + " and at most " +
+                                 shown(high) + unit);
     }
     if (own < low || own > high) {
-      throw SceneError(path, std::string(what) + " of the base, " + shown(own) + ", lies outside of " + shown(low) +
-                                 " to " + shown(high));
+      throw SceneError(path, std::string(what) + " of the base, " + shown(own) + unit + ", lies outside of " +
+                                 shown(low) + unit + " to " + shown(high) + unit);
     }
   };
   if (rod.base_position_range) {
     const auto& [low, high] = *rod.base_position_range;
-    require_range(low.x, high.x, rod.base_position.x, ".base.position_range", "the x coordinate");
-    require_range(low.y, high.y, rod.base_position.y, ".base.position_range", "the y coordinate");
+    require_range(low.x, high.x, rod.base_position.x, ".base.position_range", "the x coordinate", " m");
+    require_range(low.y, high.y, rod.base_position.y, ".base.position_range", "the y coordinate", " m");
   }
   if (rod.base_angle_range) {
     const auto& [low, high] = *rod.base_angle_range;
-    require_range(low, high, rod.base_angle, ".base.angle_range", "the angle");
+    require_range(low, high, rod.base_angle, ".base.angle_range", "the angle", " rad");
   }
   if (!(rod.most_drawn_in >= 0.0 && rod.most_drawn_in < rod.length())) {
     throw SceneError(at + ".insertion", "the rod is " + shown(rod.length()) + " m long, but " +

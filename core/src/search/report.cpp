@@ -18,6 +18,9 @@ std::string side_in_words(int side) {
   return side == 0 ? "" : std::abs(side) > 1 ? "ahead" : side > 0 ? "left" : "right";
 }
 
+/// Nobody plans with what is so many lengths of the rod away: a unit was mistaken.
+constexpr double far = 10.0;
+
 std::string as_share(double distance) { return shown(100.0 * distance, 3) + " % of the length"; }
 
 /// A plan at a limit where better ones end says so.
@@ -61,6 +64,12 @@ void Planner::keep_minimum(const ModeState& state, const Candidate& c) {
 }
 
 void Planner::add_notes(Plan& plan) const {
+  for (std::size_t o = 0; o < d_.obstacles.size() && !d_.palm; ++o) {
+    const double away = d_.obstacles[o]->at(d_.rod.base).distance;
+    if (away <= far) continue;
+    plan.notes.push_back("'" + d_.obstacle_names[o] + "' lies " + shown(away, 3) +
+                         " lengths of the rod away from its base: is its unit right?");
+  }
   if (!d_.palm && control_.start == nullptr) {
     std::vector<OutlinePoint> line;
     outline(d_.rod, d_.scene_start().curvature, search_parameters().outline_steps, line);
@@ -81,7 +90,8 @@ void Planner::add_notes(Plan& plan) const {
   if (!read) plan.notes.emplace_back("no objective reads the target and the tip");
   const double distance = norm(d_.target.position - d_.rod.base);
   if (distance > 1.0 && !d_.rod.stretches() && d_.rod.moves.empty())
-    plan.notes.push_back("the target lies out of reach, by " + as_share(distance - 1.0));
+    plan.notes.push_back("the target lies out of reach, by " + as_share(distance - 1.0) +
+                         (distance > far ? ": is its unit right?" : ""));
   if (!plan.target_error || !read) return;
   const double miss = *plan.target_error / d_.scale.length;
   if (miss > search_parameters().missed) plan.notes.push_back("the tip misses the target by " + as_share(miss));

@@ -81,7 +81,9 @@ void tell_outcomes(const Ways& ways, double objective_scale, const std::string& 
     } else if (std::isfinite(way->dearer)) {
       outcome += "costs more: " + shown(way->dearer * objective_scale);
     } else if (way->starts_used > 0 || !way->trouble.empty()) {
-      outcome += "not solved: " + (way->trouble.empty() ? std::string(to_string(way->last.status)) : way->trouble);
+      const std::string ended =
+          way->record.solves > 0 ? std::string(to_string(way->last.status)) : "no solve was begun";
+      outcome += "not solved: " + (way->trouble.empty() ? ended : way->trouble);
     } else if (outcome.empty()) {
       outcome = untried;
     }

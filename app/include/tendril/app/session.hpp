@@ -112,6 +112,8 @@ class Session {
   std::unique_ptr<InterruptGuard> guarded() const;
   /// Of tables whose plugin the command replaces.
   void drop_foreign_options(bool other_coordinates, bool other_solver);
+  /// Numbers of obstacles that the user may not have meant become warnings of the scene.
+  void ask_about_shapes();
   Components make_components();
   plugins::Located place() const;
   template <class Make>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -46,6 +47,10 @@ class QuantityError : public InputError {
  private:
   std::string why_;
 };
+
+/// "8 mm +- 0.2 mm" (or with the sign of typography) as the number and what stands behind the sign; nothing where there
+/// is no sign.
+std::optional<std::pair<std::string_view, std::string_view>> split_error_bar(std::string_view text);
 
 /// Reads numbers with units. The unit database of UDUNITS is opened by the first text of the process with a unit that
 /// is not among the usual ones.
