@@ -183,9 +183,7 @@ std::string key_page(const std::vector<std::filesystem::path>& plugin_directorie
       "be written as text, \"60 mm\"; a plain number is taken in the unit named here. An empty default means that the\n"
       "key is absent unless given. Plain numbers that are hardly meant so are asked about: angles of more than a turn\n"
       "and a half, lengths of more than ten rods, moments that would bend the rod by 100 rad, materials softer than "
-      "100 Pa\n"
-      "or lighter than 5 kg/m^3.\n\n## At the top of a "
-      "scene\n";
+      "100 Pa\nor lighter than 5 kg/m^3.\n\n## At the top of a scene\n";
   add_table(page, scene_keys(), "");
   plugins::Registry registry{plugins::Catalog(plugins::search_places(plugin_directories))};
   const std::vector<Listed> all = listed_components(registry);
