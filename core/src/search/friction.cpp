@@ -121,8 +121,8 @@ FrictionRange record(const Task& task, PoseProgram& program, ConstVectorRef x, c
 /// Looks for the moments whose worst state of friction costs least, near a plan without friction.
 class WorstCase {
  public:
-  WorstCase(Task& task, RubbingPoint point, const std::atomic<bool>* stop)
-      : task_(task), point_(std::move(point)), steps_(*task.components.solver, task.scene.solver, stop) {}
+  WorstCase(Task& task, RubbingPoint point, const PlanControl& control)
+      : task_(task), point_(std::move(point)), steps_(*task.components.solver, task.scene.solver, control) {}
 
   /// Turns the plan without friction into this one, or says there why there is none. What it took.
   ModeRecord run(Plan& plan);
@@ -321,9 +321,9 @@ bool rubs(const Task& task, const Plan& plan) {
 }
 
 /// From a plan without friction to the one for its worst state, touching what it touches. What it took.
-ModeRecord turn_to_worst(Task& task, const std::atomic<bool>* stop, Plan& plan) {
+ModeRecord turn_to_worst(Task& task, const PlanControl& control, Plan& plan) {
   std::optional<RubbingPoint> point = rubbing_point(task, plan, true);
-  if (point && Equilibria::apply(point->spec)) return WorstCase(task, std::move(*point), stop).run(plan);
+  if (point && Equilibria::apply(point->spec)) return WorstCase(task, std::move(*point), control).run(plan);
   plan.status = PlanStatus::not_converged;
   plan.message = "the states of friction of its contacts cannot be followed";
   return {};
@@ -378,7 +378,7 @@ Plan plan_worst(Task& task, const PlanControl& control) {
     if (!ended) {
       ModeRecord way = way_of(next);
       own.without.push_back(way.mode);
-      const ModeRecord more = rubs(task, next) ? turn_to_worst(task, control.stop, next) : ModeRecord{};
+      const ModeRecord more = rubs(task, next) ? turn_to_worst(task, control, next) : ModeRecord{};
       way.solves += more.solves;
       way.polishes += more.polishes;
       way.iterations += more.iterations;

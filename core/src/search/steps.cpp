@@ -136,7 +136,7 @@ FeasibilityReport ProgramSearch::restoration(NonlinearProgram& program, const Ei
 }
 
 FeasibilityReport ProgramSearch::restore(Attempt& attempt, NonlinearProgram& program, const Eigen::VectorXd& x) {
-  FeasibilityReport f = look(program, x);
+  FeasibilityReport f = restoration(program, x);
   if (f.feasible) return f;
   record_violation(attempt, program, f);
   return f;
