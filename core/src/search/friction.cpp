@@ -323,6 +323,7 @@ bool rubs(const Task& task, const Plan& plan) {
 /// From a plan without friction to the one for its worst state, touching what it touches. What it took.
 ModeRecord turn_to_worst(Task& task, const PlanControl& control, Plan& plan) {
   std::optional<RubbingPoint> point = rubbing_point(task, plan, true);
+  plan.scan.reset();  // of plans without friction
   if (point && Equilibria::apply(point->spec)) return WorstCase(task, std::move(*point), control).run(plan);
   plan.status = PlanStatus::not_converged;
   plan.message = "the states of friction of its contacts cannot be followed";
@@ -347,6 +348,7 @@ Plan plan_any(Task& task, const PlanControl& control, const std::function<Plan(c
   {
     const Frictionless none(task);
     without = search(control);
+    without.scan.reset();  // it knows nothing of plans with friction
   }
   if (without.status == PlanStatus::interrupted || without.status == PlanStatus::failed) return without;
   if (!limit.leaves_time()) {

@@ -163,7 +163,8 @@ class Scanner {
 }  // namespace
 
 std::optional<std::vector<std::size_t>> scanned_actuators(const Task& task) {
-  if (task.palm || !task.rod.moves.empty()) return std::nullopt;
+  // With tangential forces that are planned equilibria are not all there is.
+  if (task.palm || !task.rod.moves.empty() || !task.friction.empty()) return std::nullopt;
   std::vector<std::size_t> chosen;
   for (std::size_t a = 0; a < task.rod.actuators.size(); ++a) {
     const Rod::Actuator& actuator = task.rod.actuators[a];

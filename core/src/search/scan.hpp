@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "search/rest.hpp"
@@ -10,7 +11,8 @@
 namespace tendril {
 
 /// The actuators whose moments can be chosen, each within finite limits, so that all equilibria over the box of
-/// moments can be looked for. Nothing: some have no limits, or more than moments can be chosen.
+/// moments can be looked for. Nothing: some have no limits, or more than moments can be chosen, as tangential forces
+/// are.
 std::optional<std::vector<std::size_t>> scanned_actuators(const Task& task);
 
 /// A stable equilibrium that a scan met, where the moments stand on a node of its grid.
