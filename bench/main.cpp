@@ -33,7 +33,7 @@ struct Arguments {
   std::string targets_x, targets_y, output, report, against;
   int starts = 0;
   bool treatments = false;
-  std::string seeds = "1:1000", solver = "nlopt";
+  std::string seeds = "1:1000";
   int executions = bench::CompletenessSetup{}.executions;
   int jobs = 1;
   double time_limit = bench::CampaignSetup{}.time_limit, share = bench::CampaignSetup{}.share;
@@ -194,14 +194,19 @@ int complete(const Arguments& arguments) {
   plugins::Registry registry = registry_of(arguments);
   bench::CompletenessSetup setup;
   std::tie(setup.first, setup.last) = read_seeds(arguments.seeds);
-  setup.solver = arguments.solver;
   setup.executions = arguments.executions;
+  setup.time_limit = arguments.time_limit;
   setup.stop = arguments.extent.stop;
-  const std::vector<bench::CompletenessCase> cases = bench::run_completeness(registry, setup);
-  const int shown = show(arguments, {bench::completeness_section(setup, cases)});
-  const bool false_claim =
-      std::any_of(cases.begin(), cases.end(), [](const auto& c) { return c.complete && c.found_more; });
-  return shown != 0 || false_claim ? 1 : 0;
+  std::vector<bench::Section> sections;
+  bool false_claim = false;
+  for (const std::string& solver :
+       arguments.solvers.empty() ? registry.names(ComponentKind::solver) : arguments.solvers) {
+    setup.solver = solver;
+    const std::vector<bench::CompletenessCase> cases = bench::run_completeness(registry, setup);
+    sections.push_back(bench::completeness_section(setup, cases));
+    for (const bench::CompletenessCase& c : cases) false_claim = false_claim || (c.complete && c.found_more);
+  }
+  return show(arguments, sections) != 0 || false_claim ? 1 : 0;
 }
 
 int reach(const Arguments& arguments) {
@@ -297,7 +302,7 @@ CLI::App* add_complete(CLI::App& program, Arguments& arguments) {
   CLI::App* command = add_command(program, arguments, "complete",
                                   "Whether plans that say they are complete are the best that executions come to");
   command->add_option("--seeds", arguments.seeds, "First and last seed of random scenes, FIRST:LAST");
-  command->add_option("--solver", arguments.solver, "Solver to plan with");
+  add_list(command, "--solver", arguments.solvers, "Solver to plan with, by default every one found; may be repeated");
   command->add_option("--executions", arguments.executions, "Of each scene")->check(CLI::Range(1, 1000000));
   return command;
 }
