@@ -294,7 +294,7 @@ std::string scan_text(const Scene& scene, const Plan& plan) {
 
 /// Plans that differ; nothing where there is only one.
 std::string minima_text(const Scene& scene, const Plan& plan) {
-  const std::string scanned = scan_text(scene, plan);
+  std::string scanned = scan_text(scene, plan);
   if (plan.minima.size() < 2) return scanned;
   Grid grid;
   for (const PlanMinimum& minimum : plan.minima) {
