@@ -70,7 +70,9 @@ void Planner::scan() {
   for (const std::size_t i : lowest) {
     const auto beaten = [&](double cost) { return best_objective() < cost + search_parameters().dearer; };
     if (beaten(costs[i])) break;
-    const double feasible = must_stop() ? costs[i] : consider_rest(found.met[i].rest);
+    told.whole = told.whole && !must_stop();
+    if (!told.whole) break;
+    const double feasible = consider_rest(found.met[i].rest);
     if (!beaten(feasible)) ++told.unresolved;
   }
   scan_ = std::move(told);
