@@ -294,7 +294,8 @@ TEST(Calibration, ChecksWhatHasItsPointsInACheckFile) {
   // The pressure stands in a file, the points in a check file.
   const CommandRun run = calibrate_files(head + points, "80 kPa,80,,,\n");
   ASSERT_NE(run.exit_code, 2) << run.err;
-  for (const json& shape : json::parse(run.out)["shapes"]) {
+  const json result = json::parse(run.out);
+  for (const json& shape : result["shapes"]) {
     EXPECT_EQ(shape["check_only"], shape["name"] == "80 kPa") << shape["name"];
   }
   test::expect_refused(calibrate_files(head + points, "80 kPa,80,20,20,1\n"),
