@@ -41,6 +41,7 @@ struct Arguments {
   double tolerance = bench::ReachSetup{}.tolerance;
   std::string relaxation;
   bool one = false, print_scene = false, ablation = false, relaxed = false, list_search = false, outlines = false;
+  bool friction = false;
   bench::Extent extent;
 };
 
@@ -159,12 +160,13 @@ int campaign(const Arguments& arguments) {
   if (setup.solvers.empty()) throw Error("no solver was found");
   setup.time_limit = arguments.time_limit;
   setup.outlines = arguments.outlines;
+  setup.friction = arguments.friction;
   setup.relaxation = arguments.relaxation;
   if (arguments.print_scene) {
     const std::set<std::string> names = bench::names_at_hand(registry_of(arguments));
     for (std::uint64_t seed = setup.first; seed <= setup.last; ++seed) {
       const bench::RandomScene scene =
-          bench::random_scene(seed, setup.solvers.front(), setup.time_limit, names, setup.outlines);
+          bench::random_scene(seed, setup.solvers.front(), setup.time_limit, names, setup.outlines, setup.friction);
       fmt::print("# seed {}: {}\n{}", seed, scene.summary, scene.text);
     }
     return 0;
@@ -289,6 +291,7 @@ CLI::App* add_campaign(CLI::App& program, Arguments& arguments) {
   command->add_flag("--relaxed", arguments.relaxed,
                     "Whether changes that allow more give no worse plan, and how often the best known plan is found");
   command->add_flag("--outlines", arguments.outlines, "Obstacles that are not convex: stars, bars with notches, rooms");
+  command->add_flag("--friction", arguments.friction, "Contacts rub, and plans are made for any state, or the worst");
   std::vector<std::string> names;
   for (const bench::Relaxation& relaxation : bench::relaxations()) names.push_back(relaxation.name);
   command->add_option("--relaxation", arguments.relaxation, "Changes every scene by one of these first")

@@ -38,13 +38,14 @@ CampaignCase run_case(const CampaignSetup& setup, const std::set<std::string>& p
   CampaignCase result;
   result.seed = seed;
   result.solver = solver;
-  result.summary = random_scene(seed, solver, setup.time_limit, plugins, setup.outlines).summary;
+  result.summary = random_scene(seed, solver, setup.time_limit, plugins, setup.outlines, setup.friction).summary;
   std::vector<std::string> arguments{"campaign", "--seeds",      fmt::format("{0}:{0}", seed),        "--solver",
                                      solver,     "--time-limit", fmt::format("{}", setup.time_limit), "--one"};
   for (const std::string& directory : setup.plugin_directories) {
     arguments.insert(arguments.end(), {"--plugin-dir", directory});
   }
   if (setup.outlines) arguments.push_back("--outlines");
+  if (setup.friction) arguments.push_back("--friction");
   if (!setup.relaxation.empty()) arguments.insert(arguments.end(), {"--relaxation", setup.relaxation});
   for (const std::string& setting : setup.search) arguments.insert(arguments.end(), {"--search", setting});
   const double most = patience * setup.time_limit + 10.0;
@@ -92,7 +93,8 @@ std::set<std::string> names_at_hand(const plugins::Registry& registry) {
 
 std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const CampaignSetup& setup) {
   const std::string& solver = setup.solvers.front();
-  const RandomScene random = random_scene(seed, solver, setup.time_limit, names_at_hand(registry), setup.outlines);
+  const RandomScene random =
+      random_scene(seed, solver, setup.time_limit, names_at_hand(registry), setup.outlines, setup.friction);
   Scene scene = scene_from_text(random.text, fmt::format("seed {}", seed), registry);
   if (scene.solver.plugin != solver) throw Error("the solver '" + solver + "' was not found");
   Json json;
@@ -183,8 +185,9 @@ Section campaign_section(const CampaignSetup& setup, const std::vector<CampaignC
       "the scene is infeasible by a bound or from the stated number of starts. At least {} % have to be met; a crash, "
       "a "
       "hang, a plan that is not confirmed, or a time limit missed by more than 10 % is never allowed.",
-      setup.first, setup.last, setup.outlines ? "that are not convex" : "of every kind", setup.time_limit,
-      100.0 * setup.share));
+      setup.first, setup.last,
+      std::string(setup.outlines ? "that are not convex" : "of every kind") + (setup.friction ? " that rub" : ""),
+      setup.time_limit, 100.0 * setup.share));
 
   Table counts{"campaign_counts",
                "Outcomes",

@@ -24,6 +24,7 @@ struct CampaignSetup {
   std::vector<std::string> plugin_directories;
   std::vector<std::string> search;  ///< parameters of the search, NAME=VALUE
   bool outlines = false;            ///< obstacles that are not convex alone
+  bool friction = false;            ///< contacts rub
   std::string relaxation;           ///< by which every scene is changed first (relaxations.hpp); empty: none
   const std::atomic<bool>* stop = nullptr;
 };

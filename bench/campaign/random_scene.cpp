@@ -66,8 +66,15 @@ struct Shape {
 
 class Drawer {
  public:
-  Drawer(std::uint64_t seed, std::string solver, double time_limit, const std::set<std::string>& plugins, bool outlines)
-      : dice_(seed), solver_(std::move(solver)), time_limit_(time_limit), plugins_(plugins), outlines_(outlines) {}
+  Drawer(std::uint64_t seed, std::string solver, double time_limit, const std::set<std::string>& plugins, bool outlines,
+         bool friction)
+      : dice_(seed),
+        friction_dice_(~seed),
+        solver_(std::move(solver)),
+        time_limit_(time_limit),
+        plugins_(plugins),
+        outlines_(outlines),
+        friction_(friction) {}
 
   RandomScene draw() {
     units_ = systems[static_cast<std::size_t>(dice_.whole(0, 2))];
@@ -220,7 +227,7 @@ class Drawer {
       model = fmt::format("pcc {}", pieces);
       plugin("pcc", fmt::format("pieces = {}\n", pieces));
     }
-    const bool split = dice_.chance(0.8);
+    const bool split = split_ = dice_.chance(0.8);
     if (!split) add("split_at_contact = false\n");
     note("{}{}", model, split ? "" : " not split");
   }
@@ -369,6 +376,16 @@ class Drawer {
       add("treatment = \"{}\"\n", treatment);
       note("{}", treatment);
     }
+    if (friction_ && (allowed_ || required_)) friction();
+  }
+
+  void friction() {
+    Dice& dice = friction_dice_;
+    const double coefficient = dice.chance(0.3) ? dice.log_between(1e-6, 10.0) : dice.between(0.05, 0.8);
+    const double which = dice.unit();
+    const char* state = which < 0.4 || !split_ ? "range" : which < 0.7 ? "worst" : "any";
+    add("friction = {:.17g}\nfriction_state = \"{}\"\n", coefficient, state);
+    note("friction {:.2g} {}", coefficient, state);
   }
 
   void target() {
@@ -417,10 +434,13 @@ class Drawer {
   }
 
   Dice dice_;
+  Dice friction_dice_;  ///< of its own, so that all else is drawn as without
   std::string solver_;
   double time_limit_;
   const std::set<std::string>& plugins_;
   bool outlines_;
+  bool friction_;
+  bool split_ = true;
   UnitSystem units_{};
   double length_ = 1.0, stiffness_ = 1.0;
   Vec2 base_{};
@@ -433,8 +453,8 @@ class Drawer {
 }  // namespace
 
 RandomScene random_scene(std::uint64_t seed, const std::string& solver, double time_limit,
-                         const std::set<std::string>& plugins, bool outlines) {
-  return Drawer(seed, solver, time_limit, plugins, outlines).draw();
+                         const std::set<std::string>& plugins, bool outlines, bool friction) {
+  return Drawer(seed, solver, time_limit, plugins, outlines, friction).draw();
 }
 
 }  // namespace tendril::bench

@@ -21,7 +21,9 @@ struct RandomScene {
 /// `plugins`: names of the coordinate models and objectives at hand. In place of a model that is missing the scene's
 /// default is taken, and a missing objective is left out.
 /// `outlines`: obstacles are polygons that are not convex: stars, bars with notches, and rooms around the base.
+/// `friction`: contacts rub where the scene plans any, with coefficients of 1e-6 to 10, and their state is planned as
+/// "range", "worst" or "any"; everything else is the scene without it.
 RandomScene random_scene(std::uint64_t seed, const std::string& solver, double time_limit,
-                         const std::set<std::string>& plugins, bool outlines = false);
+                         const std::set<std::string>& plugins, bool outlines = false, bool friction = false);
 
 }  // namespace tendril::bench

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "check/body.hpp"
 #include "check/rod.hpp"
@@ -49,6 +50,10 @@ class Judge {
       touch.at_tip = c.at_tip;
       touch.s = c.at_tip ? 1.0 : c.arc_length / length_;
       touch.force = c.force / unit_force_;
+      if (c.tangential != 0.0) {
+        touch.lean = c.tangential / c.force * dot(c.tangent, turned(c.normal));
+        touch.sticks = c.sticks;
+      }
       rod_.loads += std::abs(touch.force);
       touches_.push_back(touch);
       if (!c.at_tip && plan.split_at_contact) moving.push_back(touch.s);
@@ -77,7 +82,11 @@ class Judge {
   double penetration(const RodShape::Grid& g);
   /// What the rounding of data does to the equilibrium: it turns the normals of small obstacles.
   double turning_allowance() const;
-  double margin() const;
+  double margin();
+  /// What contacts that press keep as it is, and what they push along, a column each.
+  std::pair<Eigen::MatrixXd, Eigen::MatrixXd> holding(const std::vector<std::size_t>& pressing_ones);
+  /// How the residual changes as contact k alone is moved along the rod.
+  Eigen::VectorXd moved_along(std::size_t k);
   void limits(PlanCheck& check) const;
 
   const Scene& scene_;
@@ -131,7 +140,7 @@ Eigen::VectorXd Judge::residual(const Eigen::VectorXd& q, const std::vector<Hold
     const auto slopes = g.slopes.col(static_cast<Eigen::Index>(i));
     for (std::size_t k = 0; k < touches_.size(); ++k) {
       if (g.s[i] > touches_[k].s) continue;
-      const double lever = cross(by[k].at - g.at[i], by[k].normal);
+      const double lever = cross(by[k].at - g.at[i], by[k].normal + touches_[k].lean * turned(by[k].normal));
       moment += touches_[k].force * lever;
       pull.col(static_cast<Eigen::Index>(k)).segment(first, order_) += (g.weight[i] * lever) * slopes;
     }
@@ -214,27 +223,70 @@ double Judge::turning_allowance() const {
   return sum;
 }
 
-double Judge::margin() const {
-  const Eigen::Index n = q_.size();
+Eigen::VectorXd Judge::moved_along(std::size_t k) {
+  constexpr double step = 1e-5;
+  const double s = touches_[k].s;
+  Eigen::MatrixXd unused;
+  const auto at = [&](double where) {
+    touches_[k].s = where;
+    return residual(q_, holds(q_), unused);
+  };
+  const bool at_end = s + step > 1.0;
+  Eigen::VectorXd change =
+      at_end ? (3.0 * at(s) - 4.0 * at(s - step) + at(s - 2.0 * step)).eval() : (at(s + step) - at(s - step)).eval();
+  touches_[k].s = s;
+  return change / (2.0 * step);
+}
+
+std::pair<Eigen::MatrixXd, Eigen::MatrixXd> Judge::holding(const std::vector<std::size_t>& pressing_ones) {
   Eigen::MatrixXd pull;
+  Eigen::MatrixXd along_normals;
   residual(q_, holds(q_), pull);
-  std::vector<Eigen::Index> holding;
+  std::vector<double> leans;
+  for (Touch& touch : touches_) leans.push_back(std::exchange(touch.lean, 0.0));
+  residual(q_, holds(q_), along_normals);
+  for (std::size_t k = 0; k < touches_.size(); ++k) touches_[k].lean = leans[k];
+  Eigen::MatrixXd closed(q_.size(), 0);
+  Eigen::MatrixXd pushed(q_.size(), 0);
+  const auto add = [](Eigen::MatrixXd& to, const Eigen::VectorXd& column) {
+    to.conservativeResize(column.size(), to.cols() + 1);
+    to.rightCols(1) = column;
+  };
+  for (const std::size_t k : pressing_ones) {
+    const auto column = static_cast<Eigen::Index>(k);
+    add(closed, along_normals.col(column));
+    add(pushed, pull.col(column));
+    if (!touches_[k].sticks) continue;
+    const Eigen::VectorXd along_surface = (pull.col(column) - along_normals.col(column)) / leans[k];
+    add(closed, along_surface);
+    add(pushed, along_surface);
+  }
+  return {closed, pushed};
+}
+
+/// Contacts keep closed, and those that stick where they are; what they push along balances the rest. Where all push
+/// along their normals that is the least eigenvalue of the second variation.
+double Judge::margin() {
+  const Eigen::Index n = q_.size();
+  std::vector<std::size_t> pressing_ones;
+  bool leans = false;
   for (std::size_t k = 0; k < touches_.size(); ++k) {
-    if (touches_[k].force > pressing) holding.push_back(static_cast<Eigen::Index>(k));
+    if (!(touches_[k].force > pressing)) continue;
+    if (!(touches_[k].convexity > 0.0)) return -infinity;
+    pressing_ones.push_back(k);
+    leans = leans || touches_[k].lean != 0.0;
   }
-  Eigen::MatrixXd free = Eigen::MatrixXd::Identity(n, n);
-  if (!holding.empty()) {
-    Eigen::MatrixXd rows(n, static_cast<Eigen::Index>(holding.size()));
-    for (std::size_t k = 0; k < holding.size(); ++k) rows.col(static_cast<Eigen::Index>(k)) = pull.col(holding[k]);
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors(rows);
+  const auto across = [n](const Eigen::MatrixXd& columns) -> Eigen::MatrixXd {
+    if (columns.cols() == 0) return Eigen::MatrixXd::Identity(n, n);
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors(columns);
     const Eigen::MatrixXd orthogonal = factors.householderQ();
-    free = orthogonal.rightCols(n - factors.rank());
-  }
+    return orthogonal.rightCols(n - factors.rank());
+  };
+  const auto [closed, pushed] = holding(pressing_ones);
+  const Eigen::MatrixXd free = across(closed);
+  const Eigen::MatrixXd test = across(pushed);
   if (free.cols() == 0) return infinity;
-  if (std::any_of(holding.begin(), holding.end(),
-                  [&](Eigen::Index k) { return !(touches_[static_cast<std::size_t>(k)].convexity > 0.0); })) {
-    return -infinity;
-  }
+  if (free.cols() != test.cols()) return -infinity;
   Eigen::MatrixXd second(n, n);
   Eigen::MatrixXd unused;
   constexpr double step = 1e-5;
@@ -253,15 +305,17 @@ double Judge::margin() const {
   }
   // A contact inside the rod slides along as the rod moves. Where the curvature jumps, the side with less sliding
   // counts.
-  for (const Eigen::Index k : holding) {
-    const Touch& touch = touches_[static_cast<std::size_t>(k)];
+  for (const std::size_t k : pressing_ones) {
+    const Touch& touch = touches_[k];
     if (touch.at_tip || touch.followed) continue;
     constexpr double side = 1e-6;
     const double here = slope(q_, touch, touch.s);
     const double convexity =
         std::max(slope(q_, touch, touch.s + side) - here, here - slope(q_, touch, touch.s - side)) / side;
     if (!(convexity > 0.0)) return -infinity;
-    second += (touch.force / convexity) * slides.col(k) * slides.col(k).transpose();
+    const Eigen::VectorXd slide = slides.col(static_cast<Eigen::Index>(k));
+    const Eigen::VectorXd push = touch.lean == 0.0 ? Eigen::VectorXd(touch.force * slide) : -moved_along(k);
+    second += (1.0 / convexity) * push * slide.transpose();
   }
   Eigen::VectorXd stiffness(n);
   for (std::size_t j = 0; j < shape_->pieces().size(); ++j) {
@@ -270,8 +324,12 @@ double Judge::margin() const {
           rod_.segments[shape_->pieces()[j].segment].stiffness / (shape_->pieces()[j].length * (2.0 * i + 1.0));
     }
   }
+  const Eigen::MatrixXd k = test.transpose() * stiffness.asDiagonal() * free;
+  if (leans) {
+    const Eigen::MatrixXd pencil = k.partialPivLu().solve(test.transpose() * second * free);
+    return Eigen::EigenSolver<Eigen::MatrixXd>(pencil, false).eigenvalues().real().minCoeff();
+  }
   const Eigen::MatrixXd h = free.transpose() * (0.5 * (second + second.transpose())) * free;
-  const Eigen::MatrixXd k = free.transpose() * stiffness.asDiagonal() * free;
   return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(h, k, Eigen::EigenvaluesOnly).eigenvalues()[0];
 }
 
@@ -296,6 +354,8 @@ void Judge::limits(PlanCheck& check) const {
   for (const Touch& touch : touches_) {
     beyond("a force", touch.force, least, planned ? contact.max_force / unit_force_ : 0.0);
     beyond("an arc length", touch.s, 0.0, 1.0);
+    const double cone = friction_of(scene_, touch.body);
+    beyond("a tangential ratio", touch.lean, -cone, cone);
   }
   if (static_cast<int>(touches_.size()) > contact.count) check.defects.emplace_back("too many contacts");
   if (contact.mode == ContactModeName::require && touches_.empty()) check.defects.emplace_back("no contact");

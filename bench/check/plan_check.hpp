@@ -17,7 +17,7 @@ struct PlanCheck {
   double penetration = infinity;     ///< largest depth found along the rod
   double contact = infinity;         ///< largest min(gap, force) or gap of a contact that presses
   double closest_point = infinity;   ///< largest tangent . normal, one-sided at the tip
-  double limits = infinity;          ///< moments, forces and contacts that the scene does not allow
+  double limits = infinity;          ///< moments, forces, cones and contacts that the scene does not allow
   double shape = infinity;           ///< backbone and tip of the plan against the shape of its coordinates
   double margin = -infinity;         ///< of stability
   std::vector<std::string> defects;  ///< what makes the plan a false one; empty: confirmed

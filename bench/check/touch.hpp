@@ -13,6 +13,8 @@ struct Touch {
   std::size_t body = 0;
   bool at_tip = false;
   double s = 0.0, force = 0.0;
+  double lean = 0.0;    ///< force along the turned normal, for each unit of `force`
+  bool sticks = false;  ///< it holds the rod along its surface, too
   /// Beside a tiny obstacle: its flat side, or its round part, along which the rod's contact is followed.
   bool flat = false, followed = false;
   Vec2 normal{};           ///< of the flat side

@@ -1,5 +1,6 @@
 // `tendril calibrate`.
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -69,6 +70,56 @@ TEST(Calibrate, WritesAFragmentThatOtherScenesInclude) {
   // They go together: the moments that a pressure gives are known from how far a rod bends, as its stiffness is.
   EXPECT_TRUE(contains_text(fragment, "between = [\"rod.bending_stiffness\", \"rod.actuator[0].moment_per_pressure\"]"))
       << fragment;
+}
+
+/// An arm that bends and lengthens under pressure; pressures in kPa, tips in mm.
+std::string stretching_arm(const std::string& actuator) {
+  return "problem = \"execute\"\n[rod]\nlength = \"100 mm\"\nbending_stiffness = \"0.01 N m^2\"\n"
+         "axial_stiffness = \"50 N\"\n[[rod.actuator]]\n" +
+         actuator + "[coordinates]\nstretch_order = 1\n";
+}
+
+TEST(Calibrate, LawsAreWrittenAndWhatLiesBeyondThemIsTold) {
+  const TemporaryDirectory directory;
+  const std::string truth = stretching_arm(
+      "kind = \"pressure\"\nmin = 0\nmax = \"200 kPa\"\n"
+      "moment_per_pressure = [\"4e-7 N m/Pa\", \"1e-12 N m/Pa^2\"]\n"
+      "force_per_pressure = [\"2e-5 N/Pa\", \"1e-10 N/Pa^2\"]\n");
+  const std::string robot = directory.write("robot.toml", truth);
+  std::string points = "case,pressure [kPa],x [m],y [m]\n";
+  for (const int pressure : {20, 40, 60, 80, 100, 120}) {
+    const json at = json_of({"execute", robot, "--pressures", std::to_string(pressure) + " kPa"});
+    ASSERT_EQ(at["status"], "solved");
+    points += fmt::format("{} kPa,{},{:.15g},{:.15g}\n", pressure, pressure, at["tip"]["x"].get<double>(),
+                          at["tip"]["y"].get<double>());
+  }
+  directory.write("points.csv", points);
+  const std::string looked_for = stretching_arm("limit = \"1 N m\"\n") +
+                                 "[calibrate]\nfiles = [\"points.csv\"]\nnoise = \"0.01 "
+                                 "mm\"\n[[calibrate.unknown]]\nname = \"moment\"\ndegree = 2\n"
+                                 "[[calibrate.unknown]]\nname = \"force\"\ndegree = 2\n";
+  const CommandRun run = tendril({"calibrate", directory.write("arm.toml", looked_for), "--output", directory / "out"});
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const std::string fragment = read_file(directory / "out/rod.toml");
+  EXPECT_FALSE(contains_text(fragment, "no place")) << fragment;
+  EXPECT_FALSE(contains_text(fragment, "limit =")) << fragment;
+  const std::string scene = directory.write(
+      "scene.toml", "include = \"out/rod.toml\"\nproblem = \"execute\"\n[coordinates]\nstretch_order = 1\n");
+  const auto executed = [&](const std::string& file, const std::string& pressure) {
+    return json_of({"execute", file, "--pressures", pressure});
+  };
+  // Within the fitted pressures it is the robot, and nothing is said.
+  const json inside = executed(scene, "90 kPa");
+  const json there = executed(robot, "90 kPa");
+  EXPECT_NEAR(inside["tip"]["x"].get<double>(), there["tip"]["x"].get<double>(), 1e-8);
+  EXPECT_NEAR(inside["tip"]["y"].get<double>(), there["tip"]["y"].get<double>(), 1e-8);
+  EXPECT_FALSE(inside.contains("notes")) << inside["notes"];
+  for (const char* pressure : {"10 kPa", "150 kPa"}) {
+    const json beyond = executed(scene, pressure);
+    ASSERT_TRUE(beyond.contains("notes")) << pressure;
+    EXPECT_TRUE(contains_text(beyond["notes"].dump(), "beyond what its rod was calibrated with (20 to 120 kPa)"))
+        << beyond["notes"];
+  }
 }
 
 TEST(Calibrate, TellsWhereInTheFilesSomethingIsWrong) {

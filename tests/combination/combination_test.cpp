@@ -12,7 +12,8 @@
 namespace tendril::combination {
 namespace {
 
-const std::vector<std::string> scenes{"free", "brace", "avoid", "two_pegs", "grasp_60mm"};
+const std::vector<std::string> scenes{"free",       "brace",      "avoid",         "two_pegs",
+                                      "grasp_60mm", "tendon_arm", "extensible_arm"};
 
 struct Coordinates {
   std::string name;
@@ -146,13 +147,13 @@ std::vector<Combined> all_models() {
   return all;
 }
 
-/// Each objective alone, each pair, and all together; but those that read tendons, which none of the scenes has.
-std::vector<std::vector<std::string>> choices_of_objectives() {
+/// Each objective alone, each pair, and all together; those that read tendons where there are some.
+std::vector<std::vector<std::string>> choices_of_objectives(bool tendons) {
   std::vector<std::string> names = registry().names(ComponentKind::objective);
-  std::erase_if(names, [](const std::string& name) {
+  std::erase_if(names, [tendons](const std::string& name) {
     const ObjectiveComponent& component = registry().objective(name);
     const Reads reads = component.make(resolve_options(component.options, {}, {}, {}, name))->reads();
-    return reads.tensions || reads.shortenings;
+    return !tendons && (reads.tensions || reads.shortenings);
   });
   std::vector<std::vector<std::string>> choices;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -166,7 +167,7 @@ std::vector<std::vector<std::string>> choices_of_objectives() {
 std::vector<Combined> all_objectives() {
   std::vector<Combined> all;
   for (const std::string& scene : scenes) {
-    for (const std::vector<std::string>& objectives : choices_of_objectives()) {
+    for (const std::vector<std::string>& objectives : choices_of_objectives(scene == "tendon_arm")) {
       for (const std::string& solver : solvers_to_combine()) all.push_back({scene, six, true, solver, objectives});
     }
   }
@@ -175,7 +176,7 @@ std::vector<Combined> all_objectives() {
 
 Scene scene_of(const Combined& c) {
   Scene made = scene(c.scene);
-  made.coordinates = {c.coordinates.plugin, c.split, 0, c.coordinates.options, {}};
+  made.coordinates = {c.coordinates.plugin, c.split, made.coordinates.stretch_order, c.coordinates.options, {}};
   made.solver.plugin = c.solver;
   made.contact.treatment = c.treatment;
   if (c.objectives.empty()) return made;

@@ -1,5 +1,6 @@
 // From one plan to the next: Newton alone where the active set stays, everything where it may not.
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <functional>
@@ -56,6 +57,30 @@ TEST(SearchFollow, AnUnchangedSetOfContactsNeedsNoSolver) {
       }
     }
     EXPECT_EQ(times, 1);
+  }
+}
+
+TEST(SearchFollow, WhatWasSaidOfTheEarlierPlanIsNotSaidOfTheNext) {
+  Plan first = combination::plan(scene("brace"));
+  ASSERT_TRUE(certified(first));
+  first.scan = PlanScan{{0.1}, 10, 0, 0, true};
+  first.minima.resize(2);
+  first.notes = {"the tip misses the target by much"};
+  Counted with(scene("brace"));
+  Plan again = follow(with, first);
+  EXPECT_EQ(with.solves, 0);
+  EXPECT_FALSE(again.scan.has_value());
+  EXPECT_TRUE(again.minima.empty());
+  EXPECT_TRUE(again.notes.empty());
+  // Nor is what holds of this one told twice.
+  TargetSpec beyond = scene("brace").target;
+  beyond.position = Vec2{beyond.position->x + 0.02, beyond.position->y};
+  for (int i = 0; i < 2; ++i) {
+    with.problem.follow(beyond, again);
+    ASSERT_TRUE(certified(again));
+    EXPECT_EQ(std::count_if(again.notes.begin(), again.notes.end(),
+                            [](const std::string& note) { return note.find("misses the target") != note.npos; }),
+              1);
   }
 }
 

@@ -10,6 +10,11 @@ namespace tendril::app {
 
 namespace {
 
+/// The dimension of what an actuator of this kind is told.
+Dimension told_dimension(const ActuatorDraft& draft) {
+  return ActuatorSpec{.kind = draft.kind, .by_length = draft.by_length}.input_dimension();
+}
+
 /// A quantity in the unit of what an actuator is told.
 template <class Set>
 Key<ActuatorDraft> input_quantity(std::string name, Range range, std::string description, Set set) {
@@ -17,7 +22,7 @@ Key<ActuatorDraft> input_quantity(std::string name, Range range, std::string des
       quantity<ActuatorDraft>(std::move(name), dimension::moment, range, "no limit", std::move(description), set);
   key.read = [spec = key.spec, set](const Context& context, const Node& node, ActuatorDraft& draft) {
     KeySpec own = spec;
-    own.dimension = ActuatorSpec{.kind = draft.kind, .by_length = draft.by_length}.input_dimension();
+    own.dimension = told_dimension(draft);
     set(draft, read_quantity(context, node, own));
   };
   return key;
@@ -48,6 +53,21 @@ Key<ActuatorDraft> offset_key() {
       const double s = read_quantity(context, entry->front(), spec);
       draft.offset_table.push_back({s, read_quantity(context, entry->back(), spec)});
     }
+  };
+  return key;
+}
+
+Key<ActuatorDraft> calibrated_key() {
+  Key<ActuatorDraft> key{{"calibrated", KeyType::quantities, dimension::moment, "not known",
+                          "From where to where it was calibrated, [least, largest] of what its kind is told: results "
+                          "beyond that say so."},
+                         {}};
+  key.read = [spec = key.spec](const Context& context, const Node& node, ActuatorDraft& draft) {
+    const auto* list = std::get_if<Node::List>(&node.value);
+    if (list == nullptr || list->size() != 2) context.fail(node, "the least and the largest value, [least, largest]");
+    KeySpec own = spec;
+    own.dimension = told_dimension(draft);
+    draft.calibrated = {read_quantity(context, list->front(), own), read_quantity(context, list->back(), own)};
   };
   return key;
 }
@@ -241,7 +261,8 @@ Table<ActuatorDraft> actuator_table() {
                    "Smallest pressure; with moment_per_pressure, instead of limits of the moment.",
                    [](T& t, double v) { t.smallest_pressure = v; }),
        quantity<T>("max_pressure", dimension::pressure, any, "no limit", "Largest pressure.",
-                   [](T& t, double v) { t.largest_pressure = v; })}};
+                   [](T& t, double v) { t.largest_pressure = v; }),
+       calibrated_key()}};
 }
 
 ActuatorSpec finish_actuator(const Document& document, const std::string& path, const ActuatorDraft& actuator,
@@ -254,6 +275,7 @@ ActuatorSpec finish_actuator(const Document& document, const std::string& path, 
     document.fail(document.find(path + (actuator.from ? "from" : "to")),
                   fmt::format("found an actuator from {} m to {} m, expected from < to", spec.from, spec.to));
   }
+  if (actuator.calibrated) std::tie(spec.calibrated_from, spec.calibrated_to) = *actuator.calibrated;
   finish_offset(document, path, actuator, spec);
   check_control(document, path, actuator);
   if (spec.kind == ActuatorKind::pressure && !knows_pressure(actuator)) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scene/keys.hpp"
@@ -17,8 +18,9 @@ struct ActuatorDraft {
   ActuatorKind kind = ActuatorKind::moment;
   bool by_length = false;
   std::optional<double> largest_tension{};
-  std::vector<double> offset{};      ///< at both ends, or one for all
-  std::vector<Vec2> offset_table{};  ///< (arc length, offset)
+  std::vector<double> offset{};                           ///< at both ends, or one for all
+  std::vector<Vec2> offset_table{};                       ///< (arc length, offset)
+  std::optional<std::pair<double, double>> calibrated{};  ///< of what its kind is told
   SourcePosition position{};
 };
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <regex>
@@ -27,6 +28,10 @@ class Settings {
     set(path, fmt::format("{:.12g} {} +- {:.4g} {}", value, unit, error, unit));
     barred_.push_back({path, owner_, 1.0});
   }
+  /// The coefficients of a law, those of `numbers` in their order.
+  void set_law(const std::string& path, const std::vector<std::pair<std::size_t, const CalibratedNumber*>>& numbers);
+  /// A key that goes with what is set no more.
+  void drop(const std::string& path) { dropped_.push_back(path); }
   /// What is set from here on follows this number of the calibration.
   void follow(std::size_t number) { owner_ = number; }
   /// How the keys that were set go together.
@@ -34,12 +39,14 @@ class Settings {
   /// Multiplies a key by a factor; false: it is not there.
   bool multiply(const std::string& table, const std::string& key, const Dimension& dimension,
                 const CalibratedNumber& factor);
-  const std::vector<Override>& all() const { return all_; }
+  /// The document with all of it.
+  Document applied() const;
 
  private:
   const Document& document_;
   const Units& units_;
   std::vector<Override> all_;
+  std::vector<std::string> dropped_;
   std::size_t owner_ = 0;
   /// A key with an error bar, the number that it follows, and whether it grows or falls with that.
   struct Barred {
@@ -108,6 +115,28 @@ bool Settings::multiply(const std::string& table, const std::string& key, const 
   return true;
 }
 
+void Settings::set_law(const std::string& path,
+                       const std::vector<std::pair<std::size_t, const CalibratedNumber*>>& numbers) {
+  if (numbers.size() == 1) {
+    set(path, numbers.front().second->value, numbers.front().second->error, numbers.front().second->unit);
+    return;
+  }
+  std::string list;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const CalibratedNumber& n = *numbers[i].second;
+    list += fmt::format("{}\"{:.12g} {} +- {:.4g} {}\"", i == 0 ? "" : ", ", n.value, n.unit, n.error, n.unit);
+    barred_.push_back({path + '.' + std::to_string(i), numbers[i].first, 1.0});
+  }
+  set(path, '[' + list + ']');
+}
+
+Document Settings::applied() const {
+  Document changed = document_;
+  for (const std::string& path : dropped_) changed.erase(path);
+  changed.apply(all_);
+  return changed;
+}
+
 /// The tables that describe a rod's segments: itself, or one for each.
 std::vector<std::string> segment_tables(const Settings& settings) {
   const Node* segments = settings.at("rod.segment");
@@ -154,16 +183,11 @@ bool put(Settings& settings, const CalibratedNumber& number) {
       if (whole)
         settings.set(tables.front() + ".rest_curvature", number.value, number.error, dimension::curvature.unit);
       return whole;
-    case CalibrationUnknown::moment: {
-      const std::string actuator = "rod.actuator." + std::to_string(spec.actuator - 1);
-      if (spec.degree > 1 || number.unit != "N m/Pa") return false;
-      settings.set(actuator + ".moment_per_pressure", number.value, number.error, number.unit);
-      return true;
-    }
     case CalibrationUnknown::base_angle:
       if (spec.per == CalibrationScope::all)
         settings.set("rod.base.angle", number.value, number.error, dimension::angle.unit);
       return spec.per == CalibrationScope::all;
+    case CalibrationUnknown::moment:
     case CalibrationUnknown::force:
     case CalibrationUnknown::base_x:
     case CalibrationUnknown::base_y:
@@ -172,28 +196,111 @@ bool put(Settings& settings, const CalibratedNumber& number) {
   return false;
 }
 
+using Numbers = std::vector<std::pair<std::size_t, const CalibratedNumber*>>;
+
+/// What was found of a law, powers ascending; nothing where it is not known.
+Numbers law_of(const Calibration& calibration, CalibrationUnknown kind, std::size_t actuator) {
+  Numbers out;
+  for (std::size_t i = 0; i < calibration.numbers.size(); ++i) {
+    const CalibratedNumber& n = calibration.numbers[i];
+    if (n.spec.kind != kind || n.spec.actuator != static_cast<int>(actuator) + 1) continue;
+    if (!n.identifiable) return {};
+    out.emplace_back(i, &n);
+  }
+  return out;
+}
+
+/// Whether a law of the pressure rises, or falls, all the way between two pressures: only then a moment tells a
+/// pressure.
+bool tells_pressure(const Numbers& law, double low, double high) {
+  constexpr int samples = 200;
+  int rises = 0;
+  int falls = 0;
+  for (int i = 0; i <= samples; ++i) {
+    const double pressure = low + i * (high - low) / samples;
+    double slope = 0.0;
+    for (std::size_t k = law.size(); k-- > 0;) {
+      slope = slope * pressure + static_cast<double>(k + 1) * law[k].second->value;
+    }
+    rises += slope > 0.0 ? 1 : 0;
+    falls += slope < 0.0 ? 1 : 0;
+  }
+  return rises == 0 || falls == 0;
+}
+
+/// Puts an actuator's laws where [rod] has them, and from where to where they were fitted; which numbers have their
+/// place then.
+std::vector<std::size_t> put_actuator(Settings& settings, const Calibration& calibration, std::size_t index) {
+  const std::string path = "rod.actuator." + std::to_string(index);
+  const Node* table = settings.at(path);
+  if (table == nullptr || index >= calibration.inputs.size()) return {};
+  const CalibratedInput& told = calibration.inputs[index];
+  const auto range = [&](double low, double high, const Dimension& dimension) {
+    settings.set(path + ".calibrated",
+                 fmt::format("[\"{:.12g} {}\", \"{:.12g} {}\"]", low, dimension.unit, high, dimension.unit));
+  };
+  const Numbers moment = law_of(calibration, CalibrationUnknown::moment, index);
+  const Numbers force = law_of(calibration, CalibrationUnknown::force, index);
+  const ActuatorSpec spec{.kind = told.kind};
+  if (told.kind != ActuatorKind::pressure) {
+    const bool sought = !moment.empty() || !force.empty();
+    if (!sought) range(told.least, told.largest, spec.input_dimension());
+    return {};
+  }
+  // Of a law the pressures that it was fitted to, from none on.
+  const double low = std::min(told.least, 0.0);
+  const double high = std::max(told.largest, 0.0);
+  const auto is_law = [&](const char* key) {
+    const Node* node = table->find(key);
+    return node != nullptr && std::holds_alternative<Node::List>(node->value);
+  };
+  const bool known = !moment.empty() || table->find("moment_per_pressure") != nullptr;
+  if (!known || !tells_pressure(moment, low, high)) return {};
+  std::vector<std::size_t> placed;
+  const auto put_law = [&](const char* key, const Numbers& law) {
+    if (law.empty()) return;
+    settings.follow(law.front().first);
+    settings.set_law(path + key, law);
+    for (const auto& [number, of] : law) placed.push_back(number);
+  };
+  put_law(".moment_per_pressure", moment);
+  put_law(".force_per_pressure", force);
+  if (moment.size() > 1 || force.size() > 1 || is_law("moment_per_pressure") || is_law("force_per_pressure")) {
+    for (const char* key : {".limit", ".min_pressure", ".max_pressure"}) settings.drop(path + key);
+    settings.set(path + ".min", fmt::format("{:.12g} Pa", low));
+    settings.set(path + ".max", fmt::format("{:.12g} Pa", high));
+  } else if (const Node* kind = table->find("kind");
+             kind == nullptr || std::get<std::string>(kind->value) != to_string(ActuatorKind::pressure)) {
+    return placed;  // its limits are moments; the range stands above
+  }
+  settings.set(path + ".kind", std::string(to_string(ActuatorKind::pressure)));
+  range(told.least, told.largest, dimension::pressure);
+  return placed;
+}
+
 }  // namespace
 
 std::string calibrated_rod(const Document& document, const Units& units, const Calibration& calibration) {
   std::string told = "# Calibrated; standard deviations behind +-.\n";
   Settings settings(document, units);
-  for (std::size_t i = 0; i < calibration.numbers.size(); ++i) {
-    const CalibratedNumber& number = calibration.numbers[i];
+  std::vector<bool> done(calibration.numbers.size(), false);
+  for (std::size_t i = 0; i < done.size(); ++i) {
     settings.follow(i);
-    if (!number.identifiable) {
-      told += fmt::format("# {}: not identifiable\n", number.name);
-      continue;
-    }
-    const bool done = put(settings, number);
-    told += fmt::format("# {} = {:.8g} +- {:.2g}{}{}{}\n", number.name, number.value, number.error,
-                        number.unit.empty() ? "" : " ", number.unit,
-                        done ? "" : ": not among the keys below, which have no place for it");
+    done[i] = calibration.numbers[i].identifiable && put(settings, calibration.numbers[i]);
+  }
+  for (std::size_t a = 0; a < calibration.inputs.size(); ++a) {
+    for (const std::size_t i : put_actuator(settings, calibration, a)) done[i] = true;
+  }
+  for (std::size_t i = 0; i < done.size(); ++i) {
+    const CalibratedNumber& number = calibration.numbers[i];
+    told += number.identifiable ? fmt::format("# {} = {:.8g} +- {:.2g}{}{}{}\n", number.name, number.value,
+                                              number.error, number.unit.empty() ? "" : " ", number.unit,
+                                              done[i] ? "" : ": not among the keys below, which have no place for it")
+                                : fmt::format("# {}: not identifiable\n", number.name);
   }
   told += "# Fitted range of loads, outside of which nothing is known:\n";
   for (const std::string& range : calibration.ranges) told += "#   " + range + '\n';
-  Document changed = document;
-  changed.apply(settings.all());
-  return told + '\n' + text_of(changed, "rod") + settings.correlations(calibration);
+  return told + '\n' + text_of(settings.applied(), "rod") + settings.correlations(calibration);
 }
 
 }  // namespace tendril::app

@@ -337,6 +337,29 @@ void Document::apply(const std::vector<Override>& overrides) {
   }
 }
 
+void Document::erase(const std::string& path) {
+  Node* node = &root_;
+  const std::vector<std::string> parts = split_path(path);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (auto* list = std::get_if<Node::List>(&node->value)) {
+      const auto index = as_index(parts[i]);
+      if (!index || *index >= list->size()) return;
+      node = &(*list)[*index];
+    } else if (auto* table = std::get_if<Node::Table>(&node->value)) {
+      const auto entry =
+          std::find_if(table->begin(), table->end(), [&](const Node::Entry& e) { return e.key == parts[i]; });
+      if (entry == table->end()) return;
+      if (i + 1 == parts.size()) {
+        table->erase(entry);
+        return;
+      }
+      node = &entry->node;
+    } else {
+      return;
+    }
+  }
+}
+
 std::string Document::describe(SourcePosition position) const {
   if (position.line > included_lines) {
     return fmt::format("{}:{}:{}", included_, position.line - included_lines, position.column);

@@ -21,7 +21,7 @@ constexpr double reading_step = 0.01;
 /// A number that moves by less than this share of itself, per share of the key, does not go with it.
 constexpr double moves_at_all = 1e-9;
 
-constexpr std::array<Dimension, 15> dimensions{dimension::length,
+constexpr std::array<Dimension, 24> dimensions{dimension::length,
                                                dimension::angle,
                                                dimension::curvature,
                                                dimension::force,
@@ -34,6 +34,15 @@ constexpr std::array<Dimension, 15> dimensions{dimension::length,
                                                dimension::force_per_length,
                                                dimension::mass,
                                                dimension::moment_per_pressure,
+                                               dimension::force_per_pressure,
+                                               Dimension{0, 0, "N m/Pa^2"},
+                                               Dimension{0, 0, "N m/Pa^3"},
+                                               Dimension{0, 0, "N m/Pa^4"},
+                                               Dimension{0, 0, "N m/Pa^5"},
+                                               Dimension{0, 0, "N/Pa^2"},
+                                               Dimension{0, 0, "N/Pa^3"},
+                                               Dimension{0, 0, "N/Pa^4"},
+                                               Dimension{0, 0, "N/Pa^5"},
                                                dimension::time,
                                                dimension::none};
 
@@ -218,7 +227,7 @@ Spread spread_of(const Document& document, const Scene& scene, const std::string
   });
   if (same != numbers.end() && more == numbers.end()) return {key, 0.0, {{own, 1.0}}};
   // Rods that stretch are not differentiated at all, and others do not read it.
-  if (key.ends_with(".axial_stiffness")) return {key};
+  if (key.ends_with(".axial_stiffness") || key.find(".force_per_pressure") != std::string::npos) return {key};
   if (node == nullptr) {
     std::vector<std::string> known = number_keys(document);
     throw InputError("the scene has no number '" + key + "'" + did_you_mean(key, known));

@@ -106,6 +106,13 @@ struct TipErrors {
   double largest = 0.0;  ///< m
 };
 
+/// What an actuator was told in the recordings that were fitted, SI.
+struct CalibratedInput {
+  ActuatorKind kind = ActuatorKind::moment;  ///< what it was told
+  double least = 0.0;                        ///< of all of them
+  double largest = 0.0;                      ///< likewise
+};
+
 /// How a calibration ended.
 enum class CalibrationStatus {
   solved,            ///< every number is identifiable
@@ -134,6 +141,7 @@ struct Calibration {
   TipErrors left_out_beyond;              ///< likewise, beyond the loads of the others
   TipErrors checked;                      ///< of those that were only predicted, inside of the loads fitted
   TipErrors checked_beyond;               ///< likewise, beyond
+  std::vector<CalibratedInput> inputs;    ///< one per actuator; empty where recordings say nothing of them
   std::vector<std::string> ranges;        ///< of the loads that were fitted, in words
   std::vector<std::string> warnings;      ///< what its user would want to look at
   int folds = 0;                          ///< of the cross-validation

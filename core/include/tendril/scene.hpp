@@ -92,6 +92,9 @@ struct TENDRIL_API ActuatorSpec {
   /// N / Pa, N / Pa^2, ...: the axial force that comes with a pressure on a rod that stretches, positive if it makes it
   /// longer, likewise beyond the two pressures. Empty: none.
   std::vector<double> force_per_pressure{};
+  /// What its rod was calibrated with, of what its kind is told (SI): beyond it nothing is known of the rod's numbers.
+  double calibrated_from = -infinity;
+  double calibrated_to = infinity;
 
   /// What it is told: also a pressure if it is known what moment that gives.
   ActuatorKind input() const;
@@ -116,6 +119,11 @@ struct TENDRIL_API ActuatorSpec {
   /// What execute() holds where it has this moment (N m) and this turn (Plan::turns): the moment, or of a tendon told
   /// its length its shortening (m).
   double held(double moment, double turn) const { return by_length ? turn * largest_offset() : moment; }
+  /// What its kind is told under this moment (N m) and this turn (Plan::turns): moment, pressure, tension or
+  /// shortening.
+  double told(double moment, double turn) const {
+    return by_length ? held(moment, turn) : kind == ActuatorKind::moment ? moment : input_of(moment);
+  }
 };
 
 /// N m by which `moment` exceeds the limits of `actuator`; negative: its distance to the nearer one.

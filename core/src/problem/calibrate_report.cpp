@@ -256,6 +256,8 @@ void report_shapes(const CalibrationInput& in, const CalibrationSpec& spec, Cali
     const CalibrationInput::Known& known = in.known.front()[k];
     out.ranges.push_back(known.name + " " + text(ranges[k].low) + " to " + text(ranges[k].high) + " " + known.unit);
   }
+  const std::vector<ActuatorKind>& kinds = spec.recordings.front().input_kinds;
+  for (std::size_t a = 0; a < kinds.size(); ++a) out.inputs.push_back({kinds[a], ranges[a].low, ranges[a].high});
   std::vector<double> drawn(51);
   for (std::size_t i = 0; i < drawn.size(); ++i)
     drawn[i] = static_cast<double>(i) / static_cast<double>(drawn.size() - 1);

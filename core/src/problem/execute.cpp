@@ -6,6 +6,7 @@
 #include "base/deadline.hpp"
 #include "certificate/certifier.hpp"
 #include "certificate/clearance.hpp"
+#include "problem/calibrated_range.hpp"
 #include "problem/friction.hpp"
 #include "rod/self_overlap.hpp"
 #include "scene/make_rod.hpp"
@@ -218,6 +219,7 @@ Execution Executor::run() {
     message = inside + (message.empty() ? ", which takes its place as the loads grow" : ": " + message);
   }
   tell_limits(out.result);
+  tell_beyond_calibration(scene_.rod, out.result.moments, out.result.turns, "", out.result.notes);
   if (is_rough()) judge_cones(scene_, scale_.force(), out.result);
   tell_friction(*loading, out.result);
   out.result.start_backbone =

@@ -48,6 +48,8 @@ Execution joined(const Scene& scene, double palm_distance, const Execution& uppe
     result.status = lower.result.status;
     result.message = named(FingerName::lower, lower.result.message);
   }
+  for (std::string& note : result.notes) note = named(FingerName::upper, note);
+  for (const std::string& note : lower.result.notes) result.notes.push_back(named(FingerName::lower, note));
   result.certificate = worse_of(upper.result.certificate, lower.result.certificate);
   result.seconds_solve += lower.result.seconds_solve;
   result.seconds_certify += lower.result.seconds_certify;

@@ -8,6 +8,7 @@
 #include "grasp/force_limit.hpp"
 #include "grasp/frames.hpp"
 #include "grasp/hold.hpp"
+#include "problem/calibrated_range.hpp"
 #include "problem/friction.hpp"
 #include "scene/make_rod.hpp"
 #include "scene/plan_report.hpp"
@@ -17,6 +18,7 @@
 #include "search/follower.hpp"
 #include "search/friction.hpp"
 #include "search/parameters.hpp"
+#include "search/report.hpp"
 #include "search/task.hpp"
 #include "tendril/grasp.hpp"
 
@@ -167,8 +169,15 @@ Plan plan_pose(Task& task, const PlanControl& control) {
   return plan_any(task, control, [&task](const PlanControl& own) { return plan_to_target(task, own); });
 }
 
-/// What friction has to do with a plan.
-void tell_friction(const Task& task, Plan& plan, const std::atomic<bool>* stop) {
+/// What is known of a plan beside itself: what friction has to do with it, and whether its rod was calibrated with
+/// that.
+void tell_more(const Task& task, Plan& plan, const std::atomic<bool>* stop) {
+  const FingerPlan* lower = task.lower && plan.grasp && plan.grasp->lower ? &*plan.grasp->lower : nullptr;
+  tell_beyond_calibration(task.scene.rod, plan.moments, plan.turns, lower != nullptr ? "upper finger: " : "",
+                          plan.notes);
+  if (lower != nullptr) {
+    tell_beyond_calibration(task.lower->scene.rod, lower->moments, lower->turns, "lower finger: ", plan.notes);
+  }
   judge_cones(task.scene, task.scale.force(), plan);
   if (task.palm) {
     tell_hold(task, plan);
@@ -320,7 +329,14 @@ bool Problem::follow_without_solver(Plan& plan) {
   if (d.lower || worst) return false;
   d.face(plan.tip_angle);
   if (!d.follower || !d.follower->stands_at(plan)) d.follower = Follower::from(d, plan);
-  if (d.follower && d.follower->step(plan)) return true;
+  if (d.follower && d.follower->step(plan)) {
+    // What a search said of the plan before does not hold of this one.
+    plan.scan.reset();
+    plan.minima.clear();
+    plan.notes.clear();
+    tell_target(d, plan);
+    return true;
+  }
   d.follower.reset();
   return false;
 }
@@ -328,7 +344,7 @@ bool Problem::follow_without_solver(Plan& plan) {
 void Problem::follow(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop) {
   set_target(target);
   if (follow_without_solver(plan)) {
-    tell_friction(*task_, plan, stop);
+    tell_more(*task_, plan, stop);
     return;
   }
   PlanControl control;
@@ -344,14 +360,14 @@ Plan Problem::plan(const PlanControl& control) {
   if (follows && control.without.empty()) {
     Plan followed = *control.start;
     if (follow_without_solver(followed)) {
-      tell_friction(*task_, followed, control.stop);
+      tell_more(*task_, followed, control.stop);
       return followed;
     }
   }
   for (const PoseProgramTerm& term : task_->terms) term.fault->clear();
   Plan plan = task_->palm ? plan_grasp(*task_, control) : plan_pose(*task_, control);
   blame_terms(*task_, plan);
-  tell_friction(*task_, plan, control.stop);
+  tell_more(*task_, plan, control.stop);
   plan.seconds_assemble = task_->seconds_assemble;
   plan.seconds_solve = now() - begin - plan.seconds_certify;
   if (!task_->palm) plan.start_backbone = outline(task_->scene_start(), task_->rod, task_->scale.length);

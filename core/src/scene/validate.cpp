@@ -387,6 +387,10 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
     if (a.minimum == infinity || a.maximum == -infinity) {
       throw SceneError(path + ".limit", "no moment is within the limits");
     }
+    if (!(a.calibrated_from <= a.calibrated_to)) {
+      throw SceneError(path + ".calibrated", "found a range from " + shown(a.calibrated_from) + " down to " +
+                                                 shown(a.calibrated_to) + ", expected the smaller one first");
+    }
     validate_law(a, path + ".moment_per_pressure");
     validate_pull(a, path + ".force_per_pressure");
     validate_offset(a, path + ".offset", length);

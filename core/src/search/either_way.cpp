@@ -25,13 +25,32 @@ bool is_there(const Plan& plan, const Task& task) {
          plan.target_error.value_or(0.0) <= near * task.scale.length;
 }
 
-/// The better plan, with the work of both; `other` is done with.
-void keep_better(Plan& plan, Plan& other) {
-  if (other.status == PlanStatus::solved && (plan.status != PlanStatus::solved || other.objective < plan.objective)) {
-    std::swap(plan, other);
-  }
+/// The better plan, with the work of both; `other` is done with. Whether that is the other.
+bool keep_better(Plan& plan, Plan& other) {
+  const bool better =
+      other.status == PlanStatus::solved && (plan.status != PlanStatus::solved || other.objective < plan.objective);
+  if (better) std::swap(plan, other);
   plan.evaluations += other.evaluations;
   plan.seconds_certify += other.seconds_certify;
+  return better;
+}
+
+/// What contact bends far may have come nearer to the direction a turn away from `angle`, which it was planned for: it
+/// is measured against the nearest one.
+void face_nearest(Task& task, const PlanControl& control, double angle, Plan& best) {
+  Limit limit(task);
+  for (int i = 0; i < search_parameters().most_turns; ++i) {
+    task.face(best.tip_angle);
+    if (best.status != PlanStatus::solved || task.target.angle == angle || !limit.leaves_time()) return;
+    angle = task.target.angle;
+    PlanControl from = control;
+    from.start = &best;
+    from.follow = false;
+    Plan next = Planner(task, from).run();
+    // Of the two turns the nearer one is what the objective means: the plan before was measured against the other.
+    if (next.status != PlanStatus::solved) return;
+    keep_better(best, next);
+  }
 }
 
 Plan plan_either_way(Task& task, const PlanControl& control) {
@@ -41,6 +60,7 @@ Plan plan_either_way(Task& task, const PlanControl& control) {
   const bool directed = reads_direction(task) || task.tolerance.angle < infinity;
   if (angles.empty() || !directed) return Planner(task, control).run();
   Plan best;
+  double best_angle = angles.front();
   for (std::size_t i = 0; i < angles.size(); ++i) {
     task.target.angle = angles[i];
     if (!limit.leaves_time() && i > 0) {
@@ -52,12 +72,12 @@ Plan plan_either_way(Task& task, const PlanControl& control) {
     const bool stopped = next.status == PlanStatus::interrupted;
     if (i == 0) {
       best = std::move(next);
-    } else {
-      keep_better(best, next);
+    } else if (keep_better(best, next)) {
+      best_angle = angles[i];
     }
     if (there || stopped) break;
   }
-  task.face(best.tip_angle);
+  face_nearest(task, control, best_angle, best);
   return best;
 }
 

@@ -43,16 +43,61 @@ double Planner::cost_of(const Rest& rest) const {
   return program.cost(program.start_from(shape));
 }
 
+std::vector<Rest> Planner::rests_of_arcs(const std::vector<std::size_t>& actuators) const {
+  std::vector<std::vector<double>> inputs(1);
+  for (const Rod::Actuator& a : d_.rod.actuators) inputs.front().push_back(0.5 * (a.minimum + a.maximum));
+  for (std::size_t corner = 0; !actuators.empty() && corner < (std::size_t{1} << actuators.size()); ++corner) {
+    inputs.push_back(inputs.front());
+    for (std::size_t i = 0; i < actuators.size(); ++i) {
+      const Rod::Actuator& a = d_.rod.actuators[actuators[i]];
+      inputs.back()[actuators[i]] = (corner >> i & 1U) != 0 ? a.maximum : a.minimum;
+    }
+  }
+  const int arcs = search_parameters().arcs_let_go;
+  std::vector<Rest> rests;
+  for (const std::vector<double>& moments : inputs) {
+    const std::size_t first = rests.size();
+    for (int i = 0; i < arcs && !must_stop(); ++i) {
+      const double bent = search_parameters().widest_of_one * (2.0 * i / (arcs - 1) - 1.0);
+      auto rest = come_to_rest(moments, constant_curvature(bent), search_parameters().looks_at_a_rest);
+      const auto known = [&](const Rest& other) { return same_rest(other, *rest); };
+      if (rest && std::none_of(rests.begin() + static_cast<std::ptrdiff_t>(first), rests.end(), known))
+        rests.push_back(std::move(*rest));
+    }
+  }
+  return rests;
+}
+
+void Planner::let_go() {
+  const auto actuators = scanned_actuators(d_);
+  // Where nothing buckles there is one equilibrium, and where the tip is at its target no other can bring much.
+  const bool one = d_.obstacles.empty() && !loaded();
+  if (!search_parameters().let_go || one || !actuators || actuators->size() > 1 || must_stop() ||
+      best_objective() <= d_.least_cost(search_parameters().there))
+    return;
+  const std::vector<Rest> rests = rests_of_arcs(*actuators);
+  std::vector<std::pair<double, std::size_t>> costs;
+  for (std::size_t i = 0; i < rests.size(); ++i) costs.emplace_back(cost_of(rests[i]), i);
+  std::sort(costs.begin(), costs.end());
+  for (std::size_t k = 0; k < costs.size() && !must_stop(); ++k) {
+    const auto& [cost, i] = costs[k];
+    if (!(cost < best_objective() + search_parameters().dearer)) break;
+    consider_rest(rests[i]);
+  }
+}
+
 void Planner::scan() {
   const auto actuators = scanned_actuators(d_);
   if (!search_parameters().scan || !thorough() || !actuators || actuators->size() > 2 || must_stop()) return;
   const int intervals = actuators->size() == 2 ? search_parameters().plane_scan : search_parameters().fine_scan;
-  std::vector<Rest> plans;
+  std::vector<Rest> known;
   for (const ModeState& state : states_) {
-    if (state.best.certified()) plans.push_back(rest_at(state));
+    if (state.best.certified()) known.push_back(rest_at(state));
   }
+  // Equilibria that lean on an obstacle from elsewhere are no neighbours of those that are reached from beside it.
+  for (Rest& rest : rests_of_arcs(*actuators)) known.push_back(std::move(rest));
   const EquilibriumScan found =
-      scan_equilibria(d_, *actuators, intervals, scanned_shapes(), plans, [this] { return must_stop(); });
+      scan_equilibria(d_, *actuators, intervals, scanned_shapes(), known, [this] { return must_stop(); });
   std::vector<double> costs;
   for (const ScannedRest& rest : found.met) costs.push_back(cost_of(rest.rest));
   std::vector<std::size_t> lowest;

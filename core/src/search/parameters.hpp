@@ -72,6 +72,8 @@
   X(bool, ask_rests, true, "where no first start led to a plan, rests under sampled moments are starts")             \
   X(bool, hang, true, "under large loads shapes that hang are starts")                                               \
   X(bool, scan, true, "a thorough search looks at all equilibria over the box of one or two moments")                \
+  X(bool, let_go, true, "with one moment or none arcs that are let go are starts where the plan is off its target")  \
+  X(int, arcs_let_go, 17, "arcs that are let go at corners and middle of the box of moments")                        \
   X(int, fine_scan, 64, "steps of one moment from limit to limit")                                                   \
   X(int, plane_scan, 12, "steps of each of two moments")                                                             \
   X(int, scanned_sides, 12, "shapes on different sides that are let go at the corners of the box")                   \

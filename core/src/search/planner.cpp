@@ -175,6 +175,7 @@ Plan Planner::run() {
   if (fast()) return report();
   if (winner_ >= 0 || d_.palm) hold_cheaper();
   search_further(starts(), order);
+  let_go();
   scan();
   if (search_parameters().settle) settle(order);
   if (search_parameters().prove) look_for_stable(order);
@@ -273,7 +274,13 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
     state.sided = true;
     // Not split, a contact may have to go on into the next piece.
     const bool hops = !d_.scene.coordinates.split_at_contact && !modes_[trial.way].contacts.empty();
-    consider(state, [&] { hops ? try_start(state, trial.start->shape) : void(refine(state, trial.start->shape)); });
+    consider(state, [&] {
+      if (hops) try_start(state, trial.start->shape);
+      // A backend that was left to itself may have passed through an obstacle to the other side.
+      const bool stayed = hops && state.best.has_point &&
+                          start_by_sides(d_, state.best.program->shape_of(state.best.x)).sides == trial.start->sides;
+      if (!stayed) refine(state, trial.start->shape);
+    });
   }
 }
 

@@ -101,6 +101,10 @@ class Planner {
   /// Where one or two moments can be chosen: all equilibria over the box of their limits are looked for, and those that
   /// cost less than the plan are starts.
   void scan();
+  /// Where one moment can be chosen, or none, and the plan is off its target: where arcs come to rest are starts.
+  void let_go();
+  /// Where arcs of every turn come to rest at the corners and in the middle of the box of moments.
+  std::vector<Rest> rests_of_arcs(const std::vector<std::size_t>& actuators) const;
   std::vector<StartShape> scanned_shapes() const;
   Rest rest_at(const ModeState& state) const;  ///< of a plan
   /// What the plan costs that a rest is, as far as the coordinates can show it; infinity: a plan may not be so.

@@ -83,17 +83,21 @@ void Planner::add_notes(Plan& plan) const {
                            (beside ? ": starts beside it were tried as well" : ""));
     }
   }
-  if (!d_.target.has_position) return;
-  const bool read = std::any_of(d_.terms.begin(), d_.terms.end(), [](const PoseProgramTerm& term) {
+  tell_target(d_, plan);
+}
+
+void tell_target(const Task& task, Plan& plan) {
+  if (!task.target.has_position) return;
+  const bool read = std::any_of(task.terms.begin(), task.terms.end(), [](const PoseProgramTerm& term) {
     return term.term->reads().target && term.term->reads().tip_position;
   });
   if (!read) plan.notes.emplace_back("no objective reads the target and the tip");
-  const double distance = norm(d_.target.position - d_.rod.base);
-  if (distance > 1.0 && !d_.rod.stretches() && d_.rod.moves.empty())
+  const double distance = norm(task.target.position - task.rod.base);
+  if (distance > 1.0 && !task.rod.stretches() && task.rod.moves.empty())
     plan.notes.push_back("the target lies out of reach, by " + as_share(distance - 1.0) +
                          (distance > far ? ": is its unit right?" : ""));
   if (!plan.target_error || !read) return;
-  const double miss = *plan.target_error / d_.scale.length;
+  const double miss = *plan.target_error / task.scale.length;
   if (miss > search_parameters().missed) plan.notes.push_back("the tip misses the target by " + as_share(miss));
 }
 

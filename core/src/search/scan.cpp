@@ -16,23 +16,6 @@ constexpr int compared_points = 9;       ///< along two shapes
 constexpr double same_curvature = 1e-3;  ///< 1/L, relative above 1: equilibria that are one, reached on two ways
 constexpr double same_place = 1e-3;      ///< L, of a contact of both
 
-bool same_rest(const Rest& a, const Rest& b) {
-  if (a.contacts.size() != b.contacts.size()) return false;
-  for (std::size_t k = 0; k < a.contacts.size(); ++k) {
-    const PointContact& p = a.contacts[k];
-    const PointContact& q = b.contacts[k];
-    const bool same = p.setup.obstacle == q.setup.obstacle && p.setup.at_tip == q.setup.at_tip;
-    if (!same || !(std::abs(p.s - q.s) < same_place)) return false;
-  }
-  for (int i = 0; i < compared_points; ++i) {
-    // Off the knots, where the curvature may jump.
-    const double s = (i + 0.37) / compared_points;
-    const double kappa = a.curvature(s);
-    if (!(std::abs(kappa - b.curvature(s)) < same_curvature * (1.0 + std::abs(kappa)))) return false;
-  }
-  return true;
-}
-
 class Scanner {
  public:
   Scanner(const Task& task, const std::vector<std::size_t>& actuators, int intervals,
@@ -161,6 +144,23 @@ class Scanner {
 };
 
 }  // namespace
+
+bool same_rest(const Rest& a, const Rest& b) {
+  if (a.contacts.size() != b.contacts.size()) return false;
+  for (std::size_t k = 0; k < a.contacts.size(); ++k) {
+    const PointContact& p = a.contacts[k];
+    const PointContact& q = b.contacts[k];
+    const bool same = p.setup.obstacle == q.setup.obstacle && p.setup.at_tip == q.setup.at_tip;
+    if (!same || !(std::abs(p.s - q.s) < same_place)) return false;
+  }
+  for (int i = 0; i < compared_points; ++i) {
+    // Off the knots, where the curvature may jump.
+    const double s = (i + 0.37) / compared_points;
+    const double kappa = a.curvature(s);
+    if (!(std::abs(kappa - b.curvature(s)) < same_curvature * (1.0 + std::abs(kappa)))) return false;
+  }
+  return true;
+}
 
 std::optional<std::vector<std::size_t>> scanned_actuators(const Task& task) {
   // With tangential forces that are planned equilibria are not all there is.

@@ -15,6 +15,9 @@ namespace tendril {
 /// are.
 std::optional<std::vector<std::size_t>> scanned_actuators(const Task& task);
 
+/// Whether two rests under the same moments are one, reached on two ways.
+bool same_rest(const Rest& a, const Rest& b);
+
 /// A stable equilibrium that a scan met, where the moments stand on a node of its grid.
 struct ScannedRest {
   Rest rest;

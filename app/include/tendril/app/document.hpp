@@ -63,6 +63,8 @@ class Document {
   void include();
   /// Puts in settings, in order; tables that are missing are made. Throws InputError.
   void apply(const std::vector<Override>& overrides);
+  /// Takes the key at `path` ("rod.actuator.0.limit") away, if it is there.
+  void erase(const std::string& path);
 
   const Node& root() const { return root_; }
   const std::string& file() const { return file_; }
