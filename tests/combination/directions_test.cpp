@@ -97,6 +97,28 @@ TEST_P(Directions, OneThatLiesTurnsAwayIsReached) {
   }
 }
 
+// A peg turns a rod, whose moment is held, by more than half a turn against the direction next to its start: it is
+// nearer to the one a turn away.
+TEST_P(Directions, WhatAnObstacleTurnsIsMeasuredAgainstTheNearestTurn) {
+  const std::string text = R"(
+problem = "pose"
+gravity = ["7 m/s^2", "6.9 m/s^2"]
+rod = {length = "7.9 mm", bending_stiffness = "1.2e-4 N mm^2", linear_density = "4.2 mg/m", base = {position = ["-4.84 mm", "5.55 mm"], angle = 0.846}, actuator = [{min = "2.6e-5 N mm", max = "2.6e-5 N mm"}]}
+coordinates = {order = 9}
+contact = {mode = "require", min_force = "0.66 uN"}
+target = {position = ["0.08 mm", "11.75 mm"], angle = -0.093}
+obstacle = [{name = "peg", shape = "circle", center = ["-6.118 mm", "9.771 mm"], radius = "0.202 mm"}]
+objective = [{plugin = "tip_pose"}]
+)";
+  const Plan found = plan(scene_from_text(text, {"solver.plugin=" + GetParam()}));
+  ASSERT_TRUE(certified(found));
+  EXPECT_GT(found.tip_angle, std::numbers::pi - 0.093) << "of another equilibrium nothing is shown";
+  const Plan turned = plan(
+      scene_from_text(text, {"solver.plugin=" + GetParam(), "target.angle=\"354.67 deg\"", "start.tip_angle=3.5"}));
+  ASSERT_TRUE(certified(turned));
+  EXPECT_NEAR(found.objective, turned.objective, 1e-3 * turned.objective);
+}
+
 TEST_P(Directions, TurnsAreAWishOfTheirOwn) {
   for (const int turns : {-1, 0, 1}) {
     Scene scene =

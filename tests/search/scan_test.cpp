@@ -75,11 +75,37 @@ TEST(SearchScan, NoExecutionLeadsToABetterPlan) {
   EXPECT_GT(rests, 20);
 }
 
+/// A rod above a table of which the target lies on the other side.
+const char* const above_a_table = R"(
+problem = "pose"
+rod = {length = "1.3 m", bending_stiffness = "17 N m^2", actuator = [{limit = "20 N m"}]}
+start = {tip_angle = 1.8}
+contact = {mode = "require", min_force = "1 N"}
+target = {position = ["0 m", "-0.8 m"]}
+obstacle = [{name = "table", shape = "wall", point = ["0.5 m", "-0.18 m"], normal = [-0.14, 0.99]}]
+objective = [{plugin = "tip_pose"}, {plugin = "actuation_effort", weight = 1e-4}]
+)";
+
+// Curled up, the rod comes to lie against the table from where no start beside it leads to.
+TEST(SearchLetGo, AnArcThatIsLetGoLeadsToABetterPlan) {
+  for (const std::string& solver : combination::solvers_to_combine()) {
+    SCOPED_TRACE(solver);
+    const Scene made = combination::scene_from_text(above_a_table, {"solver.plugin=" + solver});
+    const Plan found = combination::plan(made);
+    ASSERT_TRUE(certified(found));
+    const Steered arcs("let_go", "0");
+    const Plan without = combination::plan(made);
+    ASSERT_TRUE(certified(without));
+    EXPECT_LT(found.objective, 0.5 * without.objective);
+  }
+}
+
 TEST(SearchScan, FindsThePlanThatNoStartLeadsTo) {
   const Scene below = scene("brace", {"start.tip_angle=-0.5"});
   const Steered sides("sides", "0");
   const Steered starts("most_starts", "1");
   const Steered rests("ask_rests", "0");
+  const Steered arcs("let_go", "0");
   const Plan found = thorough(below);
   ASSERT_TRUE(certified(found));
   EXPECT_LT(found.objective, 0.01);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 
 #include "base/clock.hpp"
@@ -37,6 +38,7 @@ class Allowance {
   Allowance(const Deadline& deadline, int looks) : deadline_(deadline), left_(looks) {}
   /// Takes one; whether there was none, or the search is over.
   bool spent() { return --left_ < 0 || deadline_.over(); }
+  int left() const { return std::max(left_, 0); }
 
  private:
   const Deadline& deadline_;

@@ -29,8 +29,7 @@ bool stays_beside(const Task& task, const PoseProgram& program, const Eigen::Vec
 
 }  // namespace
 
-std::optional<Rest> Planner::executed(const std::vector<double>& moments, int looks) const {
-  Allowance allowance(steps_.deadline(), looks);
+std::optional<Rest> Planner::executed(const std::vector<double>& moments, Allowance& allowance) const {
   const auto stop = [&allowance] { return allowance.spent(); };
   // A start through the middle of an obstacle leads nowhere: the rod is bent out of the way.
   for (const double bent : {0.0, 1.0, -1.0, 2.0, -2.0}) {
@@ -48,11 +47,11 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, int lo
   return std::nullopt;
 }
 
-std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from, int looks) const {
-  if (d_.coordinate_count({}) > search_parameters().few_values) return executed(moments, looks);
+std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from,
+                                          Allowance& allowance) const {
+  if (d_.coordinate_count({}) > search_parameters().few_values) return executed(moments, allowance);
   const std::vector<double> moves = d_.rod.starts();
   const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false, false, moves, moves});
-  Allowance allowance(steps_.deadline(), looks);
   const Descent down =
       descend_in(*d_.components.coordinates, path, 1.0, from.curvature, [&allowance] { return allowance.spent(); });
   if (!down.converged) return std::nullopt;
@@ -249,7 +248,8 @@ void Planner::start_from_rests() {
   for (std::size_t i = 0; i < enough; ++i) {
     for (const StartShape& shape : from) {
       if (must_stop() || steps_.tally.work > most_work) return;
-      const std::optional<Rest> rest = come_to_rest(samples[i], shape, search_parameters().looks_at_a_rest);
+      Allowance allowance(steps_.deadline(), search_parameters().looks_at_a_rest);
+      const std::optional<Rest> rest = come_to_rest(samples[i], shape, allowance);
       // No contact where one is asked for, or more of them than there may be: such rests say little.
       useless = rest && contacts_of_rest(*rest) ? 0 : useless + 1;
       if (useless > search_parameters().useless_rests) return;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "program/equations.hpp"
 #include "search/parameters.hpp"
@@ -43,23 +44,20 @@ double Planner::cost_of(const Rest& rest) const {
   return program.cost(program.start_from(shape));
 }
 
-std::vector<Rest> Planner::rests_of_arcs(const std::vector<std::size_t>& actuators) const {
-  std::vector<std::vector<double>> inputs(1);
-  for (const Rod::Actuator& a : d_.rod.actuators) inputs.front().push_back(0.5 * (a.minimum + a.maximum));
-  for (std::size_t corner = 0; !actuators.empty() && corner < (std::size_t{1} << actuators.size()); ++corner) {
-    inputs.push_back(inputs.front());
-    for (std::size_t i = 0; i < actuators.size(); ++i) {
-      const Rod::Actuator& a = d_.rod.actuators[actuators[i]];
-      inputs.back()[actuators[i]] = (corner >> i & 1U) != 0 ? a.maximum : a.minimum;
-    }
-  }
+std::vector<Rest> Planner::rests_of_arcs() const {
+  std::vector<std::vector<double>> inputs = sampled_moments();
+  inputs.resize(std::min(inputs.size(), search_parameters().inputs_let_go));
   const int arcs = search_parameters().arcs_let_go;
   std::vector<Rest> rests;
+  int left = search_parameters().looks_at_arcs;
   for (const std::vector<double>& moments : inputs) {
     const std::size_t first = rests.size();
-    for (int i = 0; i < arcs && !must_stop(); ++i) {
+    for (int i = 0; i < arcs && left > 0 && !must_stop(); ++i) {
+      const int most = std::min(left, search_parameters().looks_at_an_arc);
+      Allowance allowance(steps_.deadline(), most);
       const double bent = search_parameters().widest_of_one * (2.0 * i / (arcs - 1) - 1.0);
-      auto rest = come_to_rest(moments, constant_curvature(bent), search_parameters().looks_at_a_rest);
+      auto rest = come_to_rest(moments, constant_curvature(bent), allowance);
+      left -= most - allowance.left();
       const auto known = [&](const Rest& other) { return same_rest(other, *rest); };
       if (rest && std::none_of(rests.begin() + static_cast<std::ptrdiff_t>(first), rests.end(), known))
         rests.push_back(std::move(*rest));
@@ -69,20 +67,29 @@ std::vector<Rest> Planner::rests_of_arcs(const std::vector<std::size_t>& actuato
 }
 
 void Planner::let_go() {
-  const auto actuators = scanned_actuators(d_);
   // Where nothing buckles there is one equilibrium, and where the tip is at its target no other can bring much.
   const bool one = d_.obstacles.empty() && !loaded();
-  if (!search_parameters().let_go || one || !actuators || actuators->size() > 1 || must_stop() ||
+  if (!search_parameters().let_go || one || d_.palm || must_stop() ||
       best_objective() <= d_.least_cost(search_parameters().there))
     return;
-  const std::vector<Rest> rests = rests_of_arcs(*actuators);
+  const std::vector<Rest> rests = rests_of_arcs();
   std::vector<std::pair<double, std::size_t>> costs;
   for (std::size_t i = 0; i < rests.size(); ++i) costs.emplace_back(cost_of(rests[i]), i);
   std::sort(costs.begin(), costs.end());
-  for (std::size_t k = 0; k < costs.size() && !must_stop(); ++k) {
-    const auto& [cost, i] = costs[k];
-    if (!(cost < best_objective() + search_parameters().dearer)) break;
-    consider_rest(rests[i]);
+  // From each contact and side one start leads to the best moments near, also where these rests cost more than the
+  // plan.
+  std::vector<std::pair<std::size_t, Sides>> seen;
+  const double most_work = steps_.tally.work + generosity() * search_parameters().side_work;
+  for (std::size_t k = 0; k < costs.size() && std::isfinite(costs[k].first) && !must_stop(); ++k) {
+    if (steps_.tally.work > most_work) return;
+    const Rest& rest = rests[costs[k].second];
+    const std::size_t way = state_of(*contacts_of_rest(rest));
+    const std::pair of{way, sides_of(d_, shape_of(rest, modes_[way]))};
+    const bool known = std::find(seen.begin(), seen.end(), of) != seen.end();
+    const bool dearer = costs[k].first >= best_objective() + search_parameters().dearer;
+    if (dearer && (known || !chooses() || seen.size() >= search_parameters().dearer_let_go)) continue;
+    if (!known) seen.push_back(of);
+    consider_rest(rest);
   }
 }
 
@@ -95,7 +102,7 @@ void Planner::scan() {
     if (state.best.certified()) known.push_back(rest_at(state));
   }
   // Equilibria that lean on an obstacle from elsewhere are no neighbours of those that are reached from beside it.
-  for (Rest& rest : rests_of_arcs(*actuators)) known.push_back(std::move(rest));
+  for (Rest& rest : rests_of_arcs()) known.push_back(std::move(rest));
   const EquilibriumScan found =
       scan_equilibria(d_, *actuators, intervals, scanned_shapes(), known, [this] { return must_stop(); });
   std::vector<double> costs;

@@ -90,8 +90,12 @@ void Planner::settle(const std::vector<std::size_t>& order) {
   if (winner_ < 0 && !rested_ && !must_stop()) start_from_rests();
   // A coarse model rests elsewhere than the rod, unless it has a knot where the rod touches.
   const std::vector<double> least = moments_of(nullptr);
+  const auto execution = [this](const std::vector<double>& moments) {
+    Allowance allowance(steps_.deadline(), search_parameters().looks_at_unstable);
+    return executed(moments, allowance);
+  };
   std::optional<Rest> of_least;
-  if (winner_ < 0 && !must_stop()) of_least = executed(least, search_parameters().looks_at_unstable);
+  if (winner_ < 0 && !must_stop()) of_least = execution(least);
   if (of_least) consider_rest(*of_least);
   for (int attempt = 0; attempt < search_parameters().most_settlings && winner_ < 0 && !must_stop(); ++attempt) {
     const Candidate* unstable = best_unstable();
@@ -103,8 +107,7 @@ void Planner::settle(const std::vector<std::size_t>& order) {
     const bool known =
         std::any_of(rests.begin(), rests.end(), [&](const Rest& rest) { return rest.moments == moments; });
     if (known) break;
-    const std::optional<Rest> rest =
-        moments == least ? of_least : executed(moments, search_parameters().looks_at_unstable);
+    const std::optional<Rest> rest = moments == least ? of_least : execution(moments);
     if (!rest) break;
     if (moments != least) consider_rest(*rest);
     for (std::size_t i = 0; i < modes; ++i) consider(states_[i], shape_of(*rest, modes_[i]));
@@ -122,7 +125,8 @@ void Planner::hold_stable(const std::vector<Rest>& rests, const std::vector<std:
   bool first = true;
   for (const std::vector<double>& moments : sampled_moments()) {
     if (must_stop()) return;
-    const std::optional<Rest> rest = come_to_rest(moments, d_.scene_start(), search_parameters().looks_at_a_rest);
+    Allowance allowance(steps_.deadline(), search_parameters().looks_at_a_rest);
+    const std::optional<Rest> rest = come_to_rest(moments, d_.scene_start(), allowance);
     if (!rest) continue;
     consider_rest(*rest);
     // Every mode is worth the shape of the rod without moments; the others start those whose contacts they have.

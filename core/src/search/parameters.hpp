@@ -72,8 +72,13 @@
   X(bool, ask_rests, true, "where no first start led to a plan, rests under sampled moments are starts")             \
   X(bool, hang, true, "under large loads shapes that hang are starts")                                               \
   X(bool, scan, true, "a thorough search looks at all equilibria over the box of one or two moments")                \
-  X(bool, let_go, true, "with one moment or none arcs that are let go are starts where the plan is off its target")  \
-  X(int, arcs_let_go, 17, "arcs that are let go at corners and middle of the box of moments")                        \
+  X(bool, let_go, true, "where the plan is off its target arcs that are let go are starts")                          \
+  X(int, arcs_let_go, 17, "arcs that are let go, over all turns")                                                    \
+  X(int, looks_at_an_arc, 600, "steps that one of them may take to a rest")                                          \
+  X(int, looks_at_arcs, 20000, "steps of all of them")                                                               \
+  X(std::size_t, dearer_let_go, 2,                                                                                   \
+    "rests that cost more than the plan and are starts, each of another contact or side")                            \
+  X(std::size_t, inputs_let_go, 5, "moments under which they are")                                                   \
   X(int, fine_scan, 64, "steps of one moment from limit to limit")                                                   \
   X(int, plane_scan, 12, "steps of each of two moments")                                                             \
   X(int, scanned_sides, 12, "shapes on different sides that are let go at the corners of the box")                   \

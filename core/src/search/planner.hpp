@@ -101,10 +101,9 @@ class Planner {
   /// Where one or two moments can be chosen: all equilibria over the box of their limits are looked for, and those that
   /// cost less than the plan are starts.
   void scan();
-  /// Where one moment can be chosen, or none, and the plan is off its target: where arcs come to rest are starts.
+  /// Where the plan is off its target: where arcs come to rest are starts.
   void let_go();
-  /// Where arcs of every turn come to rest at the corners and in the middle of the box of moments.
-  std::vector<Rest> rests_of_arcs(const std::vector<std::size_t>& actuators) const;
+  std::vector<Rest> rests_of_arcs() const;  ///< where arcs of every turn come to rest under sampled moments
   std::vector<StartShape> scanned_shapes() const;
   Rest rest_at(const ModeState& state) const;  ///< of a plan
   /// What the plan costs that a rest is, as far as the coordinates can show it; infinity: a plan may not be so.
@@ -129,10 +128,11 @@ class Planner {
   std::vector<std::vector<double>> sampled_moments() const;
   /// What the rod does under these moments (EI/L), in the executor's own coordinates. Nothing: it cannot be told in so
   /// many looks.
-  std::optional<Rest> executed(const std::vector<double>& moments, int looks) const;
+  std::optional<Rest> executed(const std::vector<double>& moments, Allowance& allowance) const;
   /// Downhill from a shape in the coordinates of the plan, which are few, or the same as executed() where they are
   /// many: these bend as the executor's do.
-  std::optional<Rest> come_to_rest(const std::vector<double>& moments, const StartShape& from, int looks) const;
+  std::optional<Rest> come_to_rest(const std::vector<double>& moments, const StartShape& from,
+                                   Allowance& allowance) const;
   /// The contacts that press, in order along the rod; nothing where a plan may not have so many, or none.
   std::optional<std::vector<ContactSetup>> contacts_of_rest(const Rest& rest) const;
   /// A plan from a rest, touching what it touches: the moments are chosen along stable equilibria.
