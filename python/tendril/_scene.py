@@ -347,7 +347,7 @@ class Problem:
         return getattr(self._native, name)
 
     def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *(name for name in dir(self._native) if not name.startswith("_"))]
+        return sorted({*super().__dir__(), *(name for name in dir(self._native) if not name.startswith("_"))})
 
 
 def _steps(key: str) -> list[str]:
