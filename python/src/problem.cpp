@@ -42,7 +42,7 @@ class FollowedProblem {
   void follow(const TargetSpec& target) {
     std::unique_lock lock(mutex_, std::defer_lock);
     {
-      // Python hears of Ctrl-C behind a step, which takes microseconds.
+      // Python hears of Ctrl-C behind a step, which takes microseconds, with friction milliseconds.
       const py::gil_scoped_release released;
       lock.lock();
       if (planned_ && problem_.step(target, plan_)) return;
