@@ -134,7 +134,6 @@ SolverComparison compare_solvers(plugins::Registry& registry, const SolverCompar
   const auto stopped = [&] { return setup.stop != nullptr && setup.stop->load(); };
   std::vector<std::vector<double>> seconds;
   Pace pace;
-  std::size_t done = 0;
   for (int repetition = 0; repetition < setup.repetitions && !stopped(); ++repetition) {
     for (std::size_t p = 0; p < comparison.programs.size() && !stopped(); ++p) {
       const SolverProgram& program = comparison.programs[p];
@@ -158,7 +157,10 @@ SolverComparison compare_solvers(plugins::Registry& registry, const SolverCompar
           first.repeatable = first.repeatable && run.iterations == first.iterations &&
                              run.evaluations == first.evaluations && run.status == first.status;
         }
-        if (terminal) fmt::print(stderr, "\r{} plans, repetition {} of {}", ++done, repetition + 1, setup.repetitions);
+        if (terminal) {
+          fmt::print(stderr, "\r{} of {} plans, repetition {} of {}", p * contestants + c + 1,
+                     comparison.programs.size() * contestants, repetition + 1, setup.repetitions);
+        }
       }
     }
   }

@@ -33,7 +33,8 @@ void refuse(const std::string& what, const py::handle& found, const std::string&
 }
 
 double number(const py::handle& value, const std::string& what) {
-  if (value.is_none() || py::isinstance<py::str>(value)) refuse(what, value, "a number");
+  const bool other = value.is_none() || py::isinstance<py::str>(value) || py::isinstance<py::bool_>(value);
+  if (other) refuse(what, value, "a number");  // a comparison has no slope
   const double found = PyFloat_AsDouble(value.ptr());
   if (found == -1.0 && PyErr_Occurred() != nullptr) {
     PyErr_Clear();

@@ -76,9 +76,11 @@ void live(const SceneTuple& scene, int port, bool open_browser, const py::functi
   });
 }
 
-std::string execute(SceneFile& scene, const std::string& kind, const std::string& inputs,
-                    const std::optional<std::string>& start, bool along, const std::string& insertion,
-                    const std::string& base) {
+/// Whether it is a trajectory, and its JSON. `earlier`: a result whose moments are held, instead of `inputs`. `along`:
+/// the inputs are way points, even if there is but one.
+std::pair<bool, std::string> execute(SceneFile& scene, const std::string& kind, const std::string& inputs,
+                                     const std::optional<std::string>& earlier, const std::optional<std::string>& start,
+                                     bool along, const std::string& insertion, const std::string& base) {
   const auto of = kind == "moments"     ? files::InputKind::moments
                   : kind == "pressures" ? files::InputKind::pressures
                   : kind == "inputs"    ? files::InputKind::each
@@ -86,17 +88,12 @@ std::string execute(SceneFile& scene, const std::string& kind, const std::string
   return interruptible([&](const auto& stop) {
     const files::Inputs told{of, inputs, kind, insertion, base};
     const files::Run run{&stop, result_of(start, "start")};
-    return along ? scene.json(scene.execute_along(told, run)) : scene.json(scene.execute(told, run));
-  });
-}
-
-/// Whether it is a trajectory, and its JSON.
-std::pair<bool, std::string> execute_result(SceneFile& scene, const std::string& earlier,
-                                            const std::optional<std::string>& start) {
-  return interruptible([&](const auto& stop) {
-    const auto executed = scene.execute(files::ResultText{earlier, "plan"}, {&stop, result_of(start, "start")});
-    return std::pair(std::holds_alternative<Trajectory>(executed),
-                     std::visit([&](const auto& result) { return scene.json(result); }, executed));
+    const auto path = [&](const Trajectory& trajectory) { return std::pair(true, scene.json(trajectory)); };
+    const auto single = [&](const Execution& execution) { return std::pair(false, scene.json(execution)); };
+    if (!earlier) return along ? path(scene.execute_along(told, run)) : single(scene.execute(told, run));
+    const auto executed = scene.execute(files::ResultText{*earlier, "plan"}, run, told);
+    const auto* trajectory = std::get_if<Trajectory>(&executed);
+    return trajectory != nullptr ? path(*trajectory) : single(std::get<Execution>(executed));
   });
 }
 
@@ -144,8 +141,7 @@ PYBIND11_MODULE(_native, module) {
       .def("plan_trajectory", &plan_trajectory)
       .def("calibrate", &calibrate)
       .def("sensitivity", &sensitivity)
-      .def("execute", &execute)
-      .def("execute_result", &execute_result);
+      .def("execute", &execute);
   add_problem(module);
   add_study(module);
 }

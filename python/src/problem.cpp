@@ -40,14 +40,16 @@ class FollowedProblem {
   }
 
   void follow(const TargetSpec& target) {
+    std::unique_lock lock(mutex_, std::defer_lock);
+    {
+      // Python hears of Ctrl-C behind a step, which takes microseconds, with friction milliseconds.
+      const py::gil_scoped_release released;
+      lock.lock();
+      if (planned_ && problem_.step(target, plan_)) return;
+      problem_.set_target(target);
+    }
     interruptible([&](const std::atomic<bool>& stop) {
-      const std::lock_guard lock(mutex_);
-      if (planned_) {
-        problem_.follow(target, plan_, &stop);
-      } else {
-        problem_.set_target(target);
-        plan_now(stop, nullptr);
-      }
+      plan_now(stop, planned_ ? &plan_ : nullptr);
       return true;
     });
   }
@@ -76,7 +78,7 @@ class FollowedProblem {
   Problem& problem_;
   Plan plan_;
   bool planned_ = false;
-  std::mutex mutex_;
+  std::mutex mutex_;  ///< taken without Python's lock, so that none waits for both
 };
 
 constexpr py::ssize_t most_turns = 1000000;
@@ -86,18 +88,19 @@ double quantity(const py::handle& value, const Scene& scene, const Dimension& wa
   double number = 0.0;
   if (PyFloat_Check(value.ptr())) {
     number = PyFloat_AS_DOUBLE(value.ptr());
-  } else if (py::isinstance<py::str>(value)) {
-    const auto text = value.cast<std::string>();
-    try {
-      number = scene.read_quantity(text, wanted);
-    } catch (const Error& error) {
-      throw py::value_error(std::string(name) + ": found \"" + text + "\", " + error.what() +
-                            ", expected a number in " + std::string(wanted.unit) + " or text with a unit");
-    }
   } else {
     const py::object plain = py::module_::import("tendril._values").attr("plain")(value, name);
-    if (py::isinstance<py::str>(plain)) return quantity(plain, scene, wanted, name);
-    number = plain.cast<double>();
+    if (!py::isinstance<py::str>(plain)) {
+      number = plain.cast<double>();
+    } else {
+      const auto text = plain.cast<std::string>();
+      try {
+        number = scene.read_quantity(text, wanted);
+      } catch (const Error& error) {
+        throw py::value_error(std::string(name) + ": found \"" + text + "\", " + error.what() +
+                              ", expected a number in " + std::string(wanted.unit) + " or text with a unit");
+      }
+    }
   }
   if (!std::isfinite(number)) throw py::value_error(std::string(name) + ": found a number that is not finite");
   return number;

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from ._pool import Died, Progress, reporting, run_pool
-from ._results import Plan, Result
+from ._results import Result
 from ._scene import Scene
 from ._values import each, whole_number
 
@@ -27,6 +27,8 @@ def plan_many(scenes: Iterable[Scene], *, jobs: int = 1, verify: bool = False, p
     `progress`: called with how many are finished and how many there are, or True for a bar (of tqdm, if it is there).
     `start_method`: of multiprocessing; None: what is usual on this system.
     """
+    if isinstance(scenes, Scene):
+        raise TypeError("scenes: found a Scene, expected a list of them")
     waiting = each(scenes, "scenes")
     for i, scene in enumerate(waiting):
         if not isinstance(scene, Scene):
@@ -37,8 +39,6 @@ def plan_many(scenes: Iterable[Scene], *, jobs: int = 1, verify: bool = False, p
         def take(index: int, answer: Any) -> None:
             if isinstance(answer, Died):
                 answer = Failure({"scene": waiting[index]._file, "message": str(answer)})
-            elif isinstance(answer, Plan):
-                answer = waiting[index]._known(answer)
             results[index] = answer
             report(sum(result is not None for result in results), len(waiting))
 

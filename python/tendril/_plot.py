@@ -19,6 +19,11 @@ if TYPE_CHECKING:
 _OBSTACLE = {"facecolor": "0.85", "edgecolor": "0.4", "zorder": 1}
 
 
+def _doubtful(frame: dict[str, Any]) -> dict[str, Any]:
+    """How a line is drawn that is no plan, or no state of rest; one that is needs nothing."""
+    return {} if frame.get("status", "solved") == "solved" else {"color": "0.6", "linestyle": "--"}
+
+
 class _Picture:
     """Axes, and a drawing in its own unit of length."""
 
@@ -68,7 +73,7 @@ class _Picture:
         for contact in frame["contacts"]:
             if contact.get("friction") and contact.get("force", 0.0) > 0.0:
                 self.cone(contact)
-        style = {"color": "C0", "linewidth": 2.5, "solid_capstyle": "round", "zorder": 3, **style}
+        style = {"color": "C0", "linewidth": 2.5, "solid_capstyle": "round", "zorder": 3, **_doubtful(frame), **style}
         for rod in frame["rods"]:
             if "band" in rod:
                 self.area([rod["band"]], facecolor="C1", edgecolor="none", alpha=0.3, zorder=1)
@@ -114,7 +119,9 @@ class _Picture:
         style = {"color": "C3", "angles": "xy", "scale_units": "xy", "scale": 1.0, "zorder": 4}
         self.ax.quiver(*starts.T, *arrows.T, width=0.005, **style)
         for contact, start, arrow in zip(pressed, starts, arrows):
-            self.ax.annotate(f"{contact['force']:.3g} N", start + arrow, color="C3", textcoords="offset points", xytext=(4, 4))
+            up = arrow[1] >= 0.0
+            self.ax.annotate(f"{contact['force']:.3g} N", start + arrow, color="C3", textcoords="offset points",
+                             xytext=(4, 4 if up else -4), va="bottom" if up else "top")
             if contact.get("tangential_force"):
                 along = self.points(np.multiply(contact["tangent"], contact["tangential_force"] * self.per_newton))[:, 0]
                 self.ax.quiver(*start, *along, width=0.003, **style)
@@ -142,7 +149,7 @@ def plot_steps(trajectory: Trajectory, ax: Any = None) -> Any:
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, max(len(frames), 1)))
     for frame, colour in zip(frames, colours):
         for rod in frame["rods"]:
-            picture.ax.plot(*picture.points(rod["line"]), color=colour, linewidth=1.0, zorder=2)
+            picture.ax.plot(*picture.points(rod["line"]), **{"color": colour, "linewidth": 1.0, "zorder": 2, **_doubtful(frame)})
     picture.ax.plot(*picture.points([rod["line"][-1] for frame in frames for rod in frame["rods"]]), ".", color="C3", markersize=3, zorder=3)
     picture.ax.set_title(trajectory.title)
     return picture.ax

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 if TYPE_CHECKING:
@@ -16,6 +16,23 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
 
 SCHEMA = 1
+
+
+class _Malformed(ValueError):
+    """A part of a document that cannot be read, and which."""
+
+
+def json_text(document: Mapping[str, Any], name: str) -> str:
+    """Raises TypeError or ValueError naming `name` where JSON cannot hold it."""
+    import json
+
+    try:
+        text = json.dumps(document, ensure_ascii=False, allow_nan=False)
+        text.encode()
+        return text
+    except (TypeError, ValueError, RecursionError) as error:
+        kind = TypeError if isinstance(error, TypeError) else ValueError
+        raise kind(f"{name}: found what JSON cannot hold: {error}") from None
 
 
 class Tip(NamedTuple):
@@ -59,6 +76,7 @@ class Result(Mapping[str, Any]):
 
     problem: ClassVar[str] = ""
     _needs: ClassVar[Sequence[str]] = ()
+    _scene: Scene | None = None  # that it is of, where that is known
 
     def __init__(self, document: Mapping[str, Any]) -> None:
         if not isinstance(document, Mapping):
@@ -98,9 +116,7 @@ class Result(Mapping[str, Any]):
 
     def to_json(self) -> str:
         """The document as text; `json.loads` of it is to_dict()."""
-        import json
-
-        return json.dumps(self._document, ensure_ascii=False)
+        return json_text(self._document, "document")
 
     def save(self, file: str | os.PathLike[str]) -> None:
         """Writes the document to a file, for `start` here and for --start and --plan of the command."""
@@ -123,7 +139,8 @@ class Result(Mapping[str, Any]):
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> Any:
-        return type(self).from_json, (self.to_json(),)
+        known = {"_scene": self._scene} if self._scene is not None else None
+        return type(self).from_json, (self.to_json(),), known
 
     def _array(self, name: str, value: Any) -> Array:
         if name not in self._arrays:
@@ -139,8 +156,10 @@ class Result(Mapping[str, Any]):
         """What reads a part of the document says which, where the part is not as results have it."""
         try:
             yield
+        except _Malformed:
+            raise
         except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"document: '{name}' is not as a result of this version has it: {error}") from None
+            raise _Malformed(f"document: '{name}' is not as a result of this version has it: {error}") from None
 
     @property
     def status(self) -> str:
@@ -185,13 +204,22 @@ class Result(Mapping[str, Any]):
         return f"<tendril.{type(self).__name__}: {', '.join(f'{k} {_shown(v)}' for k, v in self.row().items() if v not in ('', None))}>"
 
     def _repr_html_(self) -> str:
+        return self._html([("th", key), ("td", value)] for key, value in self.row().items() if value not in ("", None))
+
+    def _html_of(self, table: Sequence[Mapping[str, Any]]) -> str:
+        """Lines below the keys that they have."""
+        keys = list(dict.fromkeys(key for line in table for key in line))
+        return self._html([[("th", key) for key in keys], *([("td", line.get(key)) for key in keys] for line in table)])
+
+    def _html(self, lines: Iterable[Sequence[tuple[str, Any]]]) -> str:
+        """A table of lines of cells, each with its kind."""
         import html
 
-        rows = "".join(
-            f"<tr><th style='text-align:left'>{html.escape(key)}</th><td style='text-align:left'>{html.escape(_shown(value))}</td></tr>"
-            for key, value in self.row().items() if value not in ("", None)
-        )
-        return f"<table><caption>tendril.{type(self).__name__}</caption>{rows}</table>"
+        def text(value: Any) -> str:
+            return "" if value is None else html.escape(_shown(value))
+
+        cells = ("".join(f"<{kind} style='text-align:left'>{text(value)}</{kind}>" for kind, value in line) for line in lines)
+        return f"<table><caption>tendril.{type(self).__name__}</caption>{''.join(f'<tr>{line}</tr>' for line in cells)}</table>"
 
 
 def _shown(value: Any) -> str:
@@ -282,8 +310,7 @@ class Plan(_Shape):
     """A planned pose or grasp."""
 
     problem = "pose"
-    _needs: ClassVar[Sequence[str]] = ("status", "backbone", "coordinates", "moments", "contacts")
-    _scene: Scene | None = None
+    _needs: ClassVar[Sequence[str]] = ("status", "backbone", "coordinates", "moments", "contacts", "certificate")
 
     @property
     def target_error(self) -> float | None:
@@ -380,8 +407,8 @@ class Plan(_Shape):
     def sensitivities(self, *keys: str, held: bool = False) -> Sensitivities:
         """The same by several numbers, by default all of the scene."""
         if self._scene is None:
-            raise TypeError("sensitivities: this result does not know its scene, expected one that Scene.plan() or Scene.execute() "
-                            "gave; of a result from a file: scene.sensitivity(plan=result)")
+            raise TypeError("sensitivities: this result does not know its scene, expected one that Scene.plan(), trajectory() or "
+                            "execute() gave; of a result from a file: scene.sensitivity(plan=result)")
         return self._scene.sensitivity(*keys, held=held, plan=self)
 
     def row(self) -> dict[str, Any]:
@@ -441,6 +468,17 @@ class Sensitivities(Result):
         """By which numbers there are no derivatives, and why."""
         return {number["key"]: number["trouble"] for number in self._document["numbers"] if "trouble" in number}
 
+    def table(self) -> list[dict[str, Any]]:
+        """One line per number: its key, its value as the scene has it, and the derivatives, as pandas.DataFrame takes them."""
+        return [{"number": n["key"], "value": n["value"], **dict(zip(self.rows, n.get("derivatives", [None] * len(self.rows))))}
+                for n in self._document["numbers"]]
+
+    def row(self) -> dict[str, Any]:
+        return {"kind": self._document["kind"], "quantities": len(self.rows), "numbers": len(self.columns)}
+
+    def _repr_html_(self) -> str:
+        return self._html_of(self.table())
+
     def __getitem__(self, key: str) -> Any:
         for number in self._document["numbers"]:
             if number["key"] != key:
@@ -481,6 +519,16 @@ class Calibration(Result):
         """Whether all of them are."""
         return all(number["identifiable"] for number in self.numbers)
 
+    def table(self) -> list[dict[str, Any]]:
+        """One line per number, as pandas.DataFrame takes them."""
+        return [{key: number[key] for key in ("name", "unit", "value", "error", "identifiable", "reason")} for number in self.numbers]
+
+    def row(self) -> dict[str, Any]:
+        return {**super().row(), **{n["name"]: n["value"] for n in self.numbers}, **{f"{n['name']}_error": n["error"] for n in self.numbers}}
+
+    def _repr_html_(self) -> str:
+        return self._html_of(self.table())
+
 
 class Trajectory(Result):
     """Plans for a row of targets."""
@@ -493,6 +541,8 @@ class Trajectory(Result):
         if "steps" not in self._arrays:
             shared = {"obstacles": self._document.get("obstacles", [])}
             self._arrays["steps"] = [Plan({**shared, **step}) for step in self._document["steps"]]
+            for step in self._arrays["steps"]:
+                step._scene = self._scene
         return self._arrays["steps"]
 
     @property
@@ -647,3 +697,6 @@ class Study(Result):
 
     def row(self) -> dict[str, Any]:
         return {"title": self.title, "cases": len(self.cases)}
+
+    def _repr_html_(self) -> str:
+        return self._html_of(self.table())

@@ -13,9 +13,9 @@ from . import _native
 from ._components import components
 from ._pool import Progress, reporting
 from ._results import (
-    Calibration, Description, Estimate, Execution, Plan, Result, Sensitivities, SequenceEstimate, Study, Trajectory,
+    Calibration, Description, Estimate, Execution, Plan, Result, Sensitivities, SequenceEstimate, Study, Trajectory, json_text,
 )
-from ._values import each, file_path, inline, is_list, key_text, plain
+from ._values import each, entries, file_path, inline, is_list, key_text, plain, unicode
 
 File = Union[str, "os.PathLike[str]"]
 Earlier = Union[Result, str, "os.PathLike[str]", Mapping[str, Any]]
@@ -66,7 +66,7 @@ class Scene:
         if not isinstance(text, str):
             raise TypeError(f"text: found {type(text).__name__}, expected str")
         scene = cls(plugin_directories=plugin_directories)
-        scene._file, scene._text = file_path(file, "file"), text
+        scene._file, scene._text = file_path(file, "file"), unicode(text, "text")
         return scene
 
     # Keys
@@ -100,7 +100,7 @@ class Scene:
     def __contains__(self, key: object) -> bool:
         try:
             self[key]  # type: ignore[index]
-        except KeyError:
+        except (KeyError, TypeError, ValueError):
             return False
         return True
 
@@ -110,7 +110,7 @@ class Scene:
     def __setitem__(self, key: str, value: Any) -> None:
         _steps(key)
         if isinstance(value, str):
-            setting = (key, value, True, f'scene["{key}"] = "{value}"')
+            setting = (key, unicode(value, key), True, f'scene["{key}"] = "{value}"')
         else:
             text = inline(value, key)
             setting = (key, text, False, f'scene["{key}"] = {text}')
@@ -185,7 +185,8 @@ class Scene:
         if scene.problem == "trajectory":
             _refuse(start is not None, "start", "a trajectory starts from its scene")
             with reporting(progress) as report:
-                return Trajectory.from_json(scene.plan_trajectory(bool(verify), report if progress else None))
+                text = scene.plan_trajectory(bool(verify), report if progress else None)
+            return self._known(Trajectory.from_json(text))
         if scene.problem == "estimate":
             _refuse(start is not None, "start", "an estimate starts from the measured points")
             _refuse(verify, "verify", "the obstacles of an estimate are not known, so nothing can be carried out")
@@ -218,11 +219,13 @@ class Scene:
                 insertion: Any = None, base: Iterable[Any] | None = None) -> Execution | Trajectory:
         """`tendril execute`: what the rod does under `moments` (N m), `pressures` (Pa) or `inputs` (each in the unit of its
         actuator: a pressure where the scene has moment_per_pressure, the tension of a tendon or the shortening of one
-        told its length, a moment), one per actuator, or under what an earlier result, `plan`, holds. A list of such
-        lists is a way: each is executed from where the one before it ends.
+        told its length, a moment), one per actuator, or under what an earlier result, `plan`, holds.
 
         `insertion`: how much of the rod is out of its port (m); `base`: x (m), y (m) and angle (rad) of its clamp. They are
-        held, and led there from `start`.
+        held, and led there from `start`, at its moments where none are given; beside `plan` they stand for its own.
+
+        A list of such lists, or of insertions, is a way, and gives a Trajectory: each is executed from where the one before
+        it ends, and what is given once holds all along.
         """
         if isinstance(moments, (Result, Mapping)):
             moments, plan = None, moments
@@ -230,24 +233,14 @@ class Scene:
         told = [name for name, value in given.items() if value is not None]
         if len(told) + (plan is not None) > 1:
             raise TypeError(f"execute: found {' and '.join(told + ['plan'] * (plan is not None))}, expected one of them")
-        placed = insertion is not None or base is not None
-        _refuse(plan is not None and placed, "insertion, base", "the plan says where its rod is, expected one of both")
-        place = ("" if insertion is None else _input_text(insertion, "insertion"),
-                 "" if base is None else _inputs_text(base, "base"))
-        scene = self._open()
-        if plan is not None:
-            path, text = scene.execute_result(_json_of(plan, "plan"), _json_of(start, "start"))
-            return Trajectory.from_json(text) if path else self._known(Execution.from_json(text))
         kind = told[0] if told else "moments, pressures, inputs or plan"
-        values = given[kind] if told else ()
-        lists = values.split(";") if isinstance(values, str) else list(_entries(values, kind))
-        told_values = values if isinstance(values, str) else lists
-        nested = any(is_list(entry) for entry in lists)
-        if nested or (isinstance(values, str) and len(lists) > 1):
-            text = "; ".join(_inputs_text(entry, f"{kind}[{i}]") for i, entry in enumerate(lists))
-            return Trajectory.from_json(scene.execute(kind, text, _json_of(start, "start"), True, *place))
-        text = scene.execute(kind, _inputs_text(told_values, kind), _json_of(start, "start"), False, *place)
-        return self._known(Execution.from_json(text))
+        values, values_go_on = _way_text(given[kind] if told else (), kind)
+        bases, bases_go_on = _way_text(() if base is None else base, "base")
+        lengths = [] if insertion is None else insertion.split(";") if isinstance(insertion, str) else entries(insertion, "insertion")
+        insertions = "; ".join(_input_text(v, f"insertion[{i}]") for i, v in enumerate(lengths))
+        along = values_go_on or bases_go_on or len(lengths) > 1 or is_list(insertion)
+        path, text = self._open().execute(kind, values, _json_of(plan, "plan"), _json_of(start, "start"), along, insertions, bases)
+        return self._known((Trajectory if path else Execution).from_json(text))
 
     def describe(self) -> Description:
         """`tendril describe`: the assembled program, and what was left out of it and why. Plans nothing."""
@@ -282,11 +275,12 @@ class Scene:
 
         `held`: of what the robot does under the plan's moments, instead of another plan; "moments[0]" is a key then.
         `moments` (N m): of what it does under these, instead. `plan`: an earlier result of this scene, planned or executed,
-        which is differentiated as it is. Raises ValueError where there are none, in words.
+        which is differentiated as it is; of a trajectory one of its steps. Raises ValueError where there are none, in words.
         """
         for key in keys:
             if not isinstance(key, str):
                 raise TypeError(f"keys: found {key!r}, expected the path of a number such as 'obstacle[0].radius'")
+            unicode(key, "keys")
         _refuse(held and moments is not None, "held", "moments that are given are held anyway, expected one of both")
         _refuse(plan is not None and moments is not None, "plan", "its moments are those that count, expected one of both")
         text = "" if moments is None else _inputs_text(moments, "moments")
@@ -352,12 +346,15 @@ class Problem:
             raise AttributeError(name)
         return getattr(self._native, name)
 
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *(name for name in dir(self._native) if not name.startswith("_"))})
+
 
 def _steps(key: str) -> list[str]:
     """ "rod.actuator[0].limit" as ["rod", "actuator", "0", "limit"]."""
     if not isinstance(key, str):
         raise TypeError(f"key: found {key!r}, expected text such as \"contact.max_force\"")
-    steps = [step for step in _STEP.split(key) if step]
+    steps = [step for step in _STEP.split(unicode(key, "key")) if step]
     if not steps:
         raise KeyError(f"found the key {key!r}, expected one such as \"contact.max_force\"")
     return steps
@@ -386,17 +383,16 @@ def _refuse(condition: bool, name: str, why: str) -> None:
         raise ValueError(f"{name}: {why}")
 
 
-def _entries(values: Any, name: str) -> Iterable[Any]:
-    """One per actuator; a lone number stands for a list of one."""
-    if isinstance(values, str):
-        return values.split(",")
-    if hasattr(values, "__iter__") and (is_list(values) or not hasattr(values, "ndim")):
-        return values
-    return [values]
-
-
 def _inputs_text(values: Any, name: str) -> str:
-    return ", ".join(_input_text(v, f"{name}[{i}]") for i, v in enumerate(_entries(values, name)))
+    return ", ".join(_input_text(v, f"{name}[{i}]") for i, v in enumerate(entries(values, name)))
+
+
+def _way_text(values: Any, name: str) -> tuple[str, bool]:
+    """One list, or several, one behind the other; and whether they are several."""
+    lists = values.split(";") if isinstance(values, str) else entries(values, name)
+    if isinstance(values, str) and len(lists) > 1 or any(is_list(entry) for entry in lists):
+        return "; ".join(_inputs_text(entry, f"{name}[{i}]") for i, entry in enumerate(lists)), True
+    return _inputs_text(values if isinstance(values, str) else lists, name), False
 
 
 def _input_text(value: Any, name: str) -> str:
@@ -411,9 +407,7 @@ def _json_of(result: Earlier | None, name: str) -> str | None:
     if isinstance(result, Result):
         return result.to_json()
     if isinstance(result, Mapping):
-        import json
-
-        return json.dumps(result)
+        return json_text(result, name)
     if isinstance(result, (str, os.PathLike)):
         with open(result, encoding="utf-8") as stream:
             return stream.read()

@@ -16,10 +16,10 @@ _DEEPEST = 64
 def plain(value: Any, name: str) -> float | str:
     """A number (SI) or a quantity as a float or as text with a unit. Raises TypeError, ValueError naming `name`."""
     if isinstance(value, str):
-        return value
+        return unicode(value, name)
     if hasattr(value, "to_base_units"):  # a quantity of pint
         return _quantity(value, name)
-    if isinstance(value, bool) or not hasattr(value, "__float__"):
+    if isinstance(value, bool) or not hasattr(value, "__float__") or getattr(value, "ndim", 0) > 0:
         raise TypeError(f"{name}: found {value!r}, expected a number or text with a unit")
     try:
         number = float(value)
@@ -28,6 +28,15 @@ def plain(value: Any, name: str) -> float | str:
     if not math.isfinite(number):
         raise ValueError(f"{name}: found {number}, expected a finite number")
     return number
+
+
+def unicode(text: str, name: str) -> str:
+    """The text, which has to be one that a file can hold."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise ValueError(f"{name}: found {text!r}, which is not Unicode, expected text that is") from None
+    return text
 
 
 def number(value: Any, name: str, least: float = -math.inf, most: float = math.inf) -> float:
@@ -52,7 +61,7 @@ def file_path(value: Any, name: str) -> str:
     path = os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
     if not isinstance(path, str):
         raise TypeError(f"{name}: found {value!r}, expected the name of a file")
-    return path
+    return unicode(path, name)
 
 
 def each(values: Any, name: str) -> list[Any]:
@@ -70,8 +79,20 @@ def _quantity(value: Any, name: str) -> float | str:
 
 
 def is_list(value: Any) -> bool:
-    """A list, a tuple, or an array of numpy."""
+    """A list, a tuple, or an array, of numpy or of pint."""
+    if hasattr(value, "to_base_units"):
+        value = value.magnitude
     return isinstance(value, (list, tuple)) or (hasattr(value, "tolist") and getattr(value, "ndim", 0) > 0)
+
+
+def entries(values: Any, name: str) -> list[Any]:
+    """What stands between the commas of a text, or in a list or the like; a lone value stands for a list of one."""
+    if isinstance(values, str):
+        return values.split(",")
+    if isinstance(values, (bytes, set, frozenset, Mapping)):
+        raise TypeError(f"{name}: found {values!r}, expected a list")
+    lone = hasattr(values, "to_base_units") or hasattr(values, "ndim") or not hasattr(values, "__iter__")
+    return [values] if lone and not is_list(values) else list(values)
 
 
 def inline(value: Any, name: str, depth: int = 0) -> str:
@@ -81,11 +102,11 @@ def inline(value: Any, name: str, depth: int = 0) -> str:
     if isinstance(value, bool) or type(value).__name__ in ("bool_", "bool8"):
         return "true" if value else "false"
     if isinstance(value, str):
-        return _text(value)
+        return _text(unicode(value, name))
     if isinstance(value, Mapping):
         items = (f"{key_text(key, name)} = {inline(item, f'{name}.{key}', depth + 1)}" for key, item in value.items())
         return "{" + ", ".join(items) + "}"
-    if is_list(value) or (hasattr(value, "to_base_units") and getattr(value.magnitude, "ndim", 0) > 0):
+    if is_list(value):
         return "[" + ", ".join(inline(item, f"{name}[{i}]", depth + 1) for i, item in enumerate(value)) + "]"
     if hasattr(value, "__index__") and not hasattr(value, "to_base_units"):
         return str(value.__index__())
@@ -101,4 +122,4 @@ def key_text(key: Any, name: str) -> str:
     """A key as TOML writes it."""
     if not isinstance(key, str):
         raise TypeError(f"{name}: found the key {key!r}, expected text")
-    return key if _BARE_KEY.match(key) else _text(key)
+    return key if _BARE_KEY.match(key) else _text(unicode(key, name))

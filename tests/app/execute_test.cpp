@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "command.hpp"
@@ -314,6 +315,24 @@ TEST(Execute, CarriesOutAnEarlierPlan) {
   // Model error of 6 functions per piece (README).
   EXPECT_NEAR(result["tip"]["x"].get<double>(), plan["tip"]["x"].get<double>(), 1e-11);
   EXPECT_NEAR(result["tip"]["y"].get<double>(), plan["tip"]["y"].get<double>(), 1e-11);
+}
+
+TEST(Execute, LeadsAnEarlierPlanFromOnePlaceToTheNext) {
+  const TemporaryDirectory directory;
+  const std::string scene = scene_path("inserted.toml"), plan = directory / "result.json";
+  const json planned = json_of({"plan", scene, "--output", directory.path().string()});
+  const json reached = json_of({"execute", scene, "--plan", plan, "--insertion", "190 mm; 170 mm"});
+  ASSERT_EQ(reached["steps"].size(), 2U);
+  for (const json& step : reached["steps"]) EXPECT_EQ(step["moments"], planned["moments"]);
+  EXPECT_EQ(reached["steps"][0]["insertion"], 0.19);
+  const json there = json_of({"execute", scene, "--plan", plan, "--insertion", "170 mm"});
+  for (const char* c : {"x", "y"})
+    EXPECT_NEAR(reached["steps"][1]["tip"][c].get<double>(), there["tip"][c].get<double>(), 1e-9);
+
+  const std::string path = directory / "path.json";
+  std::ofstream(path) << tendril({"execute", scene, "--plan", plan, "--insertion", "190 mm; 170 mm", "--json"}).out;
+  expect_refused(tendril({"execute", scene, "--plan", path, "--base", "0, 0, 0; 0, 0, 0.1"}),
+                 "--base: found several way points, but the result has its own, expected one place");
 }
 
 TEST(Execute, GoesOnFromAnEarlierResult) {

@@ -139,6 +139,16 @@ INSTANTIATE_TEST_SUITE_P(Prefixes, UnitsRefuse,
                                          Refusal{"3 Mrad", dimension::angle, "did you mean 'mrad'?"},
                                          Refusal{"5 1/Mm", dimension::curvature, "too small for a rod"}));
 
+// "kilogr am" is a grain times an attometre to the database.
+TEST(Units, NoneIsSuggestedThatNobodyUses) {
+  try {
+    Units().read("2.5 kilogram^1 meter^1 second^-2", dimension::moment);
+    FAIL() << "a force was read as a moment";
+  } catch (const QuantityError& error) {
+    EXPECT_EQ(std::string(error.what()).find("did you mean"), std::string::npos) << error.what();
+  }
+}
+
 TEST(Units, OfEveryRodAreTaken) {
   const Units units;
   for (const char* text : {"1 um", "1 mm", "1 cm", "1 inch", "1 m", "1 km"}) {

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 import tendril
@@ -101,6 +102,29 @@ def test_execute_of_a_placed_rod(scenes):
         tendril.load(file).execute(["3 N mm"], insertion=float("nan"))
 
 
+def test_execute_along_a_way(scenes, tmp_path):
+    """Insertions, bases and moments one after the other, and what an earlier result holds, led elsewhere."""
+    file = scenes / "inserted.toml"
+    scene = tendril.load(file)
+    plan = scene.plan()
+    plan.save(tmp_path / "plan.json")
+    held = tmp_path / "plan.json"
+    same(scene.execute(plan=plan, insertion="170 mm"), command("execute", file, "--plan", held, "--insertion", "170 mm"))
+    same(scene.execute(plan=plan, insertion=["190 mm", 0.17]), command("execute", file, "--plan", held, "--insertion", "190 mm; 0.17"))
+    same(scene.execute(start=plan, insertion="190 mm; 170 mm"),
+         command("execute", file, "--start", held, "--insertion", "190 mm; 170 mm"))
+    same(scene.execute([["3 N mm"], ["2 N mm"]], base=[[0, 0, 0], ["1 mm", 0.0, "2 deg"]]),
+         command("execute", file, "--moments", "3 N mm; 2 N mm", "--base", "0, 0, 0; 1 mm, 0, 2 deg"))
+    way = scene.execute(plan=plan, insertion=np.linspace(plan["insertion"], 0.17, 3))
+    assert [step["insertion"] for step in way.steps] == pytest.approx(np.linspace(plan["insertion"], 0.17, 3), abs=1e-12)
+    assert way.steps[0].tip == pytest.approx(plan.tip, abs=1e-6)
+    for options, why in (({"insertion": [0.1, 0.11, 0.12], "moments": [[0.0], [0.0]]}, "insertion|moments"),
+                         ({"plan": way, "insertion": [0.1, 0.11]}, "^insertion: "), ({"base": [0, 0], "moments": [0]}, "^base: "),
+                         ({"insertion": ["1 N"], "moments": [0]}, "^insertion: ")):
+        with pytest.raises(tendril.Error, match=why):
+            scene.execute(**options)
+
+
 def test_execute(scenes, brace, tmp_path):
     file = scenes / "brace.toml"
     same(brace.execute(["2.5 N mm"]), command("execute", file, "--moments", "2.5 N mm"))
@@ -156,6 +180,19 @@ def test_sensitivity_of_results(scenes, brace, tmp_path):
     for result, arguments, options in ((brace.plan(), [], {}), (brace.plan(), ["--held"], {"held": True}), (brace.execute([2.4e-3]), [], {})):
         result.save(tmp_path / "result.json")
         same(result.sensitivities(**options), command("sensitivity", file, "--plan", tmp_path / "result.json", *arguments))
+
+
+def test_sensitivity_of_a_step(scenes, tmp_path):
+    file = scenes / "trajectory.toml"
+    path = tendril.load(file).trajectory()
+    path.save(tmp_path / "path.json")
+    path.steps[6].save(tmp_path / "step.json")
+    of_path = command("sensitivity", file, "--plan", tmp_path / "path.json", "--step", "7", "--held")
+    same(path.steps[6].sensitivities(held=True), of_path)
+    assert command("sensitivity", file, "--plan", tmp_path / "step.json", "--held")["numbers"] == of_path["numbers"]
+    for words, why in (((), "which step"), (("--step", "46"), "step 46 among its 45"), (("--step", "0"), "step 0 among")):
+        run = subprocess.run([command_path(), "sensitivity", file, "--plan", tmp_path / "path.json", *words], capture_output=True, text=True)
+        assert run.returncode == 2 and why in run.stderr
 
 
 def test_calibrate(scenes):

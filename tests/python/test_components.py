@@ -138,6 +138,7 @@ def test_options_have_units_and_defaults(brace):
 @pytest.mark.parametrize("returned, message", [
     (None, "found None, expected a number"),
     ("text", "found 'text', expected a number"),
+    (True, "found True, expected a number"),
     ([None], "found None, expected a number"),
     ({}, "found {}, expected a number"),
     (1j, "found 1j, expected a number"),

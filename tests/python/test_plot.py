@@ -21,6 +21,15 @@ def test_plot(scenes, name):
     matplotlib.pyplot.close("all")
 
 
+def test_what_is_no_plan_does_not_look_like_one(brace):
+    plan = brace.plan()
+    for one in (plan, tendril.Plan({**plan.to_dict(), "status": "unstable"})):
+        ax = one.plot()
+        [rod] = [line for line in ax.lines if line.get_linewidth() == 2.5]
+        assert (rod.get_linestyle() == "-") == (rod.get_color() == "C0") == ("(unstable)" not in ax.get_title()) == one.solved
+    matplotlib.pyplot.close("all")
+
+
 def test_draws_what_the_page_shows(scenes):
     plan = tendril.load(scenes / "brace.toml").copy({"contact.friction": 0.3}).plan()
     ax = plan.plot()

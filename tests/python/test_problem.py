@@ -31,6 +31,26 @@ def test_follow_plans_what_plan_plans(brace):
     assert problem.target_error == problem.result().target_error
 
 
+def test_what_newton_does_not_reach_is_planned(brace):
+    """Targets that another set of active limits and contacts reaches."""
+    problem = brace.problem()
+    for target in ((0.097, 0.02), (0.097, 0.0), (0.06, 0.07)):
+        problem.follow(target)
+        there = brace.copy({"target.position": target}).plan()
+        assert problem.solved and problem.objective == pytest.approx(there.objective, rel=1e-9)
+
+
+def test_interrupts_come_between_steps(brace):
+    problem = brace.problem()
+    problem.follow((0.097, 0.02))
+    threading.Timer(0.1, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        for _ in range(1_000_000):
+            problem.follow((0.097, 0.02))
+    problem.follow((0.097, 0.019))
+    assert problem.solved
+
+
 def test_arrays_outlive_the_step_and_the_problem(brace):
     problem = brace.problem()
     problem.follow((0.097, 0.02))
@@ -87,7 +107,7 @@ assert tendril.load({brace!r}).plan().solved
 """
 
 
-@pytest.mark.parametrize("call", ["plan()", "problem().plan()", "sensitivity()"])
+@pytest.mark.parametrize("call", ["plan()", "problem().plan()", "problem().follow((0.1, 0.05))", "sensitivity()"])
 def test_control_c(scenes, call):
     text = INTERRUPTED.format(scene=str(scenes / "clutter.toml"), brace=str(scenes / "brace.toml"), call=call)
     run = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=100)

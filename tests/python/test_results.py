@@ -46,6 +46,19 @@ def test_html_and_repr(plan):
     assert "<script>" not in sly._repr_html_() and "&lt;script&gt;" in sly._repr_html_()
 
 
+def test_tables_in_a_notebook(brace, scenes):
+    """What stands in one line, and what has lines of its own."""
+    rates = brace.sensitivity(held=True)
+    assert "held" in repr(rates) and len(rates.table()) == len(rates["numbers"])
+    assert rates.table()[0].keys() == {"number", "value", *rates.rows}
+    calibration = tendril.load(scenes / "calibrate.toml").calibrate()
+    assert calibration.row()["stiffness"] == calibration.found[0] and calibration.table()[0]["error"] == calibration.errors[0]
+    study = tendril.load(scenes / "paradigms.toml").copy({"study.targets": [["97 mm", "20 mm"]]}).study()
+    for result, lines in ((rates, rates.table()), (calibration, calibration.table()), (study, study.table())):
+        html = result._repr_html_()
+        assert html.count("<tr>") == len(lines) + 1 and html.count("<td") == len(lines) * html.count("<th")
+
+
 def test_other_kinds(scenes):
     trajectory = tendril.load(scenes / "trajectory.toml").trajectory()
     assert trajectory.solved and trajectory.tips.shape == (45, 3) and trajectory.moments.shape[0] == 45
@@ -107,10 +120,10 @@ def test_no_results(text, why):
 @pytest.mark.parametrize("key, value, read", [
     ("backbone", [["a"]], lambda p: p.backbone), ("backbone", [[1, 2]], lambda p: p.backbone), ("tip", None, lambda p: p.tip),
     ("tip", {"x": 1}, lambda p: p.tip), ("contacts", "abc", lambda p: p.contacts), ("contacts", [{}], lambda p: p.contacts),
-    ("moments", {}, lambda p: p.moments),
+    ("moments", {}, lambda p: p.moments), ("backbone", [[1, 2], [3]], lambda p: p.backbone), ("inputs", [{"value": "a"}], lambda p: p.inputs),
 ])
 def test_parts_of_another_version_are_named(plan, key, value, read):
-    with pytest.raises(ValueError, match=f"document: '{key}' is not as a result of this version has it"):
+    with pytest.raises(ValueError, match=f"^document: '{key}' is not as a result of this version has it: (?!document)"):
         read(tendril.Plan({**plan.to_dict(), key: value}))
 
 
@@ -129,6 +142,14 @@ def test_rows_are_plain_values(plan, scenes):
 
 
 def test_results_of_another_kind(plan, brace, scenes):
+    with pytest.raises(ValueError, match="certificate"):
+        tendril.Plan(tendril.load(scenes / "estimate.toml").estimate().to_dict())
+    for value, kind in ((float("nan"), ValueError), (np.zeros(1), TypeError)):
+        document = {**plan.to_dict(), "moments": value}
+        with pytest.raises(kind, match="start: found what JSON cannot hold"):
+            brace.plan(start=document)
+        with pytest.raises(kind, match="document: found what JSON cannot hold"):
+            tendril.Plan(document).to_json()
     with pytest.raises(ValueError, match="trajectory"):
         tendril.Trajectory(plan.to_dict())
     document = plan.to_dict()

@@ -115,6 +115,37 @@ def test_values_that_are_none(brace, value):
     assert brace["obstacle[0].radius"] == "8 mm"
 
 
+@pytest.mark.parametrize("moments, why", [
+    ([], "0 moments"), (np.zeros((0, 1)), "0 moments"), (np.zeros((2, 1, 1)), r"moments\[0\]\[0\]"), ({1e-3}, "moments"),
+    ({"a": 1}, "schema"), (b"1", "moments"), ([True], r"moments\[0\]"), ("", "0 moments"), ([[]], "0 moments"),
+])
+def test_moments_of_other_shapes(brace, moments, why):
+    with pytest.raises((TypeError, ValueError), match=why):
+        brace.execute(moments)
+
+
+def test_messages_name_arguments_and_no_options(brace, scenes):
+    for call in (lambda: brace.execute(pressures=[1e3]), lambda: brace.execute([1e-3], base=[0, 0]),
+                 lambda: brace.execute(["1 kPa"]), lambda: brace.execute(inputs=["1 kPa"]),
+                 lambda: tendril.load(scenes / "tendon_arm.toml").execute([1e-3] * 4)):
+        with pytest.raises(tendril.Error) as caught:
+            call()
+        assert "--" not in str(caught.value)
+
+
+def test_text_that_is_no_unicode(brace, tmp_path):
+    bad = "a\ud800"
+    for call in (lambda: brace.copy({"title": bad}), lambda: brace.copy({bad: 1}), lambda: brace.copy({"rod": {bad: 1}}),
+                 lambda: tendril.Scene(title=bad), lambda: tendril.Scene.from_toml(bad), lambda: brace.execute([bad]),
+                 lambda: brace.plan(start={"schema": bad}), lambda: brace.execute(insertion=bad),
+                 lambda: brace.plan().view(tmp_path / bad), lambda: brace.sensitivity(bad), lambda: tendril.load(bad),
+                 lambda: brace.problem().follow((bad, 0)), lambda: brace["obstacle"] + brace[bad], lambda: tendril.command(bad)):
+        with pytest.raises((ValueError, KeyError, OSError)) as caught:
+            call()
+        assert "incompatible" not in str(caught.value)
+    assert bad not in brace
+
+
 def test_lists_without_end(brace):
     value = []
     value.append(value)

@@ -59,7 +59,7 @@ def test_nothing_is_planned_for_the_derivatives_of_a_plan(scenes, tmp_path):
         known = plan.sensitivities(held=held)
         assert known == scene.sensitivity(held=held) == scene.sensitivity(held=held, plan=tmp_path / "plan.json")
         [there] = tendril.plan_many([scene])
-        assert there.sensitivities(held=held) == known
+        assert there.sensitivities(held=held) == pickle.loads(pickle.dumps(plan)).sensitivities(held=held) == known
     executed = scene.execute(plan.moments)
     assert executed.sensitivities() == scene.sensitivity(moments=plan.moments) == scene.sensitivity(plan=executed)
     stiffer = scene.copy({"rod.bending_stiffness": "6e-4 N m^2"})
@@ -71,6 +71,36 @@ def test_nothing_is_planned_for_the_derivatives_of_a_plan(scenes, tmp_path):
         scene.sensitivity(plan=plan, moments=[1e-3])
     with pytest.raises(tendril.Error, match="status"):
         scene.sensitivity(plan={**plan.to_dict(), "status": 3})
+
+
+def test_steps_of_a_trajectory_have_derivatives(scenes, tmp_path):
+    """Those of the pose of the step, planned anew or under its held moments; a target is a number of it. Obstacles are where the
+    step has them, and their place has no derivatives there."""
+    scene = tendril.load(scenes / "trajectory.toml").copy({"trajectory": {"positions": [[0.0986, 0.009], [0.0984, 0.0105]]}})
+    shifts = {"trajectory.obstacle": [{"name": "obstacle 1", "shifts": [[0.0, 0.0], [0.001, -0.001]]}]}
+    for scene, centre in ((scene, [0.06, 0.0]), (scene.copy(shifts), [0.061, -0.001])):
+        trajectory = scene.trajectory()
+        pose = tendril.load(scenes / "trajectory.toml").copy({"problem": "pose", "obstacle[0].center": centre, "target.position": [0.0984, 0.0105]})
+        del pose["trajectory"]
+        plan = pose.plan(start=trajectory.steps[1])
+        for held in (False, True):
+            keys = ["obstacle[0].radius", *["target.position[1]"] * (not held), *["obstacle[0].center[1]"] * (centre[0] == 0.06)]
+            for key in keys:
+                found = trajectory.steps[1].sensitivity(key, held=held)
+                assert found == pytest.approx(plan.sensitivity(key, held=held), rel=1e-6, abs=1e-7)
+        # The same of a file, of a pickle, and of steps that were carried out.
+        trajectory.steps[1].save(tmp_path / "step.json")
+        everything = trajectory.steps[1].sensitivities(held=True)
+        assert scene.sensitivity(plan=tmp_path / "step.json", held=True) == everything
+        assert pickle.loads(pickle.dumps(trajectory)).steps[1].sensitivities(held=True) == everything
+        executed = scene.execute(trajectory).steps[1].sensitivities()
+        assert executed.held and executed["moments[0]"] == pytest.approx(everything["moments[0]"], rel=1e-3)
+    with pytest.raises(ValueError, match="an obstacle that was moved"):
+        trajectory.steps[1].sensitivity("obstacle[0].center[1]")
+    with pytest.raises(tendril.Error, match="steps"):
+        scene.sensitivity(plan=trajectory)
+    with pytest.raises(tendril.Error, match="a step of an earlier result"):
+        scene.sensitivity()
 
 
 def test_derivatives_of_the_plan_are_those_of_other_plans(scenes):

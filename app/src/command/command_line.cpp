@@ -304,6 +304,7 @@ Command sensitivity_command(CLI::App& app) {
     SceneOptions scene;
     std::vector<std::string> keys;
     std::string moments, plan;
+    std::optional<int> step;
     bool held = false, json = false;
   };
   CLI::App* sensitivity = app.add_subcommand(
@@ -319,15 +320,19 @@ Command sensitivity_command(CLI::App& app) {
                    "What the rod does under these, one per actuator, in N m or with units")
       ->type_name("\"M, ...\"")
       ->excludes("--held");
-  sensitivity->add_option("--plan", parsed->plan, "Result of this scene that is taken as it is; nothing is planned")
-      ->type_name("RESULT.json")
-      ->excludes("--moments");
+  CLI::Option* plan =
+      sensitivity->add_option("--plan", parsed->plan, "Result of this scene that is taken as it is; nothing is planned")
+          ->type_name("RESULT.json")
+          ->excludes("--moments");
+  sensitivity->add_option("--step", parsed->step, "Which step of the trajectory in --plan, from 1 on")
+      ->type_name("N")
+      ->needs(plan);
   add_json(*sensitivity, parsed->json);
   return {sensitivity, [sensitivity, parsed] {
             require_name(*sensitivity, "--plan", parsed->plan);
-            files::SensitivityWishes wishes{
-                parsed->keys, {files::InputKind::moments, parsed->moments}, parsed->held, std::nullopt};
-            if (!parsed->plan.empty()) wishes.plan = {read_input(parsed->plan, "plan"), parsed->plan};
+            files::SensitivityWishes wishes{parsed->keys, {files::InputKind::moments, parsed->moments}, parsed->held};
+            if (!parsed->plan.empty()) wishes.plan = {read_input(parsed->plan, "plan", largest_result), parsed->plan};
+            wishes.step = parsed->step;
             return run_sensitivity({parsed->scene.arguments(), wishes, parsed->json});
           }};
 }

@@ -66,7 +66,7 @@ int run_execute(const ExecuteArguments& arguments) {
   std::variant<Execution, Trajectory> executed;
   if (arguments.plan) {
     const files::ResultText earlier{read_input(*arguments.plan, "plan"), arguments.plan->string()};
-    executed = execute_result(session, earlier, start, place_of(arguments.inputs, session));
+    executed = execute_result(session, earlier, start, arguments.inputs);
   } else if (are_way_points(arguments.inputs)) {
     executed = session.execute(way_points_of(arguments.inputs, session, start), start);
   } else {

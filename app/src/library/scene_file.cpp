@@ -128,9 +128,9 @@ Trajectory SceneFile::execute_along(const Inputs& inputs, const Run& run) {
   return opened_->session.execute(app::way_points_of(inputs, opened_->session, start), start);
 }
 
-std::variant<Execution, Trajectory> SceneFile::execute(const ResultText& earlier, const Run& run) {
+std::variant<Execution, Trajectory> SceneFile::execute(const ResultText& earlier, const Run& run, const Inputs& moved) {
   opened_->begin(run);
-  return app::execute_result(opened_->session, earlier, opened_->start_of(run));
+  return app::execute_result(opened_->session, earlier, opened_->start_of(run), moved);
 }
 
 std::string SceneFile::json(const Plan& plan) const {

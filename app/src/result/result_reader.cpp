@@ -63,6 +63,17 @@ std::vector<MovedObstacle> read_moved_obstacles(const Reader& step, const Scene&
   return moved;
 }
 
+/// What a step of a trajectory was planned for.
+TargetSpec read_target(const Reader& step, const Scene& scene) {
+  TargetSpec wanted;
+  wanted.obstacles = read_moved_obstacles(step, scene);
+  if (!step.has("target")) return wanted;
+  const Reader target = step.member("target");
+  if (target.has("position")) wanted.position = target.member("position").point();
+  if (target.has("angle")) wanted.angle = target.member("angle").real();
+  return wanted;
+}
+
 /// What may be moved of a rod, absent where it may not.
 RodPlace read_place(const Reader& root) {
   RodPlace place;
@@ -189,11 +200,7 @@ std::vector<TrajectoryStep> parse_steps(const std::string& text, const std::stri
     step.plan.moments = read_moments(entry, scene.rod, file);
     step.plan.place = read_place(entry);
     step.plan.turns = read_turns(entry, scene.rod, 0);
-    step.target.obstacles = read_moved_obstacles(entry, scene);
-    if (!entry.has("target")) continue;
-    const Reader target = entry.member("target");
-    if (target.has("position")) step.target.position = target.member("position").point();
-    if (target.has("angle")) step.target.angle = target.member("angle").real();
+    step.target = read_target(entry, scene);
   }
   if (steps.empty()) root.member("steps").fail("at least one step");
   return steps;
@@ -208,10 +215,20 @@ Plan parse_start(const std::string& text, const std::string& file, const Scene& 
   return read_plan(Reader(json, file, ""), scene, file);
 }
 
-JudgedPlan parse_judged(const std::string& text, const std::string& file, const Scene& scene) {
+JudgedPlan parse_judged(const std::string& text, const std::string& file, const Scene& scene,
+                        const std::optional<int>& step) {
   const Json json = parse_result(text, file, "plan");
-  const Reader root(json, file, "");
-  JudgedPlan judged{read_plan(root, scene, file), root.member("problem").text() == to_string(ProblemKind::execute)};
+  const Reader whole(json, file, "");
+  if (!step && whole.has("steps")) whole.member("steps").fail("one plan, or which step of these is meant");
+  if (step && !whole.has("steps")) whole.fail("the result of a trajectory, of which a step is asked for");
+  const std::vector<Reader> steps = step ? whole.member("steps").list() : std::vector<Reader>{whole};
+  const auto index = static_cast<std::size_t>(step.value_or(1) - 1);
+  if (index >= steps.size()) whole.member("steps").fail(fmt::format("step {} among its {}", *step, steps.size()));
+  const Reader& root = steps[index];
+  const std::string method = root.has("method") ? root.member("method").text() : "";
+  JudgedPlan judged{read_plan(root, scene, file), method == to_string(StepMethod::executed) ||
+                                                      root.member("problem").text() == to_string(ProblemKind::execute)};
+  if (!method.empty()) judged.step = read_target(root, scene);
   if (root.member("status").text() == to_string(PlanStatus::solved)) judged.plan.status = PlanStatus::solved;
   const Reader certificate = root.member("certificate");
   if (certificate.has("stability")) judged.plan.certificate.stability = certificate.member("stability").real();

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <memory>
 
 #include "tendril/app/input_error.hpp"
@@ -91,11 +92,12 @@ std::optional<Written> read_number(const Node& node) {
   return std::nullopt;
 }
 
-std::vector<double> numbers_at(const Document& document, const std::string& key, const std::string& text) {
+/// By key: a scene that a step of a trajectory was made of has numbers that its document has not.
+std::map<std::string, double> numbers_at(const Document& document, const std::string& key, const std::string& text) {
   Document changed = document;
   changed.apply({{key, key, text}});
-  std::vector<double> values;
-  for (const SceneNumber& n : scene_numbers(read_scene(changed, std::make_shared<Units>()))) values.push_back(n.value);
+  std::map<std::string, double> values;
+  for (const SceneNumber& n : scene_numbers(read_scene(changed, std::make_shared<Units>()))) values[n.key] = n.value;
   return values;
 }
 
@@ -108,12 +110,14 @@ std::vector<Spread::Part> parts_of(const Document& document, const std::vector<S
     const std::string unit(written.dimension.unit);
     return numbers_at(document, key, fmt::format("{:.17g}{}{}", value, unit.empty() ? "" : " ", unit));
   };
-  const std::vector<double> far_before = at(-2), before = at(-1), behind = at(1), far_behind = at(2);
+  std::map<std::string, double> far_before = at(-2), before = at(-1), behind = at(1), far_behind = at(2);
   std::vector<Spread::Part> parts;
-  for (std::size_t i = 0; i < numbers.size() && i < before.size(); ++i) {
-    const double rate = (8.0 * (behind[i] - before[i]) - (far_behind[i] - far_before[i])) / (12.0 * step);
-    const double scale = std::abs(numbers[i].value) / std::max(std::abs(written.value), step);
-    if (std::abs(rate) > moves_at_all * scale) parts.push_back({numbers[i].key, rate});
+  for (const SceneNumber& n : numbers) {
+    if (!before.contains(n.key)) continue;
+    const double rate =
+        (8.0 * (behind[n.key] - before[n.key]) - (far_behind[n.key] - far_before[n.key])) / (12.0 * step);
+    const double scale = std::abs(n.value) / std::max(std::abs(written.value), step);
+    if (std::abs(rate) > moves_at_all * scale) parts.push_back({n.key, rate});
   }
   return parts;
 }

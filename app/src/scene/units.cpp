@@ -211,7 +211,8 @@ class Database {
       if (!is_letter(unit[i - 1]) || !is_letter(unit[i])) continue;
       std::string split = std::string(unit.substr(0, i)) + ' ' + std::string(unit.substr(i));
       bool known = false;
-      if (factor(split, dimension, known)) return split;
+      const std::optional<double> size = factor(split, dimension, known);
+      if (size && unusual_size(*size, dimension).empty()) return split;
     }
     return {};
   }

@@ -40,8 +40,14 @@ double read_number(const std::string& text, const Dimension& wanted, const std::
   }
 }
 
-constexpr const char* insertion_option = "--insertion";
-constexpr const char* base_option = "--base";
+/// What messages call an option of the command: where a program names the inputs, its argument.
+std::string named(const Inputs& inputs, const std::string& option) {
+  return inputs.shown.empty() || inputs.shown.starts_with("--") ? option : option.substr(2);
+}
+
+std::string name_of(const Inputs& inputs) { return inputs.shown.empty() ? option_of(inputs.kind) : inputs.shown; }
+std::string insertion_of(const Inputs& inputs) { return named(inputs, "--insertion"); }
+std::string base_of(const Inputs& inputs) { return named(inputs, "--base"); }
 
 std::string trimmed(const std::string& text) {
   const std::size_t first = std::min(text.find_first_not_of(" \t"), text.size());
@@ -67,8 +73,9 @@ const char* option_of(InputKind kind) {
 
 std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
   const std::vector<ActuatorSpec> actuators = actuators_of(session.scene());
-  const std::string option = inputs.shown.empty() ? option_of(inputs.kind) : inputs.shown;
-  if (actuators.empty() && inputs.text.find_first_not_of(" \t") == std::string::npos) return {};
+  const std::string option = name_of(inputs);
+  const bool empty = inputs.text.find_first_not_of(" \t") == std::string::npos;
+  if (actuators.empty() && empty) return {};
   if (inputs.kind == InputKind::none) {
     constexpr const char* options =
         "--moments \"M, ...\" or --plan RESULT.json, or --pressures \"P, ...\", or --inputs \"V, ...\" in the unit of "
@@ -76,7 +83,8 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
     throw InputError(fmt::format("execute needs what moves the scene's {} actuators, expected {}", actuators.size(),
                                  inputs.shown.empty() ? options : inputs.shown));
   }
-  const std::vector<std::string> texts = parts_of(inputs.text, ',');
+  std::vector<std::string> texts = parts_of(inputs.text, ',');
+  if (empty) texts.clear();
   std::vector<double> moments;
   moments.reserve(texts.size());
   for (std::size_t a = 0; a < texts.size(); ++a) {
@@ -87,19 +95,19 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
     if (known && inputs.kind == InputKind::pressures && actuator.input() != ActuatorKind::pressure) {
       throw InputError(
           fmt::format("{}: the scene does not say what moment a pressure gives, expected "
-                      "'moment_per_pressure' in [[rod.actuator]], or --moments",
-                      where));
+                      "'moment_per_pressure' in [[rod.actuator]], or {}",
+                      where, named(inputs, "--moments")));
     }
     if (inputs.kind == InputKind::moments && actuator.kind != ActuatorKind::moment) {
-      throw InputError(fmt::format("{}: found a moment for an actuator of kind \"{}\", expected --inputs", where,
-                                   to_string(actuator.kind)));
+      throw InputError(fmt::format("{}: found a moment for an actuator of kind \"{}\", expected {}", where,
+                                   to_string(actuator.kind), named(inputs, "--inputs")));
     }
     const bool told = inputs.kind != InputKind::moments;
     std::optional<std::pair<Dimension, std::string>> hint;
     if (told) {
-      hint.emplace(dimension::moment, "--moments takes moments");
+      hint.emplace(dimension::moment, named(inputs, "--moments") + " takes moments");
     } else if (actuator.knows_pressure()) {
-      hint.emplace(dimension::pressure, "--pressures takes pressures");
+      hint.emplace(dimension::pressure, named(inputs, "--pressures") + " takes pressures");
     }
     const double value =
         read_number(texts[a], told ? actuator.input_dimension() : dimension::moment, where, session.units(), hint);
@@ -118,24 +126,22 @@ std::vector<double> moments_of(const Inputs& inputs, const Session& session) {
 
 RodPlace place_of(const Inputs& inputs, const Session& session) {
   RodPlace place;
-  const auto number = [&](const std::string& text, const Dimension& wanted, const char* option) {
+  const std::string insertion = insertion_of(inputs), base = base_of(inputs);
+  const auto number = [&](const std::string& text, const Dimension& wanted, const std::string& option) {
     return read_number(text, wanted, option, session.units(), {});
   };
-  const bool grasp = session.scene().problem == ProblemKind::grasp;
-  for (const char* option :
-       {inputs.insertion.empty() ? nullptr : insertion_option, inputs.base.empty() ? nullptr : base_option}) {
-    if (grasp && option != nullptr)
-      throw InputError(fmt::format("{}: the fingers of a grasp stand on the palm", option));
+  if (session.scene().problem == ProblemKind::grasp && !(inputs.insertion.empty() && inputs.base.empty())) {
+    throw InputError(
+        fmt::format("{}: the fingers of a grasp stand on the palm", inputs.insertion.empty() ? base : insertion));
   }
-  if (!inputs.insertion.empty())
-    place.insertion = number(trimmed(inputs.insertion), dimension::length, insertion_option);
+  if (!inputs.insertion.empty()) place.insertion = number(trimmed(inputs.insertion), dimension::length, insertion);
   if (inputs.base.empty()) return place;
   const std::vector<std::string> texts = parts_of(inputs.base, ',');
   if (texts.size() != 3) {
-    throw InputError(fmt::format("{}: found {} numbers, expected three: x, y, angle", base_option, texts.size()));
+    throw InputError(fmt::format("{}: found {} numbers, expected three: x, y, angle", base, texts.size()));
   }
-  place.base = {{number(texts[0], dimension::length, base_option), number(texts[1], dimension::length, base_option)},
-                number(texts[2], dimension::angle, base_option)};
+  place.base = {{number(texts[0], dimension::length, base), number(texts[1], dimension::length, base)},
+                number(texts[2], dimension::angle, base)};
   return place;
 }
 
@@ -155,7 +161,7 @@ bool are_way_points(const Inputs& inputs) {
 std::vector<TrajectoryStep> way_points_of(const Inputs& inputs, const Session& session,
                                           const std::optional<Plan>& start) {
   std::vector<TrajectoryStep> steps;
-  const std::string option = inputs.shown.empty() ? option_of(inputs.kind) : inputs.shown;
+  const std::string option = name_of(inputs);
   if (session.scene().problem == ProblemKind::grasp) {
     throw InputError(option +
                      ": found several lists, but the fingers of a grasp are executed one by one, expected one");
@@ -172,8 +178,8 @@ std::vector<TrajectoryStep> way_points_of(const Inputs& inputs, const Session& s
   for (std::size_t i = 0; i < count; ++i) {
     Inputs one = inputs;
     one.text = one_of(texts, i, option);
-    one.insertion = one_of(insertions, i, insertion_option);
-    one.base = one_of(bases, i, base_option);
+    one.insertion = one_of(insertions, i, insertion_of(inputs));
+    one.base = one_of(bases, i, base_of(inputs));
     one.shown = fmt::format("{}, way point {}", option, i + 1);
     Plan& plan = steps.emplace_back().plan = held_of(one, session, start);
     plan.turns.assign(plan.moments.size(), 0.0);
@@ -187,19 +193,33 @@ std::vector<TrajectoryStep> way_points_of(const Inputs& inputs, const Session& s
 }
 
 std::variant<Execution, Trajectory> execute_result(Session& session, const files::ResultText& earlier,
-                                                   const std::optional<Plan>& start, const RodPlace& place) {
-  const auto moved = [&place](RodPlace own) {
+                                                   const std::optional<Plan>& start, const Inputs& moved) {
+  const auto over = [](RodPlace own, const RodPlace& place) {
     if (place.insertion) own.insertion = place.insertion;
     if (place.base) own.base = place.base;
     return own;
   };
-  std::vector<TrajectoryStep> steps = parse_steps(earlier.text, earlier.name, session.scene());
-  for (TrajectoryStep& step : steps) step.plan.place = moved(step.plan.place);
-  if (!steps.empty()) return session.execute(steps, start);
-  const Plan plan = parse_start(earlier.text, earlier.name, session.scene(), "plan");
+  const Scene& scene = session.scene();
+  std::vector<TrajectoryStep> steps = parse_steps(earlier.text, earlier.name, scene);
+  if (!steps.empty()) {
+    if (are_way_points(moved)) {
+      throw InputError(
+          fmt::format("{}: found several way points, but the result has its own, expected one place",
+                      moved.insertion.find(';') != std::string::npos ? insertion_of(moved) : base_of(moved)));
+    }
+    const RodPlace place = place_of(moved, session);
+    for (TrajectoryStep& step : steps) step.plan.place = over(step.plan.place, place);
+    return session.execute(steps, start);
+  }
+  const Plan plan = parse_start(earlier.text, earlier.name, scene, "plan");
+  if (are_way_points(moved)) {
+    steps = way_points_of(moved, session, plan);
+    for (TrajectoryStep& step : steps) step.plan.place = over(plan.place, step.plan.place);
+    return session.execute(steps, start);
+  }
   std::optional<double> palm_distance;
   if (plan.grasp) palm_distance = plan.grasp->palm_distance;
-  return session.execute(all_held(session.scene(), plan), start, palm_distance, moved(plan.place));
+  return session.execute(all_held(scene, plan), start, palm_distance, over(plan.place, place_of(moved, session)));
 }
 
 }  // namespace tendril::app

@@ -31,8 +31,8 @@ std::vector<TrajectoryStep> way_points_of(const Inputs& inputs, const Session& s
                                           const std::optional<Plan>& start);
 
 /// The moments of an earlier result carried out: those of a plan, or those of each step of a trajectory.
-/// `place`: where the rod is moved to instead.
+/// `moved`: where the rod is moved to instead; of a plan also one place after the other.
 std::variant<Execution, Trajectory> execute_result(Session& session, const files::ResultText& earlier,
-                                                   const std::optional<Plan>& start, const RodPlace& place = {});
+                                                   const std::optional<Plan>& start, const Inputs& moved = {});
 
 }  // namespace tendril::app

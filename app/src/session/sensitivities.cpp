@@ -1,10 +1,12 @@
 #include "session/sensitivities.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "scene/error_bars.hpp"
 #include "session/inputs.hpp"
 #include "tendril/app/input_error.hpp"
+#include "tendril/trajectory.hpp"
 
 namespace tendril::app {
 
@@ -65,9 +67,26 @@ std::vector<KeySensitivity> derivatives(const Session& session, const Sensitivit
   return out;
 }
 
-/// What is differentiated.
-JudgedPlan result_of(Session& session, const SensitivityWishes& wishes) {
-  if (wishes.plan) return parse_judged(wishes.plan->text, wishes.plan->name, session.scene());
+/// The scene becomes one that plans the pose of a step.
+void aim_at(Session& session, const TargetSpec& step) {
+  Scene scene = with_obstacles(session.scene(), step);
+  scene.problem = ProblemKind::pose;
+  scene.trajectory = {};
+  scene.target = step;
+  scene.target.obstacles.clear();
+  session.use(scene);
+}
+
+/// An earlier result, which its scene is made to ask for; nothing: there is none.
+std::optional<JudgedPlan> earlier_of(Session& session, const SensitivityWishes& wishes) {
+  if (!wishes.plan) return std::nullopt;
+  JudgedPlan judged = parse_judged(wishes.plan->text, wishes.plan->name, session.scene(), wishes.step);
+  if (session.scene().problem == ProblemKind::trajectory) aim_at(session, judged.step.value_or(TargetSpec{}));
+  return judged;
+}
+
+/// What is differentiated where there is no earlier result.
+JudgedPlan made(Session& session, const SensitivityWishes& wishes) {
   if (wishes.moments.text.empty()) return {session.plan(std::nullopt)};
   return {session.execute(moments_of(wishes.moments, session), std::nullopt).result, true};
 }
@@ -77,19 +96,24 @@ JudgedPlan result_of(Session& session, const SensitivityWishes& wishes) {
 SceneSensitivity sensitivities_of(Session& session, const SensitivityWishes& wishes) {
   const Scene& scene = session.scene();
   const bool planned = !wishes.plan && wishes.moments.text.empty();
-  if (scene.problem != ProblemKind::pose && (planned || scene.problem != ProblemKind::execute)) {
-    throw InputError("sensitivity: found problem = \"" + std::string(to_string(scene.problem)) +
-                     "\", expected a scene that plans a pose");
+  const bool fits = scene.problem == ProblemKind::pose || (scene.problem == ProblemKind::execute && !planned) ||
+                    (scene.problem == ProblemKind::trajectory && wishes.plan);
+  if (!fits) {
+    throw InputError(
+        "sensitivity: found problem = \"" + std::string(to_string(scene.problem)) + "\", expected " +
+        (scene.problem == ProblemKind::trajectory ? "a step of an earlier result of it" : "a scene that plans a pose"));
   }
+  const std::optional<JudgedPlan> earlier = earlier_of(session, wishes);
   // A key that is not there is told before anything is planned.
   for (const std::string& key : wishes.keys) {
     if (!key.starts_with("moments[")) spread_of(session.document(), scene, key);
   }
-  const auto [plan, executed] = result_of(session, wishes);
+  const JudgedPlan judged = earlier ? *earlier : made(session, wishes);
   SceneSensitivity out;
-  out.of = executed ? sensitivity_of(scene, session.make_obstacles(), plan)
-                    : session.sensitivity(plan, wishes.held ? SensitivityKind::held : SensitivityKind::replanned);
-  if (out.of.trouble.empty()) out.keys = derivatives(session, out.of, wishes.keys, plan.moments);
+  out.of = judged.executed
+               ? sensitivity_of(scene, session.make_obstacles(), judged.plan)
+               : session.sensitivity(judged.plan, wishes.held ? SensitivityKind::held : SensitivityKind::replanned);
+  if (out.of.trouble.empty()) out.keys = derivatives(session, out.of, wishes.keys, judged.plan.moments);
   return out;
 }
 

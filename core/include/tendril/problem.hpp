@@ -33,6 +33,9 @@ class TENDRIL_API Problem {
   /// and from the second such step in a row nothing is allocated as long as the active set stays; otherwise everything
   /// is planned. `stop` as in PlanControl.
   void follow(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop = nullptr);
+  /// The part of follow() that calls no solver. Returns whether that does; else the target is set and `plan` is as it
+  /// was.
+  bool step(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop = nullptr);
   /// The derivatives of a plan of this scene by its numbers, by the implicit function theorem
   /// (docs/model.md section 15): one factorization, a right-hand side per number. `keys`: of scene_numbers() (or, of
   /// held plans, "moments[i]"); none: all of them. Where there is no derivative the trouble says why. Throws Error for

@@ -341,12 +341,15 @@ bool Problem::follow_without_solver(Plan& plan) {
   return false;
 }
 
-void Problem::follow(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop) {
+bool Problem::step(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop) {
   set_target(target);
-  if (follow_without_solver(plan)) {
-    tell_more(*task_, plan, stop);
-    return;
-  }
+  if (!follow_without_solver(plan)) return false;
+  tell_more(*task_, plan, stop);
+  return true;
+}
+
+void Problem::follow(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop) {
+  if (step(target, plan, stop)) return;
   PlanControl control;
   control.stop = stop;
   control.start = &plan;

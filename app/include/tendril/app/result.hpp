@@ -46,11 +46,13 @@ Plan parse_start(const std::string& text, const std::string& file, const Scene& 
 
 /// An earlier result as a start, and what became of it.
 struct JudgedPlan {
-  Plan plan;              ///< as a start, with its margin of stability, and solved if it was
-  bool executed = false;  ///< given moments were carried out; else it was planned
+  Plan plan;                         ///< as a start, with its margin of stability, and solved if it was
+  bool executed = false;             ///< given moments were carried out; else it was planned
+  std::optional<TargetSpec> step{};  ///< of a trajectory: what it is a step to, with obstacles where they were
 };
-/// Throws InputError as read_start() does.
-JudgedPlan parse_judged(const std::string& text, const std::string& file, const Scene& scene);
+/// `step`: of a trajectory's result, from 1 on. Throws InputError as read_start() does.
+JudgedPlan parse_judged(const std::string& text, const std::string& file, const Scene& scene,
+                        const std::optional<int>& step);
 
 /// Targets and moments of the steps in what trajectory_json() has written; empty: it holds one plan, or nothing that
 /// can be read. Throws InputError as read_start() does.

@@ -94,7 +94,7 @@ enum class InputKind {
 struct Inputs {
   InputKind kind = InputKind::none;  ///< of the numbers in `text`
   std::string text{};                ///< one SI number or quantity with a unit for each actuator, between commas
-  std::string shown{};               ///< how messages name them; empty: as options of the command
+  std::string shown{};               ///< how messages name `text`; empty: all as options of the command
   std::string insertion{};           ///< length of the rod that is out of its port; empty: as it is
   std::string base{};                ///< x, y and angle of its base, between commas; empty: as it is
 };
@@ -104,8 +104,10 @@ struct SensitivityWishes {
   std::vector<std::string> keys{};  ///< numbers such as obstacle[0].radius; none: all of the scene
   Inputs moments{};                 ///< carried out instead of planned ones; without text: none
   bool held = false;                ///< what the rod does under the plan's moments, instead of another plan
-  /// An earlier result of this scene, which is differentiated as it is: planned, or carried out, where it is held.
+  /// An earlier result of this scene, which is differentiated as it is: planned, or carried out, where it is held. Of a
+  /// trajectory's scene one of the steps, or the whole.
   std::optional<ResultText> plan{};
+  std::optional<int> step{};  ///< of `plan`, a trajectory: which one, from 1 on
 };
 
 /// What a run starts from and what may end it.
@@ -149,8 +151,9 @@ class TENDRIL_API SceneFile {
   Execution execute(const Inputs& inputs, const Run& run = {});
   /// The same along several lists between semicolons, one after the other.
   Trajectory execute_along(const Inputs& inputs, const Run& run = {});
-  /// The same under the moments of an earlier result: of a plan, or of each step of a trajectory in turn.
-  std::variant<Execution, Trajectory> execute(const ResultText& earlier, const Run& run = {});
+  /// The same under the moments of an earlier result: of a plan, or of each step of a trajectory in turn. `moved`: the
+  /// rod is at its insertion and base instead, of a plan also at one after the other.
+  std::variant<Execution, Trajectory> execute(const ResultText& earlier, const Run& run = {}, const Inputs& moved = {});
 
   /// `tendril sensitivity`, as its JSON; `run.start` is not used. Where the result has no derivatives, "trouble" says
   /// why.
