@@ -35,8 +35,9 @@ Follower::Follower(Task& problem, FollowedPoint point, const PoseProgramSpec& sp
     : problem_(problem),
       point_(std::move(point)),
       program_(spec),
-      certifier_(spec),
+      certifier_(program_),
       sampler_(certifier_.finer(point_.x).chain()) {
+  polisher_.keep_factorization();
   for (int k = 0; k < program_.layout().forces; ++k) program_.set_branch(k, Branch::touching);
 }
 
