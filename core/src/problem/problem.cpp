@@ -313,7 +313,7 @@ Description Problem::describe() const {
   return out;
 }
 
-bool Problem::follow_without_solver(Plan& plan) {
+bool Problem::follow_without_solver(Plan& plan, bool contacts_may_change) {
   Task& d = *task_;
   // The worst state of friction changes from one to another on the way.
   const bool worst = d.scene.contact.friction_state == FrictionState::worst && !d.friction.empty();
@@ -321,13 +321,13 @@ bool Problem::follow_without_solver(Plan& plan) {
   d.face(plan.tip_angle);
   if (!d.follower || !d.follower->stands_at(plan)) d.follower = Follower::from(d, plan);
   if (d.follower && d.follower->step(plan)) return true;
-  d.follower.reset();
-  return false;
+  if (d.follower) d.follower = contacts_may_change ? d.follower->step_with_other_contacts(plan) : nullptr;
+  return d.follower != nullptr;
 }
 
 void Problem::follow(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop) {
   set_target(target);
-  if (follow_without_solver(plan)) {
+  if (follow_without_solver(plan, true)) {
     tell_friction(*task_, plan, stop);
     return;
   }
@@ -343,7 +343,7 @@ Plan Problem::plan(const PlanControl& control) {
   const bool follows = control.follow && control.start != nullptr && control.start->status == PlanStatus::solved;
   if (follows && control.without.empty()) {
     Plan followed = *control.start;
-    if (follow_without_solver(followed)) {
+    if (follow_without_solver(followed, false)) {
       tell_friction(*task_, followed, control.stop);
       return followed;
     }

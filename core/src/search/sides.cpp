@@ -64,16 +64,18 @@ double merit_of(const Task& task, const SideStart& seen) {
 
 bool same_sides(const SideStart& a, const SideStart& b) { return a.sides == b.sides && a.patches == b.patches; }
 
-/// Shows shapes of one or two arcs to `see`, one after the other, as long as it returns true.
+/// Shows shapes of one or two arcs to `see`, from one side to the other or in turn from both, as long as it returns
+/// true.
 template <class See>
-void look_at_arcs(const Task& task, const See& see) {
+void look_at_arcs(const Task& task, bool in_turn, const See& see) {
   const SearchParameters& p = search_parameters();
   const double bend = knee(task.rod);
   const bool two = bend < 1.0;
   const int count = two ? p.arcs_of_two : p.arcs_of_one;
   std::vector<OutlinePoint> line;
   const auto angle = [&](int i) { return (2.0 * i / (count - 1) - 1.0) * (two ? p.widest_of_two : p.widest_of_one); };
-  for (int i = 0; i < count; ++i) {
+  for (int number = 0; number < count; ++number) {
+    const int i = !in_turn ? number : number % 2 == 0 ? number / 2 : count - 1 - number / 2;
     for (int k = 0; k < (two ? count : 1); ++k) {
       const double first = two ? angle(i) / bend : angle(i);
       const double second = two ? angle(k) / (1.0 - bend) : first;
@@ -117,7 +119,7 @@ bool several_sides(const Task& task) {
   }
   std::optional<SideStart> first;
   bool several = false;
-  look_at_arcs(task, [&](SideStart seen) {
+  look_at_arcs(task, true, [&](SideStart seen) {
     several = first && !same_sides(seen, *first);
     if (!first) first = std::move(seen);
     return !several;
@@ -127,7 +129,7 @@ bool several_sides(const Task& task) {
 
 std::vector<SideStart> starts_by_sides(Task& task) {
   if (task.arcs.empty() && any_has_sides(task)) {
-    look_at_arcs(task, [&](SideStart seen) {
+    look_at_arcs(task, false, [&](SideStart seen) {
       task.arcs.push_back(std::move(seen));
       return true;
     });
