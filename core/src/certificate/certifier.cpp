@@ -150,7 +150,7 @@ struct Certifier::Data {
   Stability stability;
   std::unique_ptr<OutOfPlane> out_of_plane;  ///< null: torsion is not known
   // Memory that is used again.
-  Eigen::VectorXd coarse, rows;  ///< of the judged program, and on the doubled rule
+  Eigen::VectorXd rows;
   std::vector<int> biactive;
   std::vector<Branch> branches;
   std::vector<ClosestApproach> near;
@@ -243,11 +243,11 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
   Data& d = *data_;
   c.contact_convexity = infinity;
   const PoseProgram::Layout& at = d.program->layout();
-  d.coarse = judged.constraints(x);
   d.move(x);
   const Eigen::VectorXd& rows = d.rows = d.program->constraints(x);
-  if (rows.size() != d.coarse.size()) throw Error("the program to be judged has other check points than its judge");
-  c.quadrature = d.exact ? d.error : (rows - d.coarse).cwiseAbs().maxCoeff();
+  if (rows.size() != judged.row_count()) throw Error("the program to be judged has other check points than its judge");
+  c.quadrature = d.error;
+  if (!d.exact) c.quadrature = (rows - judged.constraints(x)).cwiseAbs().maxCoeff();
   c.equilibrium = rows.head(at.coordinates).cwiseAbs().maxCoeff() + (d.exact ? d.error : 0.0);
 
   c.bounds = 0.0;
