@@ -6,78 +6,17 @@
 
 #include <cmath>
 #include <cstdint>
-#include <memory>
 
 #include "certificate/certifier.hpp"
+#include "common/pose_fixture.hpp"
 #include "counting_malloc.hpp"
 #include "nlp/polish.hpp"
-#include "obstacle/circle.hpp"
-#include "program/pose_program.hpp"
 
 namespace {
 
 using namespace tendril;
+using Fixture = bench::PoseFixture;
 using test::allocations;
-
-/// Tip position and moment, as in the paper's Eq. 5.
-class Pose : public ObjectiveBase<Pose> {
- public:
-  Reads reads() const override {
-    Reads r;
-    r.tip_position = r.moments = true;
-    return r;
-  }
-  template <class T>
-  void operator()(const Quantities<T>& x, Contribution<T>& out) const {
-    out.residual(x.tip.x - 0.97);
-    out.residual(x.tip.y - 0.2);
-    out.residual(0.01 * x.moments[0]);
-  }
-};
-
-struct Fixture {
-  explicit Fixture(int order = 6, int check_points = 20, std::int64_t kind = 0) : basis(order) {
-    rod.segments[0].weight = 1.68;
-    if (kind == 2) {
-      rod.stretch_order = order / 2;
-      rod.segments[0].axial = 1600.0;
-    }
-    if (kind == 1) {
-      // A round section whose diameter falls by a fifth.
-      rod.segments[0].more_stiffness = {-0.8, 0.24, -0.032, 0.0016};
-      rod.segments[0].more_weight = {-0.4 * 1.68, 0.04 * 1.68};
-    }
-    rod.actuators = {{0.0, 1.0, -0.51, 0.51}};
-    rod.gravity = {0.0, -1.0};
-    PoseProgramSpec spec;
-    spec.rod = &rod;
-    spec.model = &basis;
-    spec.obstacles = {&circle};
-    spec.terms = {{&pose, 1.0, "pose"}};
-    spec.split = true;
-    spec.contacts = {{0, false, 0}};
-    const int per_piece = check_points / 2;
-    for (int i = 1; i <= per_piece; ++i) {
-      for (const int piece : {0, 1}) spec.checks.push_back({piece, static_cast<double>(i) / (per_piece + 1), 0});
-    }
-    spec.nodes = suggested_nodes(order, 1.0);
-    program = std::make_unique<PoseProgram>(spec);
-    x = program->start_from(constant_curvature(0.5));
-    x[program->layout().first_force] = 1.2;
-    y = Eigen::VectorXd::Constant(program->row_count(), 0.3);
-  }
-
-  /// A new point each time, so that nothing is found in the cache.
-  void nudge() { x[0] += (flip = -flip); }
-
-  LegendreBasis basis;
-  Circle circle{{0.6, 0.0}, 0.08};
-  Pose pose;
-  Rod rod;
-  std::unique_ptr<PoseProgram> program;
-  Eigen::VectorXd x, y;
-  double flip = 1e-6;
-};
 
 void count_allocations(benchmark::State& state, long before) {
   state.counters["allocations"] =
@@ -151,12 +90,12 @@ BENCHMARK(with_hessian)
     ->Args({6, 20, 2})
     ->Args({12, 20, 2});
 
-/// One mode's program with its tables, and the doubled one that judges it.
+/// One mode's program with its tables, and what judges it.
 void assembly(benchmark::State& state) {
   const Fixture f;
   for (auto _ : state) {
-    const PoseProgram program(f.program->spec());
-    const Certifier certifier(f.program->spec());
+    PoseProgram program(f.program->spec());
+    const Certifier certifier(program);
     benchmark::DoNotOptimize(&program);
     benchmark::DoNotOptimize(&certifier);
   }
@@ -168,7 +107,7 @@ void certificate(benchmark::State& state) {
   Fixture f;
   f.program->set_branch(0, Branch::touching);
   const PolishReport plan = polish(*f.program, f.x, {});
-  Certifier certifier(f.program->spec());
+  Certifier certifier(*f.program);
   for (auto _ : state) benchmark::DoNotOptimize(certifier.certify(*f.program, plan.x).stability);
   state.counters["converged"] = plan.converged ? 1.0 : 0.0;
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "counting_malloc.hpp"
 #include "support/print.hpp"
 #include "tendril/plugins/components.hpp"
@@ -56,14 +58,18 @@ void allocates_nothing_once_it_runs(bool braced, plugins::Registry& registry, co
   int step = 1;
   for (; step <= 3; ++step) problem.follow(target(braced, step), plan);
   int without_solver = 0;
+  std::int64_t hessians = 0;
   const long before = allocations();
   for (; step <= 40; ++step) {
     problem.follow(target(braced, step), plan);
     without_solver += plan.status == PlanStatus::solved && plan.solver.iterations == 0 ? 1 : 0;
+    hessians += plan.evaluations.hessians;
   }
   const long allocated = allocations() - before;
   EXPECT_EQ(without_solver, 37);
   EXPECT_EQ(allocated, 0);
+  // Most steps go by the factorization that there is.
+  EXPECT_LT(hessians, 20);
 
   // It is the plan that is made from scratch, and says the same of itself.
   problem.set_target(target(braced, step - 1));
@@ -101,6 +107,42 @@ TEST_P(Follow, AllocatesNothingOnceItRuns) {
   const auto solvers = registry.names(ComponentKind::solver);
   ASSERT_FALSE(solvers.empty());
   for (const std::string& solver : solvers) allocates_nothing_once_it_runs(GetParam(), registry, solver);
+}
+
+// The arm comes down on its peg and leaves it again.
+TEST(FollowContacts, ComeAndGoWithoutASolver) {
+  plugins::Registry registry{plugins::Catalog(plugins::search_places({}))};
+  Scene scene = arm(true, registry.names(ComponentKind::solver).front());
+  scene.rod.actuators[0].maximum = 1e-2;
+  constexpr int steps = 50;
+  const auto on_the_way = [](int i) {
+    const double share = 1.0 - std::abs(1.0 - static_cast<double>(i) / steps);
+    return TargetSpec{.position = Vec2{0.095 + 0.002 * share, 0.032 - 0.014 * share}, .angle = {}};
+  };
+  scene.target = on_the_way(0);
+  Problem problem(scene, plugins::make_components(registry, scene));
+  Problem other(scene, plugins::make_components(registry, scene));
+  Plan plan = problem.plan();
+  ASSERT_EQ(plan.status, PlanStatus::solved) << plan.message;
+  ASSERT_TRUE(plan.contacts.empty());
+  int changes = 0;
+  for (int i = 1; i <= 2 * steps; ++i) {
+    const std::size_t before = plan.contacts.size();
+    problem.follow(on_the_way(i), plan);
+    ASSERT_EQ(plan.status, PlanStatus::solved) << plan.message;
+    EXPECT_TRUE(plan.certificate.valid());
+    EXPECT_EQ(plan.solver.iterations, 0) << i;
+    if (plan.contacts.size() == before) continue;
+    ++changes;
+    other.set_target(on_the_way(i));
+    const Plan fresh = other.plan();
+    EXPECT_EQ(fresh.contacts.size(), plan.contacts.size());
+    EXPECT_NEAR(plan.objective, fresh.objective, 1e-12);
+    EXPECT_NEAR(plan.tip_x, fresh.tip_x, same_length);
+    EXPECT_NEAR(plan.tip_y, fresh.tip_y, same_length);
+  }
+  EXPECT_EQ(changes, 2);
+  EXPECT_TRUE(plan.contacts.empty());
 }
 
 TEST_P(Follow, PlansInFullWhereNewtonAloneDoesNotDo) {

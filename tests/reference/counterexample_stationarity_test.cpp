@@ -158,8 +158,9 @@ TEST(CounterexampleStationarity, ADroppedCheckPointLeavesItsMultiplierOver) {
   pose.assemble();
   EXPECT_TRUE(refused(pose.judge(pose.x), "stationarity", left));
   // A judge of other rows than the program's says so.
-  Certifier other(pose.spec);
-  other.set_checks({});
+  PoseProgramSpec unchecked = pose.spec;
+  unchecked.checks.clear();
+  Certifier other(unchecked);
   EXPECT_THROW((void)other.certify(*pose.program, pose.x), Error);
   pose.spec.checks = {{0, 1.0, 0}};
   // Nor would one that holds the rod to the obstacle instead of out of it.

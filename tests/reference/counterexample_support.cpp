@@ -77,6 +77,15 @@ void Pose::plan() {
 Certificate Pose::judge(const Eigen::VectorXd& at, const Eigen::VectorXd* rows, const Eigen::VectorXd* bounds) const {
   Certificate c;
   Certifier(spec).certify(*program, at, c, rows, bounds);
+  // A judge that may read the program itself says the same.
+  Certificate own;
+  Certifier(*program).certify(*program, at, own, rows, bounds);
+  EXPECT_EQ(own.failures.size(), c.failures.size());
+  EXPECT_EQ(own.stationarity_kind, c.stationarity_kind);
+  if (!at.allFinite()) return c;
+  EXPECT_NEAR(own.equilibrium, c.equilibrium, 1e-11);
+  EXPECT_NEAR(own.penetration, c.penetration, 1e-10 + 2e-3 * c.penetration);
+  EXPECT_NEAR(own.stationarity, c.stationarity, 1e-9);
   return c;
 }
 

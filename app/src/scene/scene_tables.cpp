@@ -296,9 +296,7 @@ Table<CorrelationDraft> correlation_table() {
                Need::required)}};
 }
 
-}  // namespace
-
-Table<SceneDraft> scene_table() {
+Table<SceneDraft> make_scene_table() {
   using T = SceneDraft;
   const std::vector<std::string> problems{"pose", "trajectory", "grasp", "execute", "estimate"};
   Table<T> scene;
@@ -371,6 +369,13 @@ Table<SceneDraft> scene_table() {
           "calibrate", "calibrate", "Measured shapes for 'tendril calibrate', and what is looked for.",
           calibration_table(), [](T & t) -> auto& { return t.calibration.emplace(); })};
   return scene;
+}
+
+}  // namespace
+
+const Table<SceneDraft>& scene_table() {
+  static const Table<SceneDraft> table = make_scene_table();
+  return table;
 }
 
 }  // namespace tendril::app

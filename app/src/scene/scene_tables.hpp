@@ -45,7 +45,7 @@ struct SceneDraft {
   std::optional<CalibrationDraft> calibration;
 };
 
-/// The keys of a scene, tables and all.
-Table<SceneDraft> scene_table();
+/// The keys of a scene, tables and all; made once.
+const Table<SceneDraft>& scene_table();
 
 }  // namespace tendril::app

@@ -29,9 +29,9 @@ class TENDRIL_API Problem {
   /// status.
   Plan plan(const PlanControl& control = {});
   /// Replaces `plan`, made by this problem, by one for another target, as set_target() and plan() would with `plan` to
-  /// follow; for loops at a steady rate. Where Newton on the plan's own active set is certified no solver is called,
-  /// and from the second such step in a row nothing is allocated as long as the active set stays; otherwise everything
-  /// is planned. `stop` as in PlanControl.
+  /// follow; for loops at a steady rate. Where Newton on the plan's own active set is certified, or on that with the
+  /// contact that comes or without the one that goes, no solver is called, and from the second such step in a row
+  /// nothing is allocated as long as the active set stays; otherwise everything is planned. `stop` as in PlanControl.
   void follow(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop = nullptr);
   /// The part of follow() that calls no solver. Returns whether that does; else the target is set and `plan` is as it
   /// was.
@@ -43,7 +43,7 @@ class TENDRIL_API Problem {
   Sensitivity sensitivity(const Plan& plan, SensitivityKind kind, const std::vector<std::string>& keys = {});
 
  private:
-  bool follow_without_solver(Plan& plan);
+  bool follow_without_solver(Plan& plan, bool contacts_may_change);
 
   std::unique_ptr<Task> task_;
 };

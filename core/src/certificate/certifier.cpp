@@ -2,16 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "certificate/out_of_plane.hpp"
 #include "nlp/multipliers.hpp"
 #include "obstacle/shrunk.hpp"
 #include "program/stability.hpp"
+#include "rod/rule_error.hpp"
 #include "tendril/error.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril {
 namespace {
+
+/// What a rule may leave in a row of a program that is judged on this rule alone: a hundredth of what doubling it may
+/// show.
+constexpr double rule_is_exact = 1e-2 * tolerance::quadrature;
 
 std::string defect(const char* what, double value, double limit) {
   return what + (' ' + shown_with_exponent(value)) + " is above " + shown_with_exponent(limit, 1);
@@ -36,12 +42,17 @@ double axial_force(const PoseProgram& program) {
 }  // namespace
 
 struct Certifier::Data {
-  explicit Data(const PoseProgramSpec& s)
-      : spec(doubled(s)), program(std::make_unique<PoseProgram>(spec)), stability(*program) {
+  explicit Data(const PoseProgramSpec& s) : Data(s, std::make_unique<PoseProgram>(doubled(s)), nullptr) {}
+  explicit Data(PoseProgram& judged) : Data(judged.spec(), nullptr, &judged) {}
+  Data(const PoseProgramSpec& s, std::unique_ptr<PoseProgram> twice, PoseProgram* judged)
+      : spec(doubled(s)),
+        own(judged),
+        fine(std::move(twice)),
+        program(judged != nullptr ? judged : fine.get()),
+        stability(*program) {
     for (const Obstacle* o : spec.obstacles) shrunk.emplace_back(*o);
-    tables = program->chain().curve_tables();
-    curve = std::make_unique<Curve>(tables);
     if (spec.rod->has_torsion() && !spec.rod->stretches()) out_of_plane = std::make_unique<OutOfPlane>();
+    if (judged != nullptr && !out_of_plane && !spec.rod->has_dead_loads()) rule_error.emplace(judged->chain());
   }
 
   static PoseProgramSpec doubled(PoseProgramSpec s) {
@@ -49,14 +60,47 @@ struct Certifier::Data {
     return s;
   }
 
-  /// The program and its curve at x. The curve is followed again only where the program was evaluated anew.
+  /// The program on twice the nodes, made where it is needed.
+  PoseProgram& doubled_program() {
+    if (!fine) {
+      fine = std::make_unique<PoseProgram>(spec);
+      fine->set_loads(own->loads());
+    }
+    return *fine;
+  }
+
+  /// What the rule of the judged program leaves in any of its rows at the point that it was evaluated at last.
+  double own_error() const {
+    const RuleError::Bound bound = rule_error->of(own->backbone());
+    const Loads& loads = own->loads();
+    double weight = spec.rod->payload;
+    for (const Rod::Segment& segment : spec.rod->segments) weight += segment.whole_weight();
+    double force = norm(loads.tip_force) + norm(loads.gravity) * weight;
+    for (const PoseProgram::ContactState& c : own->contacts()) {
+      force += std::abs(c.force) * norm(c.push) + std::abs(c.shear);
+    }
+    // A force turns each piece by its own integral and, through its arm, by those of all pieces before it.
+    return 2.0 * (1.0 + force) * bound.integral + bound.tangent;
+  }
+
+  /// The program that x is read from and its curve there. The curve is followed again only where the program was
+  /// evaluated anew.
   void move(ConstVectorRef x) {
-    program->jacobian(x);
-    if (program->counts().first_derivatives == followed) return;
-    followed = program->counts().first_derivatives;
+    exact = false;
+    if (rule_error && rule_error->known()) {
+      own->jacobian(x);
+      error = own_error();
+      exact = error <= rule_is_exact;
+    }
+    PoseProgram& at = exact ? *own : doubled_program();
+    at.jacobian(x);
+    if (&at == program && at.counts().first_derivatives == followed) return;
+    if (&at != program || !curve) curve = std::make_unique<Curve>(at.chain().curve_tables());
+    program = &at;
+    followed = at.counts().first_derivatives;
     curve->follow(program->backbone());
     if (spec.carried == 0) return;
-    if (!from_palm) from_palm = std::make_unique<Curve>(tables);
+    if (!from_palm) from_palm = std::make_unique<Curve>(at.chain().curve_tables());
     *from_palm = *curve;
     from_palm->translate(-program->base_shift());
     from_palm->strip();
@@ -89,68 +133,72 @@ struct Certifier::Data {
     stability.hold_ends(false);
     return std::min(sliding, held);
   }
-  void set_branch(int contact, Branch branch) {
-    if (program->branch(contact) != branch) program->set_branch(contact, branch);
-  }
   void judge_stationarity(PoseProgram& judged, ConstVectorRef x, Certificate& c, const Eigen::VectorXd* multipliers,
                           const Eigen::VectorXd* bound_multipliers);
 
-  PoseProgramSpec spec;
-  std::unique_ptr<PoseProgram> program;
-  std::vector<ShrunkObstacle> shrunk;  ///< one per obstacle
-  std::shared_ptr<const CurveTables> tables;
+  PoseProgramSpec spec;                 ///< on twice the nodes
+  PoseProgram* own;                     ///< whose points are judged; null: any program's
+  std::unique_ptr<PoseProgram> fine;    ///< null: not needed yet
+  PoseProgram* program;                 ///< the one of these that the last point is read from
+  std::optional<RuleError> rule_error;  ///< of `own`; nothing where it is not asked for
+  double error = 0.0;                   ///< of its rows at the last point
+  bool exact = false;                   ///< that is nothing but rounding
+  std::vector<ShrunkObstacle> shrunk;   ///< one per obstacle
   std::unique_ptr<Curve> curve, from_palm;
   std::int64_t followed = 0;  ///< evaluations of the program when the curve was made
 
   Stability stability;
   std::unique_ptr<OutOfPlane> out_of_plane;  ///< null: torsion is not known
   // Memory that is used again.
-  Eigen::VectorXd coarse, rows;  ///< of the judged program, and on the doubled rule
+  Eigen::VectorXd rows;
   std::vector<int> biactive;
+  std::vector<Branch> branches;
   std::vector<ClosestApproach> near;
   KktJudgement known;
 };
 
 Certifier::Certifier(const PoseProgramSpec& spec) : data_(std::make_unique<Data>(spec)) {}
+Certifier::Certifier(PoseProgram& judged) : data_(std::make_unique<Data>(judged)) {}
 Certifier::~Certifier() = default;
 Certifier::Certifier(Certifier&&) noexcept = default;
 Certifier& Certifier::operator=(Certifier&&) noexcept = default;
-
-void Certifier::set_checks(const std::vector<CheckPoint>& checks) {
-  data_->spec.checks = checks;
-  const Loads loads = data_->program->loads();
-  data_->program = std::make_unique<PoseProgram>(data_->spec);
-  data_->followed = 0;
-  data_->program->set_loads(loads);
-}
 
 void Certifier::Data::judge_stationarity(PoseProgram& judged, ConstVectorRef x, Certificate& c,
                                          const Eigen::VectorXd* multipliers, const Eigen::VectorXd* bound_multipliers) {
   const PoseProgram::Layout& at = program->layout();
   // The tightened program: the branch of each contact is what the point says it is.
   biactive.clear();
+  branches.clear();
+  bool as_judged = true;
   for (int k = 0; k < at.forces; ++k) {
     const PoseProgram::ContactState& state = program->contacts()[static_cast<std::size_t>(k)];
     const bool touches =
         judged.branch(k) == Branch::touching || std::abs(state.surface.distance) <= tolerance::complementarity;
     const bool pushes = state.force > tolerance::complementarity;
     if (touches && !pushes) biactive.push_back(k);
-    set_branch(k, touches ? Branch::touching : Branch::separated);
+    branches.push_back(touches ? Branch::touching : Branch::separated);
+    as_judged = as_judged && judged.branch(k) == branches.back();
   }
+  // The judged program itself stays as it is.
+  PoseProgram& tight = exact && as_judged && biactive.empty() ? *program : doubled_program();
+  const auto set_branch = [&](int contact, Branch branch) {
+    if (tight.branch(contact) != branch) tight.set_branch(contact, branch);
+  };
+  for (int k = 0; k < at.forces; ++k) set_branch(k, branches[static_cast<std::size_t>(k)]);
   constexpr double active = 1e-8;
   if (multipliers != nullptr && bound_multipliers != nullptr && biactive.empty()) {
-    judge_kkt(*program, x, active, *multipliers, *bound_multipliers, known);
+    judge_kkt(tight, x, active, *multipliers, *bound_multipliers, known);
     c.stationarity = known.stationarity;
     c.stationarity_kind = "S";
     if (known.stationarity <= tolerance::stationarity) return;
   }
-  const KktJudgement best = judge_kkt(*program, x, active);
+  const KktJudgement best = judge_kkt(tight, x, active);
   c.stationarity = best.stationarity;
   c.stationarity_kind = best.stationarity <= tolerance::stationarity ? "S" : "none";
   if (biactive.empty() || c.stationarity_kind == "none") return;
   // Gap and force both zero: the gap's multiplier must be that of g >= 0 for strong stationarity.
   for (const int k : biactive) set_branch(k, Branch::open);
-  const KktJudgement strong = judge_kkt(*program, x, active);
+  const KktJudgement strong = judge_kkt(tight, x, active);
   if (strong.stationarity <= tolerance::stationarity) {
     c.stationarity = strong.stationarity;
     return;
@@ -174,7 +222,7 @@ Certificate Certifier::certify(PoseProgram& judged, ConstVectorRef x) {
 
 void Certifier::set_target(const Target& target) {
   data_->spec.target = target;
-  data_->program->set_target(target);
+  if (data_->fine) data_->fine->set_target(target);
 }
 
 void Certifier::certify(PoseProgram& judged, ConstVectorRef x, Certificate& c, const Eigen::VectorXd* multipliers,
@@ -195,12 +243,12 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
   Data& d = *data_;
   c.contact_convexity = infinity;
   const PoseProgram::Layout& at = d.program->layout();
-  d.coarse = judged.constraints(x);
   d.move(x);
   const Eigen::VectorXd& rows = d.rows = d.program->constraints(x);
-  if (rows.size() != d.coarse.size()) throw Error("the program to be judged has other check points than its judge");
-  c.quadrature = (rows - d.coarse).cwiseAbs().maxCoeff();
-  c.equilibrium = rows.head(at.coordinates).cwiseAbs().maxCoeff();
+  if (rows.size() != judged.row_count()) throw Error("the program to be judged has other check points than its judge");
+  c.quadrature = d.error;
+  if (!d.exact) c.quadrature = (rows - judged.constraints(x)).cwiseAbs().maxCoeff();
+  c.equilibrium = rows.head(at.coordinates).cwiseAbs().maxCoeff() + (d.exact ? d.error : 0.0);
 
   c.bounds = 0.0;
   for (int i = 0; i < judged.variable_count(); ++i) {
@@ -350,7 +398,7 @@ bool Certifier::approached(ConstVectorRef x, double level) {
 }
 
 void Certifier::set_loads(const Loads& loads) {
-  data_->program->set_loads(loads);
+  data_->doubled_program().set_loads(loads);
   for (std::size_t o = 0; o < loads.shrink.size(); ++o) data_->shrunk[o].shrink(loads.shrink[o]);
 }
 

@@ -17,18 +17,19 @@ TENDRIL_API bool only_unstable(const Certificate& certificate);
 /// The worse of two judgements in every number, and the failures of both.
 TENDRIL_API Certificate worse_of(const Certificate& a, const Certificate& b);
 
-/// Judges points of one pose program without asking a solver (model.md section 7): on a rule with twice the nodes, with
-/// the true shape between check points, and with the stability of the equilibrium itself.
+/// Judges points of one pose program without asking a solver (model.md section 7): on a rule with twice the nodes,
+/// where the program's own is not proven to be exact, with the true shape between check points, and with the stability
+/// of the equilibrium itself.
 class TENDRIL_API Certifier {
  public:
-  /// `spec` is that of the program to be judged; its pointers must outlive this.
+  /// `spec` is that of the program to be judged; its pointers must outlive this. Everything is read on twice the nodes.
   explicit Certifier(const PoseProgramSpec& spec);
+  /// For the points of this program alone, which must outlive this: where its rule is exact it is read itself, and
+  /// where it was evaluated last nothing is evaluated again.
+  explicit Certifier(PoseProgram& judged);
   ~Certifier();
   Certifier(Certifier&&) noexcept;             ///< Leaves the other one unusable.
   Certifier& operator=(Certifier&&) noexcept;  ///< Leaves the other one unusable.
-
-  /// Check points change nothing of the judgement except which rows can carry multipliers. Cheap.
-  void set_checks(const std::vector<CheckPoint>& checks);
 
   /// Judges x of `program`, whose branches say which contacts touch.
   Certificate certify(PoseProgram& program, ConstVectorRef x);
@@ -50,7 +51,8 @@ class TENDRIL_API Certifier {
   };
   /// All such places at x, for `level` in units of L.
   std::vector<Approach> approaches(ConstVectorRef x, double level);
-  /// The program on the rule with twice the nodes, moved to x: what is read between nodes is read from this one.
+  /// The program that x is read from, on a rule that is fine enough, moved there: what is read between nodes is read
+  /// from this one.
   const PoseProgram& finer(ConstVectorRef x);
   /// The curve of the rod there: where finer() or a judgement was asked for last.
   const Curve& curve() const;

@@ -92,17 +92,16 @@ class Restoration {
     start_model();
     bool refused = false;
     while (damping_ < most_damping) {
-      Eigen::VectorXd next, next_rows, next_violation;
-      if (propose(next)) {
-        look(next, next_rows, next_violation);
-        const double merit = next_violation.squaredNorm();
+      if (propose(next_)) {
+        look(next_, next_rows_, next_violation_);
+        const double merit = next_violation_.squaredNorm();
         if (std::isfinite(merit) && merit < merit_) {
           // Almost no progress over a full step: the valley floor of an infeasible program.
           const bool floor = (curved_ || view_ == View::here) && merit > merit_ * (1.0 - 1e-7) && damping_ < 1.0;
           curved_ = view_ == View::ahead && merit > slow * merit_;
-          x_ = next;
-          rows_ = next_rows;
-          violation_ = next_violation;
+          x_.swap(next_);
+          rows_.swap(next_rows_);
+          violation_.swap(next_violation_);
           merit_ = merit;
           // Less than what was just refused would be refused again.
           if (!refused) damping_ = std::max(1e-12, 0.2 * damping_);
@@ -129,21 +128,21 @@ class Restoration {
     Eigen::VectorXd slope;
   };
 
-  void build(Model& model) const {
+  void build(Model& model) {
     const auto count = static_cast<Eigen::Index>(
         std::count_if(model.counted.begin(), model.counted.end(), [](Side s) { return s != Side::inside; }));
-    Eigen::MatrixXd active(x_.size(), count);
-    Eigen::VectorXd off(count);
+    active_.resize(x_.size(), count);
+    off_.resize(count);
     Eigen::Index column = 0;
     for (int i = 0; i < rows_.size(); ++i) {
       const Side s = model.counted[static_cast<std::size_t>(i)];
       if (s == Side::inside) continue;
-      active.col(column) = jacobian_.row(i).transpose();
-      off[column++] = rows_[i] - (s == Side::above ? program_.row_upper()[i] : program_.row_lower()[i]);
+      active_.col(column) = jacobian_.row(i).transpose();
+      off_[column++] = rows_[i] - (s == Side::above ? program_.row_upper()[i] : program_.row_lower()[i]);
     }
-    model.slope.noalias() = active * off;
+    model.slope.noalias() = active_ * off_;
     model.normal.setZero(x_.size(), x_.size());
-    model.normal.selfadjointView<Eigen::Lower>().rankUpdate(active);
+    model.normal.selfadjointView<Eigen::Lower>().rankUpdate(active_);
     model.normal.triangularView<Eigen::StrictlyUpper>() = model.normal.transpose();
     if (curved_) model.normal += curvature_;
   }
@@ -157,23 +156,23 @@ class Restoration {
 
   /// The least violation of the linearized rows under the damping, within the bounds. Which rows will be violated and
   /// which bounds met is guessed from what is so now, then from the step itself. False: the model has no least value.
-  bool propose(Eigen::VectorXd& next) const {
+  bool propose(Eigen::VectorXd& next) {
     const Eigen::Index n = x_.size();
-    std::vector<Side> pinned(static_cast<std::size_t>(n), Side::inside);
+    pinned_.assign(static_cast<std::size_t>(n), Side::inside);
     for (Eigen::Index i = 0; i < n; ++i) {
-      Side& pin = pinned[static_cast<std::size_t>(i)];
+      Side& pin = pinned_[static_cast<std::size_t>(i)];
       if (x_[i] <= program_.lower()[i] && now_.slope[i] > 0.0) pin = Side::below;
       if (x_[i] >= program_.upper()[i] && now_.slope[i] < 0.0) pin = Side::above;
     }
-    Model guessed = now_;
-    Eigen::VectorXd step;
+    const Model* model = &now_;
     for (int guess = 0; guess < most_guesses; ++guess) {
-      if (!minimize(guessed, pinned, step)) return false;
+      if (!minimize(*model)) return false;
       if (view_ == View::here) break;
-      const Eigen::VectorXd predicted = rows_ + jacobian_ * step;
+      if (guess == 0) guessed_.counted = now_.counted;
+      const Eigen::VectorXd predicted = rows_ + jacobian_ * step_;
       bool same = true;
       for (int i = 0; i < rows_.size(); ++i) {
-        Side& own = guessed.counted[static_cast<std::size_t>(i)];
+        Side& own = guessed_.counted[static_cast<std::size_t>(i)];
         const Side then = side(predicted[i], i);
         // A row that the step just satisfies stays: equations always count.
         const bool leaves = then == Side::inside && program_.is_equality(i);
@@ -182,37 +181,39 @@ class Restoration {
         same = false;
       }
       for (Eigen::Index i = 0; i < n; ++i) {
-        Side& pin = pinned[static_cast<std::size_t>(i)];
+        Side& pin = pinned_[static_cast<std::size_t>(i)];
         if (pin != Side::inside) continue;
-        if (x_[i] + step[i] < program_.lower()[i]) pin = Side::below;
-        if (x_[i] + step[i] > program_.upper()[i]) pin = Side::above;
+        if (x_[i] + step_[i] < program_.lower()[i]) pin = Side::below;
+        if (x_[i] + step_[i] > program_.upper()[i]) pin = Side::above;
         same = same && pin == Side::inside;
       }
       if (same) break;
-      build(guessed);
+      build(guessed_);
+      model = &guessed_;
     }
-    next = (x_ + step).cwiseMax(program_.lower()).cwiseMin(program_.upper());
+    next = (x_ + step_).cwiseMax(program_.lower()).cwiseMin(program_.upper());
     return true;
   }
 
   /// The damped step to the model's least value with pinned variables at their bounds. False: it has none.
-  bool minimize(const Model& model, const std::vector<Side>& pinned, Eigen::VectorXd& step) const {
-    Eigen::MatrixXd normal = model.normal;
-    Eigen::VectorXd slope = model.slope;
-    normal.diagonal().array() += damping_ * (1.0 + normal.diagonal().array().abs());
+  bool minimize(const Model& model) {
+    damped_ = model.normal;
+    step_ = model.slope;
+    damped_.diagonal().array() += damping_ * (1.0 + damped_.diagonal().array().abs());
     for (Eigen::Index i = 0; i < x_.size(); ++i) {
-      const Side pin = pinned[static_cast<std::size_t>(i)];
+      const Side pin = pinned_[static_cast<std::size_t>(i)];
       if (pin == Side::inside) continue;
       const double moved = (pin == Side::below ? program_.lower()[i] : program_.upper()[i]) - x_[i];
-      slope += moved * normal.col(i);
-      normal.row(i).setZero();
-      normal.col(i).setZero();
-      normal(i, i) = 1.0;
-      slope[i] = -moved;
+      step_ += moved * damped_.col(i);
+      damped_.row(i).setZero();
+      damped_.col(i).setZero();
+      damped_(i, i) = 1.0;
+      step_[i] = -moved;
     }
-    const Eigen::LLT<Eigen::MatrixXd> factors(normal);
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(damped_);
     if (factors.info() != Eigen::Success) return false;
-    step = -factors.solve(slope);
+    factors.solveInPlace(step_);
+    step_ = -step_;
     return true;
   }
 
@@ -221,7 +222,12 @@ class Restoration {
   Eigen::VectorXd x_;
   Eigen::VectorXd rows_, violation_;
   Eigen::MatrixXd jacobian_, curvature_;
-  Model now_;
+  Model now_, guessed_;
+  std::vector<Side> pinned_;  ///< variables that the step holds at a bound
+  Eigen::VectorXd step_;
+  // Memory that is used again.
+  Eigen::MatrixXd active_, damped_;
+  Eigen::VectorXd off_, next_, next_rows_, next_violation_;
   double merit_ = 0.0;
   double damping_ = 1e-3;
   bool curved_ = false;  ///< the last step was slow

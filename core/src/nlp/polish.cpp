@@ -26,6 +26,7 @@ constexpr int most_trials = 6;
 
 class Polisher::Newton {
  public:
+  void keep() { keeps_ = true; }
   const PolishReport& run(NonlinearProgram& program, ConstVectorRef x, const Eigen::VectorXd& multipliers,
                           const PolishOptions& options) {
     program_ = &program;
@@ -197,7 +198,8 @@ class Polisher::Newton {
     if (!std::isfinite(now.merit())) return give_up("a value is not finite");
     double best = now.merit();
     int without_progress = 0;
-    bool chord = false;  // the factorization is an earlier point's
+    // Whether the factorization is an earlier point's.
+    bool chord = keeps_ && regular_ && active_ == factored_rows_ && free_ == factored_variables_;
     while (!small(now, chord ? chord_accuracy : 1.0)) {
       if (report_.iterations++ >= options_.max_iterations) return give_up("too many steps");
       if (options_.stop && options_.stop()) return give_up("stopped");
@@ -244,6 +246,8 @@ class Polisher::Newton {
       }
     }
     lu_.compute(kkt_);
+    factored_rows_ = active_;
+    factored_variables_ = free_;
   }
 
   /// What the next step has to take away, in the order of the matrix.
@@ -347,12 +351,14 @@ class Polisher::Newton {
   Eigen::VectorXd x_, y_, slope_;
   Eigen::VectorXd x_new_, y_new_, slope_new_;  ///< of a step that is tried
   std::vector<Side> rows_, bounds_;
-  std::vector<Side> seen_;          ///< active sets on which Newton ended, one after the other
-  std::vector<int> active_, free_;  ///< rows and variables of the current active set
+  std::vector<Side> seen_;                               ///< active sets on which Newton ended, one after the other
+  std::vector<int> active_, free_;                       ///< rows and variables of the current active set
+  std::vector<int> factored_rows_, factored_variables_;  ///< those of the matrix
   Eigen::MatrixXd kkt_;
   Eigen::VectorXd rhs_, step_, left_;
   Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
   bool regular_ = false;  ///< the last step came from lu_
+  bool keeps_ = false;    ///< lu_, from one run to the next
   PolishReport report_;
 };
 
@@ -360,6 +366,7 @@ Polisher::Polisher() : newton_(std::make_unique<Newton>()) {}
 Polisher::Polisher(Polisher&&) noexcept = default;
 Polisher& Polisher::operator=(Polisher&&) noexcept = default;
 Polisher::~Polisher() = default;
+void Polisher::keep_factorization() { newton_->keep(); }
 
 const PolishReport& Polisher::run(NonlinearProgram& program, ConstVectorRef x, const Eigen::VectorXd& multipliers,
                                   const PolishOptions& options) {

@@ -40,6 +40,9 @@ class TENDRIL_API Polisher {
   Polisher& operator=(Polisher&&) noexcept;  ///< likewise
   ~Polisher();
 
+  /// Later runs begin with the factorization of the run before, if the active set is its own, as long as they converge
+  /// fast: for a program that changes little, near where that run ended.
+  void keep_factorization();
   /// `multipliers` may be empty: they are fitted at x. The report is this object's, until the next run.
   const PolishReport& run(NonlinearProgram& program, ConstVectorRef x, const Eigen::VectorXd& multipliers,
                           const PolishOptions& options = {});

@@ -322,28 +322,27 @@ Description Problem::describe() const {
   return out;
 }
 
-bool Problem::follow_without_solver(Plan& plan) {
+bool Problem::follow_without_solver(Plan& plan, bool contacts_may_change) {
   Task& d = *task_;
   // The worst state of friction changes from one to another on the way.
   const bool worst = d.scene.contact.friction_state == FrictionState::worst && !d.friction.empty();
   if (d.lower || worst) return false;
   d.face(plan.tip_angle);
   if (!d.follower || !d.follower->stands_at(plan)) d.follower = Follower::from(d, plan);
-  if (d.follower && d.follower->step(plan)) {
-    // What a search said of the plan before does not hold of this one.
-    plan.scan.reset();
-    plan.minima.clear();
-    plan.notes.clear();
-    tell_target(d, plan);
-    return true;
-  }
-  d.follower.reset();
-  return false;
+  if (d.follower && !d.follower->step(plan))
+    d.follower = contacts_may_change ? d.follower->step_with_other_contacts(plan) : nullptr;
+  if (!d.follower) return false;
+  // What a search said of the plan before does not hold of this one.
+  plan.scan.reset();
+  plan.minima.clear();
+  plan.notes.clear();
+  tell_target(d, plan);
+  return true;
 }
 
 bool Problem::step(const TargetSpec& target, Plan& plan, const std::atomic<bool>* stop) {
   set_target(target);
-  if (!follow_without_solver(plan)) return false;
+  if (!follow_without_solver(plan, true)) return false;
   tell_more(*task_, plan, stop);
   return true;
 }
@@ -362,7 +361,7 @@ Plan Problem::plan(const PlanControl& control) {
   const bool follows = control.follow && control.start != nullptr && control.start->status == PlanStatus::solved;
   if (follows && control.without.empty()) {
     Plan followed = *control.start;
-    if (follow_without_solver(followed)) {
+    if (follow_without_solver(followed, false)) {
       tell_more(*task_, followed, control.stop);
       return followed;
     }

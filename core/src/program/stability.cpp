@@ -8,6 +8,58 @@
 
 namespace tendril {
 
+namespace {
+
+/// Of small factors the blocks of a large product cost more than the product.
+template <class A, class B>
+void multiply(const A& a, const B& b, Eigen::MatrixXd& out) {
+  constexpr Eigen::Index small = 16;
+  if (a.cols() <= small) {
+    out = a.lazyProduct(b);
+  } else {
+    out.noalias() = a * b;
+  }
+}
+
+/// Of a symmetric tridiagonal matrix, by Laguerre's method from below Gershgorin's circles, which never passes the
+/// smallest of real roots. The characteristic polynomial is the product of Sturm's quotients q.
+double smallest_eigenvalue(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& beside) {
+  const Eigen::Index n = diagonal.size();
+  double at = std::numeric_limits<double>::infinity();
+  double size = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double radius = (i > 0 ? std::abs(beside[i - 1]) : 0.0) + (i + 1 < n ? std::abs(beside[i]) : 0.0);
+    at = std::min(at, diagonal[i] - radius);
+    size = std::max(size, std::abs(diagonal[i]) + radius);
+  }
+  const double rounding = std::numeric_limits<double>::epsilon() * size;
+  constexpr int most_steps = 100;
+  for (int step = 0; step < most_steps; ++step) {
+    double first = 0.0;   // of the quotients, sum of -q'/q
+    double second = 0.0;  // its derivative
+    double q = 1.0, slope = 0.0, bend = 0.0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double back = i > 0 ? beside[i - 1] * beside[i - 1] / q : 0.0;
+      const double bend_now = back * (bend - 2.0 * slope * slope);
+      const double slope_now = back * slope - 1.0;
+      q = diagonal[i] - at - back;
+      if (!(q > 0.0)) return at;
+      slope = slope_now / q;
+      bend = bend_now / q;
+      first -= slope;
+      second += slope * slope - bend;
+    }
+    const auto count = static_cast<double>(n);
+    const double root = std::sqrt(std::max(0.0, (count - 1.0) * (count * second - first * first)));
+    const double taken = count / (first + root);
+    at += taken;
+    if (!(taken > rounding)) break;
+  }
+  return at;
+}
+
+}  // namespace
+
 Stability::Stability(const PoseProgram& program) {
   const int coordinates = program.layout().coordinates;
   turning_.resize(coordinates);
@@ -52,12 +104,12 @@ void Stability::scale_to_energy(const PoseProgram& program, Eigen::MatrixXd& h) 
   const int functions = chain.functions();
   for (int j = 0; j < chain.piece_count(); ++j) {
     const auto [inverse, factor] = program.sections().unit(j);
-    block_.noalias() = h.middleCols(j * functions, functions) * inverse;
+    multiply(h.middleCols(j * functions, functions), inverse, block_);
     h.middleCols(j * functions, functions) = factor * block_;
   }
   for (int j = 0; j < chain.piece_count(); ++j) {
     const auto [inverse, factor] = program.sections().unit(j);
-    block_.noalias() = inverse.transpose() * h.middleRows(j * functions, functions);
+    multiply(inverse.transpose(), h.middleRows(j * functions, functions), block_);
     h.middleRows(j * functions, functions) = factor * block_;
   }
 }
@@ -146,6 +198,14 @@ double Stability::slipping_margin(PoseProgram& program, ConstVectorRef x) {
   return Eigen::EigenSolver<Eigen::MatrixXd>(pencil, false).eigenvalues().real().minCoeff();
 }
 
+double Stability::smallest_eigenvalue_of(const Eigen::MatrixXd& h) {
+  if (h.rows() == 1) return h(0, 0);
+  tridiagonal_.compute(h);
+  diagonal_ = tridiagonal_.diagonal();
+  beside_ = tridiagonal_.subDiagonal();
+  return smallest_eigenvalue(diagonal_, beside_);
+}
+
 double Stability::margin(PoseProgram& program, ConstVectorRef x) {
   const int n = program.layout().coordinates;
   Eigen::MatrixXd& h = hessian_;
@@ -154,7 +214,7 @@ double Stability::margin(PoseProgram& program, ConstVectorRef x) {
   scale_to_energy(program, h);
   if (!h.allFinite()) return -infinity;
   const bool slips = program.has_friction();
-  if (held_count() == 0 && !slips) return eigen_.compute(h, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  if (held_count() == 0 && !slips) return smallest_eigenvalue_of(h);
   do {
     fill_held(program, x);
     qr_.compute(normals_);
@@ -170,7 +230,7 @@ double Stability::margin(PoseProgram& program, ConstVectorRef x) {
     h.rightCols(n - k).applyHouseholderOnTheRight(essential, qr_.hCoeffs()[k], reflection_.data());
   }
   free_ = h.bottomRightCorner(left, left);
-  return eigen_.compute(free_, Eigen::EigenvaluesOnly).eigenvalues()[0];
+  return smallest_eigenvalue_of(free_);
 }
 
 /// Inverse iteration. The shift lies off the eigenvalue by what rounding leaves of it, so that the system can be

@@ -42,6 +42,7 @@ class Stability {
   void scale_to_energy(const PoseProgram& program, Eigen::MatrixXd& h);
   /// A row by the coordinates in these.
   void scale_to_energy(const PoseProgram& program, const Eigen::VectorXd& row, Eigen::Ref<Eigen::VectorXd> out) const;
+  double smallest_eigenvalue_of(const Eigen::MatrixXd& h);  ///< symmetric
   double slipping_margin(PoseProgram& program, ConstVectorRef x);
   void find_held(PoseProgram& program, ConstVectorRef x);
   /// The rows of what is held, in coordinates in which the bending energy is the unit matrix.
@@ -67,7 +68,8 @@ class Stability {
   Eigen::VectorXd holding_;                    ///< multipliers of the rows that contacts hold
   Eigen::VectorXd multipliers_, convexity_;
   Eigen::HouseholderQR<Eigen::MatrixXd> qr_;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_;
+  Eigen::Tridiagonalization<Eigen::MatrixXd> tridiagonal_{2};
+  Eigen::VectorXd diagonal_, beside_;  ///< of the tridiagonal matrix
   Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
 };
 

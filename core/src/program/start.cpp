@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <span>
+#include <vector>
 
 #include "program/pose_program_data.hpp"
 #include "program/valleys.hpp"
@@ -88,6 +91,67 @@ double first_place(const PoseProgramSpec& spec, std::size_t contact, const std::
   std::sort(places.begin(), places.end(), [](const Valley& a, const Valley& b) { return a.arc_length < b.arc_length; });
   return places[before].arc_length;
 }
+
+/// Curvature and stretch of a chain at given coordinates, constant over each of many short parts of the rod, with the
+/// value in its middle. A series of the curvature costs less than the basis.
+class SampledShape {
+ public:
+  SampledShape(const Chain& chain, ConstVectorRef q, std::span<const double> knots)
+      : tables_(chain.curve_tables()),
+        stretch_(chain.table().stretch),
+        functions_(chain.functions()),
+        q_(q),
+        series_(tables_->per_interval(), tables_->intervals() * chain.piece_count()) {
+    const int intervals = tables_->intervals();
+    for (int j = 0; j < chain.piece_count(); ++j) {
+      pieces_.push_back({chain.start(j, knots), chain.length(j, knots)});
+      const Eigen::VectorXd at_nodes =
+          chain.table().slope * q_.segment(j * functions_, functions_) / pieces_.back().length;
+      series_.middleCols(j * intervals, intervals).noalias() =
+          tables_->transform() * at_nodes.reshaped(tables_->per_interval(), intervals);
+    }
+  }
+  double curvature(double s) const {
+    const Place at = place(s);
+    int i = 0;
+    while (i + 1 < tables_->intervals() && at.sigma > tables_->end(i + 1)) ++i;
+    const double width = tables_->end(i + 1) - tables_->end(i);
+    return tables_->sum(series_.col(at.piece * tables_->intervals() + i).data(), tables_->per_interval(),
+                        2.0 * (at.sigma - tables_->end(i)) / width - 1.0);
+  }
+  double stretch(double s) const {
+    const Place at = place(s);
+    Eigen::VectorXd value(stretch_.order), slope(stretch_.order);
+    stretch_.evaluate(at.sigma, value.data(), slope.data());
+    return value.dot(q_.segment((at.piece + 1) * functions_ - stretch_.order, stretch_.order));
+  }
+
+ private:
+  static constexpr int samples = 501;
+  struct Piece {
+    double start, length;
+  };
+  struct Place {
+    int piece;
+    double sigma;
+  };
+  Place place(double s) const {
+    const int sample = std::clamp(static_cast<int>(s * samples), 0, samples - 1);
+    for (int j = 0;; ++j) {
+      const Piece& p = pieces_[static_cast<std::size_t>(j)];
+      const double inside = ((static_cast<double>(sample) + 0.5) / samples - p.start) / p.length;
+      if (inside > 1.0 && j + 1 < static_cast<int>(pieces_.size())) continue;
+      return {j, std::clamp(inside, 0.0, 1.0)};
+    }
+  }
+
+  std::shared_ptr<const CurveTables> tables_;
+  StretchBasis stretch_;
+  int functions_;
+  Eigen::VectorXd q_;
+  Eigen::MatrixXd series_;  ///< of the curvature, a column per piece and interval
+  std::vector<Piece> pieces_;
+};
 
 }  // namespace
 
@@ -181,43 +245,10 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
 StartShape PoseProgram::shape_of(ConstVectorRef x) const {
   const Data& d = *data_;
   const Layout& at = d.layout;
-  const std::span<const double> knots = this->knots(x);
-  static constexpr int samples = 500;
-  std::vector<double> curvature(samples + 1);
-  std::vector<double> stretch(d.chain.stretches() > 0 ? curvature.size() : 0);
-  Eigen::VectorXd grown(d.chain.stretches());
-  Eigen::VectorXd grown_slope(d.chain.stretches());
-  const CurveTables& tables = *d.chain.curve_tables();
-  const int n = tables.per_interval();
-  Eigen::MatrixXd series(n, tables.intervals());
-  std::size_t done = 0;
-  for (int j = 0; j < d.chain.piece_count(); ++j) {
-    const double from = d.chain.start(j, knots);
-    const double length = d.chain.length(j, knots);
-    // A series of the curvature costs less than the basis at every sample.
-    const Eigen::VectorXd at_nodes =
-        d.chain.table().slope * x.segment(j * d.chain.functions(), d.chain.functions()) / length;
-    series.noalias() = tables.transform() * at_nodes.reshaped(n, tables.intervals());
-    for (int interval = 0; done < curvature.size(); ++done) {
-      const double inside = ((static_cast<double>(done) + 0.5) / (samples + 1.0) - from) / length;
-      if (inside > 1.0 && j + 1 < d.chain.piece_count()) break;
-      const double sigma = std::clamp(inside, 0.0, 1.0);
-      while (interval + 1 < tables.intervals() && sigma > tables.end(interval + 1)) ++interval;
-      const double width = tables.end(interval + 1) - tables.end(interval);
-      curvature[done] = tables.sum(series.col(interval).data(), n, 2.0 * (sigma - tables.end(interval)) / width - 1.0);
-      if (stretch.empty()) continue;
-      d.chain.table().stretch.evaluate(sigma, grown.data(), grown_slope.data());
-      stretch[done] = grown.dot(x.segment(j * d.chain.functions() + d.chain.bends(), d.chain.stretches()));
-    }
-  }
   StartShape shape;
-  const auto sampled = [](std::vector<double> along) {
-    return [along = std::move(along)](double s) {
-      return along[static_cast<std::size_t>(std::clamp(static_cast<int>(s * (samples + 1)), 0, samples))];
-    };
-  };
-  if (!stretch.empty()) shape.stretch = sampled(std::move(stretch));
-  shape.curvature = sampled(std::move(curvature));
+  const auto series = std::make_shared<const SampledShape>(d.chain, x.head(at.coordinates), knots(x));
+  shape.curvature = [series](double s) { return series->curvature(s); };
+  if (d.chain.stretches() > 0) shape.stretch = [series](double s) { return series->stretch(s); };
   for (const int variable : d.moment_variable) shape.moments.push_back(variable < 0 ? 0.0 : x[variable]);
   for (int l = 0; l < at.moves; ++l) shape.moves.push_back(x[at.first_move + l]);
   for (int k = 0; k < at.forces; ++k) {

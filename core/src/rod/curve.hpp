@@ -50,6 +50,11 @@ class TENDRIL_API CurveSamples {
   CurveSamples(const CurveTables& tables, int steps);
   /// Of these places, the first one not counted.
   int steps() const { return steps_; }
+  /// Whether they are of curves with these tables, or others of as many nodes.
+  bool fit(const CurveTables& tables) const {
+    return !values_.empty() && values_.size() == static_cast<std::size_t>(tables.intervals()) &&
+           values_.front().cols() == tables.per_interval() + 1;
+  }
   /// Place k in [0,1].
   double sigma(int k) const { return static_cast<double>(k) / steps_; }
   /// Of the places in smooth interval i: a row per place, a column per polynomial.

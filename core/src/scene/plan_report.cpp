@@ -39,7 +39,10 @@ void BackboneSampler::sample(const PoseProgram& program, const Curve& curve, dou
   for (int j = 0; j < chain.piece_count(); ++j) {
     Piece& piece = pieces_[static_cast<std::size_t>(j)];
     const int wanted = std::max(4, static_cast<int>(std::ceil(total * shape.length(j))));
-    if (wanted > slack * piece.samples.steps() || piece.samples.steps() > slack * wanted) piece = Piece(chain, wanted);
+    if (!piece.samples.fit(*chain.curve_tables()) || wanted > slack * piece.samples.steps() ||
+        piece.samples.steps() > slack * wanted) {
+      piece = Piece(chain, wanted);
+    }
     const int count = piece.samples.steps() + 1;
     curve.positions(j, piece.samples, piece.x, piece.y);
     const auto sum = [&](const Eigen::MatrixXd& basis, Eigen::VectorXd& to) {

@@ -71,7 +71,7 @@ std::optional<FollowedPoint> followed_point(const Task& problem, const Plan& ear
   point.checks = problem.first_checks(program, point.x, shape);
   for (int k = 0; k < at.forces; ++k) program.set_branch(k, Branch::touching);
   // Where the earlier plan grazes an obstacle, Newton has to know.
-  Certifier certifier(spec);
+  Certifier certifier(program);
   exchange_checks(program, point.x, certifier, point.checks, grazing_level);
   return point;
 }

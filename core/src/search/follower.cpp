@@ -6,6 +6,7 @@
 #include "base/clock.hpp"
 #include "certificate/check_points.hpp"
 #include "rod/self_overlap.hpp"
+#include "search/contacts.hpp"
 #include "search/report.hpp"
 #include "tendril/tolerances.hpp"
 
@@ -14,6 +15,8 @@ namespace {
 
 /// Longer than any outcome that is written here, so that none allocates after the first.
 constexpr std::size_t outcome_size = 120;
+/// A rod that is so far (units of L) from an obstacle may touch it in the next step.
+constexpr double near = 0.01;
 
 void set_outcome(std::string& to, const char* text) {
   to.reserve(outcome_size);
@@ -35,8 +38,9 @@ Follower::Follower(Task& problem, FollowedPoint point, const PoseProgramSpec& sp
     : problem_(problem),
       point_(std::move(point)),
       program_(spec),
-      certifier_(spec),
+      certifier_(program_),
       sampler_(certifier_.finer(point_.x).chain()) {
+  polisher_.keep_factorization();
   for (int k = 0; k < program_.layout().forces; ++k) program_.set_branch(k, Branch::touching);
 }
 
@@ -50,11 +54,13 @@ bool Follower::stands_at(const Plan& plan) const {
 
 bool Follower::step(Plan& plan) {
   const double begin = now();
+  ended_ = nullptr;
   program_.set_target(problem_.target);
   certifier_.set_target(problem_.target);
   const EvaluationCounts before = program_.counts();
   const PolishReport& polished = polisher_.run(program_, point_.x, multipliers_);
   if (!polished.converged || !(polished.infeasibility <= tolerance::equilibrium)) return false;
+  ended_ = &polished.x;
   const double polishing = now();
   certifier_.certify(program_, polished.x, certificate_, &polished.multipliers, &polished.bound_multipliers);
   if (!certificate_.valid() || certificate_.quadrature > tolerance::quadrature) return false;
@@ -65,6 +71,53 @@ bool Follower::step(Plan& plan) {
   multipliers_ = polished.multipliers;
   write(plan, begin, now() - polishing, before);
   return true;
+}
+
+std::unique_ptr<Follower> Follower::at(Task& problem, const std::vector<ContactSetup>& contacts,
+                                       const StartShape& start) {
+  FollowedPoint point;
+  point.mode = contacts.empty() ? problem.modes.front() : problem.mode(contacts);
+  if (!point.mode.skip.empty()) return nullptr;
+  for (const ContactSetup& c : contacts) point.regions.push_back(c.region);
+  PoseProgramSpec spec = problem.spec(point.mode, point.regions, problem.nodes);
+  const PoseProgram bare(spec);
+  point.x = bare.start_from(start);
+  point.checks = spec.checks = problem.first_checks(bare, point.x, start);
+  return std::unique_ptr<Follower>(new Follower(problem, std::move(point), spec));
+}
+
+std::unique_ptr<Follower> Follower::step_with_other_contacts(Plan& plan) const {
+  const Task& d = problem_;
+  const bool plain = d.scene.coordinates.split_at_contact && d.min_force == 0.0 && d.friction.empty();
+  if (ended_ == nullptr || !d.contact_planned() || !plain) return nullptr;
+  const auto succeeds = [&](const std::vector<ContactSetup>& contacts, const StartShape& start) {
+    std::unique_ptr<Follower> next = at(problem_, contacts, start);
+    if (next && !next->step(plan)) next.reset();
+    return next;
+  };
+  const Eigen::VectorXd& x = *ended_;
+  const std::vector<ContactSetup>& before = point_.mode.contacts;
+  const StartShape shape = program_.shape_of(x);
+  std::vector<ContactSetup> pressing;
+  StartShape held = shape;
+  held.arc_lengths.clear();
+  held.forces.clear();
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    if (!(shape.forces[k] > tolerance::force)) continue;
+    pressing.push_back(before[k]);
+    held.arc_lengths.push_back(shape.arc_lengths[k]);
+    held.forces.push_back(shape.forces[k]);
+  }
+  if (pressing.size() < before.size()) {
+    const bool may_be_free = !pressing.empty() || d.modes.front().contacts.empty();
+    return may_be_free ? succeeds(pressing, held) : nullptr;
+  }
+  if (static_cast<int>(before.size()) >= d.scene.contact.count) return nullptr;
+  for (const Extension& extension : extensions(d, before, shape)) {
+    if (extension.distance > near) break;
+    if (std::unique_ptr<Follower> next = succeeds(extension.contacts, extension.start)) return next;
+  }
+  return nullptr;
 }
 
 void Follower::write(Plan& plan, double begin, double certifying, const EvaluationCounts& before) {

@@ -26,9 +26,15 @@ class Follower {
   /// To the problem's target. False: Newton did not get there, or the point is not certified, or a contact may come or
   /// go; `plan` is then as it was.
   bool step(Plan& plan);
+  /// After a step that failed because a contact comes or goes: goes to the target with other contacts, those that still
+  /// press, or one more where the rod comes to an obstacle. Null: Newton leads to no certified plan there, and `plan`
+  /// is as it was.
+  std::unique_ptr<Follower> step_with_other_contacts(Plan& plan) const;
 
  private:
   Follower(Task& problem, FollowedPoint point, const PoseProgramSpec& spec);
+  static std::unique_ptr<Follower> at(Task& problem, const std::vector<ContactSetup>& contacts,
+                                      const StartShape& start);
   void write(Plan& plan, double begin, double certifying, const EvaluationCounts& before);
 
   Task& problem_;
@@ -39,6 +45,7 @@ class Follower {
   BackboneSampler sampler_;
   Certificate certificate_;
   Eigen::VectorXd multipliers_;
+  const Eigen::VectorXd* ended_ = nullptr;  ///< where Newton ended in the last step; null: nowhere
 };
 
 }  // namespace tendril

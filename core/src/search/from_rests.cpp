@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "certificate/check_points.hpp"
 #include "nlp/multipliers.hpp"
@@ -156,8 +157,9 @@ double Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
   if (feasible.size() == 0) return infinity;
   const double cost = program.cost(feasible);
   if (!solved_reduced(mode)) {
-    PoseProgram held(spec);
-    close_contacts(held);
+    std::optional<PoseProgram> with_margins;
+    if (spec.least_margin || spec.least_convexity) close_contacts(with_margins.emplace(spec));
+    PoseProgram& held = with_margins ? *with_margins : program;
     FeasibilityReport f;
     if (spec.least_margin) f = steps_.restoration(held, feasible);
     const OptimalityReport r = solve(state, held, f.feasible ? f.x : feasible);
@@ -178,7 +180,7 @@ double Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
     PoseProgram along(spec);
     if (!come_to_point(state, along, x)) return cost;
     // Where the way to better moments went through an obstacle, it is watched there, and begins anew.
-    Certifier certifier(spec);
+    Certifier certifier(along);
     std::vector<CheckPoint> more = checks;
     const bool through = !d_.obstacles.empty() && d_.scene.contact.check_points == 0 &&
                          round < search_parameters().exchanges_along &&

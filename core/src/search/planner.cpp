@@ -232,8 +232,11 @@ void Planner::search_all_sides(const std::vector<std::size_t>& order) {
 
 void Planner::search_sides(const std::vector<std::size_t>& order) {
   if (d_.palm || !search_parameters().sides) return;
-  const std::vector<SideStart> starts = starts_by_sides(d_);
-  if (starts.size() < 2) return;
+  // A fast search is the beginning of a normal one: the scene's own start alone.
+  const std::size_t most_sides = fast() ? 0 : search_parameters().most_sides * static_cast<std::size_t>(generosity());
+  if (!several_sides(d_)) return;
+  std::vector<SideStart> starts;
+  if (most_sides > 0) starts = starts_by_sides(d_);
   const SideStart own = start_by_sides(d_, d_.scene_start());
   struct Trial {
     double merit;
@@ -251,8 +254,6 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
       of_way.push_back({merit, i, &start});
     }
     std::stable_sort(of_way.begin(), of_way.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
-    // A fast search is the beginning of a normal one: the scene's own start alone.
-    const std::size_t most_sides = fast() ? 0 : search_parameters().most_sides * static_cast<std::size_t>(generosity());
     if (of_way.size() > most_sides) of_way.resize(most_sides);
     // The scene's own start comes before all others.
     trials.push_back({0.0, i, &own});

@@ -235,7 +235,7 @@ struct Planner::Completing {
     spec.checks = checks;
     c.program = std::make_unique<PoseProgram>(spec);
     set_branches(*c.program, branches);
-    c.certifier = std::make_unique<Certifier>(spec);
+    c.certifier = std::make_unique<Certifier>(*c.program);
   }
   bool sharpen(Eigen::VectorXd& x, bool may) { return planner.sharpen(state, *c.program, x, may); }
   bool recover(Eigen::VectorXd& x) { return planner.recover(state, *c.program, x); }
@@ -288,7 +288,7 @@ void Planner::look_for_spread() {
       const PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
       Candidate c;
       c.program = std::make_unique<PoseProgram>(spec);
-      c.certifier = std::make_unique<Certifier>(spec);
+      c.certifier = std::make_unique<Certifier>(*c.program);
       close_contacts(*c.program);
       const StartShape shape = start < 0 ? states_[i].nearest : start_shape(start, mode);
       const FeasibilityReport f = steps_.restoration(*c.program, c.program->start_from(shape));

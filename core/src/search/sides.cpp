@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <utility>
 
 #include "rod/outline.hpp"
 #include "search/parameters.hpp"
@@ -22,16 +24,13 @@ double knee(const Rod& rod) {
   return best;
 }
 
-/// What is seen of a shape: its sides, and how near it comes to obstacles.
-struct Seen {
-  Sides sides;
-  std::vector<int> patches;
-  std::vector<double> distances;
-};
-
-Seen look_at(const Task& task, const std::vector<OutlinePoint>& line) {
+/// What is seen of a shape, `line` being memory for it.
+SideStart look_at(const Task& task, StartShape shape, std::vector<OutlinePoint>& line) {
+  outline(task.rod, shape.curvature, search_parameters().outline_steps, line);
   const std::size_t count = task.obstacles.size();
-  Seen seen{Sides(count, 0), std::vector<int>(count, 0), std::vector<double>(count, infinity)};
+  SideStart seen{std::move(shape), Sides(count, 0), std::vector<int>(count, 0), std::vector<double>(count, infinity)};
+  seen.tip = line.back().position;
+  for (const OutlinePoint& p : line) seen.bend += p.curvature * p.curvature / static_cast<double>(line.size());
   for (std::size_t o = 0; o < task.obstacles.size(); ++o) {
     if (!has_sides(task, o)) continue;
     const Obstacle& obstacle = *task.obstacles[o];
@@ -52,18 +51,44 @@ Seen look_at(const Task& task, const std::vector<OutlinePoint>& line) {
   return seen;
 }
 
-double merit_of(const Task& task, const std::vector<OutlinePoint>& line, const Seen& seen) {
-  const OutlinePoint& tip = line.back();
+double merit_of(const Task& task, const SideStart& seen) {
   double sum = 0.0;
   if (task.target.has_position) {
-    const Vec2 miss = tip.position - task.target.position;
+    const Vec2 miss = seen.tip - task.target.position;
     sum += dot(miss, miss);
   }
-  double bent = 0.0;
-  for (const OutlinePoint& p : line) bent += p.curvature * p.curvature / static_cast<double>(line.size());
-  sum += search_parameters().cost_of_bend * bent;
+  sum += search_parameters().cost_of_bend * seen.bend;
   for (const double d : seen.distances) sum += search_parameters().cost_of_depth * std::max(0.0, -d);
   return sum;
+}
+
+bool same_sides(const SideStart& a, const SideStart& b) { return a.sides == b.sides && a.patches == b.patches; }
+
+/// Shows shapes of one or two arcs to `see`, from one side to the other or in turn from both, as long as it returns
+/// true.
+template <class See>
+void look_at_arcs(const Task& task, bool in_turn, const See& see) {
+  const SearchParameters& p = search_parameters();
+  const double bend = knee(task.rod);
+  const bool two = bend < 1.0;
+  const int count = two ? p.arcs_of_two : p.arcs_of_one;
+  std::vector<OutlinePoint> line;
+  const auto angle = [&](int i) { return (2.0 * i / (count - 1) - 1.0) * (two ? p.widest_of_two : p.widest_of_one); };
+  for (int number = 0; number < count; ++number) {
+    const int i = !in_turn ? number : number % 2 == 0 ? number / 2 : count - 1 - number / 2;
+    for (int k = 0; k < (two ? count : 1); ++k) {
+      const double first = two ? angle(i) / bend : angle(i);
+      const double second = two ? angle(k) / (1.0 - bend) : first;
+      const auto curvature = [=](double s) { return s < bend ? first : second; };
+      if (!see(look_at(task, {curvature}, line))) return;
+    }
+  }
+}
+
+bool any_has_sides(const Task& task) {
+  bool any = false;
+  for (std::size_t o = 0; o < task.obstacles.size(); ++o) any = any || has_sides(task, o);
+  return any;
 }
 
 }  // namespace
@@ -76,47 +101,48 @@ bool has_sides(const Task& task, std::size_t o) {
 
 Sides sides_of(const Task& task, const StartShape& shape) {
   std::vector<OutlinePoint> line;
-  outline(task.rod, shape.curvature, search_parameters().outline_steps, line);
-  return look_at(task, line).sides;
+  return look_at(task, shape, line).sides;
 }
 
 SideStart start_by_sides(const Task& task, StartShape shape) {
   std::vector<OutlinePoint> line;
-  outline(task.rod, shape.curvature, search_parameters().outline_steps, line);
-  Seen seen = look_at(task, line);
-  const double merit = merit_of(task, line, seen);
-  return {std::move(shape), std::move(seen.sides), std::move(seen.patches), std::move(seen.distances), merit};
+  SideStart start = look_at(task, std::move(shape), line);
+  start.merit = merit_of(task, start);
+  return start;
 }
 
-std::vector<SideStart> starts_by_sides(const Task& task) {
-  bool any = false;
-  for (std::size_t o = 0; o < task.obstacles.size(); ++o) any = any || has_sides(task, o);
-  if (!any) return {};
-  const SearchParameters& p = search_parameters();
-  const double bend = knee(task.rod);
-  const bool two = bend < 1.0;
-  const int count = two ? p.arcs_of_two : p.arcs_of_one;
-  std::map<std::pair<Sides, std::vector<int>>, SideStart> best;
-  std::vector<OutlinePoint> line;
-  const auto angle = [&](int i) { return (2.0 * i / (count - 1) - 1.0) * (two ? p.widest_of_two : p.widest_of_one); };
-  for (int i = 0; i < count; ++i) {
-    for (int k = 0; k < (two ? count : 1); ++k) {
-      const double first = two ? angle(i) / bend : angle(i);
-      const double second = two ? angle(k) / (1.0 - bend) : first;
-      const auto curvature = [=](double s) { return s < bend ? first : second; };
-      outline(task.rod, curvature, p.outline_steps, line);
-      Seen seen = look_at(task, line);
-      const double merit = merit_of(task, line, seen);
-      auto key = std::pair(seen.sides, seen.patches);
-      const auto known = best.find(key);
-      if (known != best.end() && known->second.merit <= merit) continue;
-      best[std::move(key)] = {
-          {curvature}, std::move(seen.sides), std::move(seen.patches), std::move(seen.distances), merit};
-    }
+bool several_sides(const Task& task) {
+  if (!any_has_sides(task)) return false;
+  if (!task.arcs.empty()) {
+    return std::any_of(task.arcs.begin(), task.arcs.end(),
+                       [&](const SideStart& arc) { return !same_sides(arc, task.arcs.front()); });
+  }
+  std::optional<SideStart> first;
+  bool several = false;
+  look_at_arcs(task, true, [&](SideStart seen) {
+    several = first && !same_sides(seen, *first);
+    if (!first) first = std::move(seen);
+    return !several;
+  });
+  return several;
+}
+
+std::vector<SideStart> starts_by_sides(Task& task) {
+  if (task.arcs.empty() && any_has_sides(task)) {
+    look_at_arcs(task, false, [&](SideStart seen) {
+      task.arcs.push_back(std::move(seen));
+      return true;
+    });
+  }
+  std::map<std::pair<Sides, std::vector<int>>, const SideStart*> best;
+  for (SideStart& arc : task.arcs) {
+    arc.merit = merit_of(task, arc);
+    const auto [known, added] = best.try_emplace({arc.sides, arc.patches}, &arc);
+    if (!added && arc.merit < known->second->merit) known->second = &arc;
   }
   std::vector<SideStart> all;
   all.reserve(best.size());
-  for (auto& entry : best) all.push_back(std::move(entry.second));
+  for (const auto& entry : best) all.push_back(*entry.second);
   std::stable_sort(all.begin(), all.end(), [](const SideStart& a, const SideStart& b) { return a.merit < b.merit; });
   return all;
 }

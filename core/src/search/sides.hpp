@@ -23,6 +23,8 @@ struct SideStart {
   /// other; of all others 0.
   std::vector<int> patches;
   std::vector<double> distances;  ///< of the shape to each obstacle, units of L; negative: it runs through
+  Vec2 tip{};                     ///< of the shape, units of L
+  double bend = 0.0;              ///< mean of its curvature squared
   double merit = 0.0;             ///< how far it is from the target and from being free; less is better
 };
 
@@ -30,7 +32,9 @@ SideStart start_by_sides(const Task& task, StartShape shape);
 
 /// Shapes of one or two arcs, the best one for each choice of sides (and patches) that such shapes can have, best
 /// first. Which side a rod passes on is a discrete choice: no local method changes it. Empty: no obstacle within reach
-/// has sides.
-std::vector<SideStart> starts_by_sides(const Task& task);
+/// has sides. What is seen of the shapes is kept in the task for the next target.
+std::vector<SideStart> starts_by_sides(Task& task);
+/// Whether these are two or more.
+bool several_sides(const Task& task);
 
 }  // namespace tendril

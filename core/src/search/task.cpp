@@ -12,6 +12,7 @@
 #include "search/follower.hpp"
 #include "search/free_reach.hpp"
 #include "search/parameters.hpp"
+#include "search/sides.hpp"
 #include "tendril/bounded_off_target.hpp"
 #include "tendril/error.hpp"
 

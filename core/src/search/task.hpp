@@ -16,6 +16,7 @@ namespace tendril {
 
 class Follower;
 class FreeReach;
+struct SideStart;
 
 /// One way of being in contact: a small program of its own. Regions of interior contacts are stretches between fixed
 /// knots.
@@ -60,6 +61,7 @@ struct Task {
   std::unique_ptr<Follower> follower;  ///< of the plan that was followed last
   std::unique_ptr<FreeReach> reach;    ///< of the rod without contacts, once it was asked for
   std::unique_ptr<Task> lower;         ///< of a grasp whose fingers are both planned: this one is then the upper finger
+  std::vector<SideStart> arcs;         ///< simple shapes beside obstacles, once they were asked for
 
   Task();
   ~Task();
