@@ -191,6 +191,32 @@ TEST(CoreClearanceReference, DepthOfBodiesOfAnyOutline) {
   EXPECT_GT(deep, 50);
 }
 
+// Small pegs and notched bodies beside the rod: what is passed over far away hides no approach below the level. Without
+// a level nothing is passed over.
+TEST(CoreClearanceReference, EveryApproachBelowTheLevelIsFoundWithoutALookAtAllPlaces) {
+  std::mt19937 random(21);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  constexpr double level = 0.02;
+  std::size_t approaches = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const Arc arc(trial % 3 == 0 ? -3.0 : trial % 3 == 1 ? 0.02 : 5.0, 6, 1 + trial % 2);
+    const Vec2 center = arc.at(unit(random)) + (0.3 * (2.0 * unit(random) - 1.0)) * turned(arc.tangent(0.5));
+    std::unique_ptr<Obstacle> shape;
+    if (trial % 4 == 0) {
+      shape = std::make_unique<Part>(boundary_of({random_outline(random, center, 0.2)}, {}), 0.01);
+    } else {
+      shape = std::make_unique<Circle>(center, std::pow(10.0, -3.0 + 2.0 * unit(random)));
+    }
+    std::vector<ClosestApproach> every = closest_approaches(arc.curve, *shape, infinity);
+    std::erase_if(every, [](const ClosestApproach& a) { return a.distance > level; });
+    const std::vector<ClosestApproach> found = closest_approaches(arc.curve, *shape, level);
+    ASSERT_EQ(found.size(), every.size()) << trial;
+    for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].arc_length, every[i].arc_length) << trial;
+    approaches += found.size();
+  }
+  EXPECT_GT(approaches, 100U);
+}
+
 TEST(CoreClearanceReference, DepthAtTheEndsOfTheRod) {
   const Arc arc(1.0);
   for (const double radius : {1e-5, 0.05, 2.0}) {

@@ -199,7 +199,9 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
   d.move(x);
   const Eigen::VectorXd& rows = d.rows = d.program->constraints(x);
   if (rows.size() != d.coarse.size()) throw Error("the program to be judged has other check points than its judge");
-  c.quadrature = (rows - d.coarse).cwiseAbs().maxCoeff();
+  // Where nothing touches and nothing pulls no row depends on where the rod is, but what is asked of its tip does.
+  c.quadrature =
+      std::max((rows - d.coarse).cwiseAbs().maxCoeff(), norm(d.program->backbone().tip() - judged.backbone().tip()));
   c.equilibrium = rows.head(at.coordinates).cwiseAbs().maxCoeff();
 
   c.bounds = 0.0;
