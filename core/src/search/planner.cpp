@@ -173,6 +173,7 @@ Plan Planner::run() {
   if (search_parameters().balance_first && d_.palm && !d_.palm->balance) start_from_balance(order);
   search(order);
   if (fast()) return report();
+  if (search_parameters().ask_rests && !rested_ && misses_among_sides()) start_from_rests();
   if (winner_ >= 0 || d_.palm) hold_cheaper();
   search_further(starts(), order);
   scan();
