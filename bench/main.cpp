@@ -290,7 +290,8 @@ CLI::App* add_campaign(CLI::App& program, Arguments& arguments) {
                     "What each strategy of the search, or each --search, is worth, one at a time");
   command->add_flag("--relaxed", arguments.relaxed,
                     "Whether changes that allow more give no worse plan, and how often the best known plan is found");
-  command->add_flag("--outlines", arguments.outlines, "Obstacles that are not convex: stars, bars with notches, rooms");
+  command->add_flag("--outlines", arguments.outlines,
+                    "Obstacles that are not convex: stars, bars with notches, rooms, channels");
   command->add_flag("--friction", arguments.friction, "Contacts rub, and plans are made for any state, or the worst");
   std::vector<std::string> names;
   for (const bench::Relaxation& relaxation : bench::relaxations()) names.push_back(relaxation.name);

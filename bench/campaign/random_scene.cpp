@@ -307,7 +307,41 @@ class Drawer {
     return text;
   }
 
-  /// A polygon that is not convex, near the rod's reach or around all of it. All in L.
+  /// A channel around the rod from its base on, or one beside it, whose walls are an obstacle as any other. All in L.
+  Shape channel(int index, double rounding) {
+    const bool around = dice_.chance(0.7);
+    const double widest = dice_.between(0.1, 0.5);
+    const double wall = dice_.between(0.1, 0.3);
+    double heading = base_angle_ + (around ? 0.0 : dice_.between(-pi, pi));
+    const Vec2 surface = base_ + dice_.between(0.3, 1.1) * direction(base_angle_ + dice_.between(-1.6, 1.6));
+    std::vector<Vec2> line{around ? base_ - 0.1 * direction(heading) : surface};
+    std::string widths;
+    const int points = dice_.whole(2, 6);
+    for (int i = 0; i < points; ++i) {
+      widths += (i == 0 ? "" : ", ") + length(widest * dice_.between(0.5, 1.0));
+      if (i == 0) continue;
+      line.push_back(line.back() + dice_.between(0.2, 0.5) * direction(heading));
+      heading += dice_.between(-1.0, 1.0);
+    }
+    static constexpr std::array<const char*, 4> ends{"none", "start", "end", "both"};
+    const char* closed = ends[static_cast<std::size_t>(dice_.whole(0, 3))];
+    const std::string width = dice_.chance(0.5) ? fmt::format("widths = [{}]", widths) : "width = " + length(widest);
+    Shape shape;
+    shape.free_base = true;
+    for (std::size_t i = 0; i + 1 < line.size() && !around; ++i) {
+      const Vec2 along = line[i + 1] - line[i];
+      const double t = std::clamp(dot(base_ - line[i], along) / dot(along, along), 0.0, 1.0);
+      // Corners reach out farther than half of the width and the wall.
+      if (norm(base_ - line[i] - t * along) < widest + 2.0 * wall) shape.free_base = false;
+    }
+    shape.text = fmt::format(
+        "[[obstacle]]\nname = \"o{}\"\nshape = \"channel\"\npoints = [{}]\n{}\nwall = {}\nrounding = {}\nclosed = "
+        "\"{}\"\n",
+        index, points_of(line), width, length(wall), length(rounding), closed);
+    return shape;
+  }
+
+  /// A polygon that is not convex, or a channel, near the rod's reach or around all of it. All in L.
   Shape outline(int index) {
     Shape shape;
     const double rounding = dice_.log_between(1e-3, 0.03);
@@ -319,9 +353,10 @@ class Drawer {
     std::string sizes;
     std::vector<Vec2> corners;
     shape.free_base = norm(center - base_) > 1.5 * size + rounding;
-    if (kind < 0.4) {
+    if (kind > 0.7) return channel(index, rounding);
+    if (kind < 0.25) {
       corners = star(center, size, dice_.between(0.35, 0.7), dice_.whole(3, 6));
-    } else if (kind < 0.8) {
+    } else if (kind < 0.5) {
       const double half = dice_.between(0.2, 0.6);
       for (const Vec2 p : comb(half, dice_.whole(1, 3)))
         corners.push_back(center + size * (p.x * direction(turn) + p.y * turned(direction(turn))));
@@ -365,8 +400,10 @@ class Drawer {
     limited_ = (allowed_ || required_) && dice_.chance(0.7);
     if (limited_)
       add("max_force = {}\n", force(dice_.chance(0.2) ? dice_.log_between(5.0, 1e4) : dice_.between(5.0, 50.0)));
-    if ((allowed_ || required_) && obstacles_ > 1 && dice_.chance(0.5)) {
-      const int count = dice_.whole(2, std::min(3, obstacles_));
+    // What is not convex may be touched in several places.
+    const int most = outlines_ && obstacles_ > 0 ? 3 : std::min(3, obstacles_);
+    if ((allowed_ || required_) && most > 1 && dice_.chance(0.5)) {
+      const int count = dice_.whole(2, most);
       add("count = {}\n", count);
       note("count {}", count);
     }

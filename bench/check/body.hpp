@@ -12,6 +12,9 @@ struct Body {
   /// Outlines do not touch each other; those around the body run counterclockwise, those around holes clockwise.
   std::vector<std::vector<Vec2>> lines;
   double radius = 0.0;
+  /// Of a channel `lines` are pieces of its boundary, with the body on their left: what lies in one of these convex
+  /// polygons, and in none of those.
+  std::vector<std::vector<Vec2>> solid, hollow;
   bool half_plane = false;  ///< the first point is on its surface, the second one is its normal
   double size = 1.0;        ///< largest coordinate, for what rounding of the data does
 

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <deque>
 #include <memory>
+#include <numbers>
 
 #include "obstacle/circle.hpp"
+#include "obstacle/part.hpp"
 #include "program/pose_program.hpp"
 
 namespace tendril::bench {
@@ -24,16 +28,30 @@ class BracedPose : public ObjectiveBase<BracedPose> {
   }
 };
 
+/// A toothed wheel where the circle is: its teeth reach as far as that.
+inline Part wheel(Vec2 center, double radius, int corners) {
+  ClosedLine line;
+  for (int i = 0; i < corners; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / corners;
+    const double reach = (i % 2 == 0 ? 0.95 : 0.9) * radius;
+    line.push_back(center + reach * Vec2{std::cos(angle), std::sin(angle)});
+  }
+  return Part({line}, 0.05 * radius);
+}
+
+inline constexpr std::int64_t tapered = 1, stretching = 2, toothed = 3, crowded = 4;
+
 /// The program of which one evaluation (cost, gradient, rows, Jacobian) is the unit of costs: the braced arm, order 6,
-/// split at its contact, 20 check points. `kind`: 1, the rod is tapered; 2, it stretches.
+/// split at its contact, 20 check points. `kind`: the rod is tapered (1) or stretches (2),
+/// its obstacle has 200 sides (3), or 199 further circles stand around (4).
 struct PoseFixture {
   explicit PoseFixture(int order = 6, int check_points = 20, std::int64_t kind = 0) : basis(order) {
     rod.segments[0].weight = 1.68;
-    if (kind == 2) {
+    if (kind == stretching) {
       rod.stretch_order = order / 2;
       rod.segments[0].axial = 1600.0;
     }
-    if (kind == 1) {
+    if (kind == tapered) {
       // A round section whose diameter falls by a fifth.
       rod.segments[0].more_stiffness = {-0.8, 0.24, -0.032, 0.0016};
       rod.segments[0].more_weight = {-0.4 * 1.68, 0.04 * 1.68};
@@ -44,12 +62,20 @@ struct PoseFixture {
     spec.rod = &rod;
     spec.model = &basis;
     spec.obstacles = {&circle};
+    if (kind == toothed) spec.obstacles = {&teeth};
+    if (kind == crowded) {
+      for (int i = 0; i < 199; ++i) crowd.emplace_back(Vec2{0.1 * (i % 20) - 0.5, 0.1 * (i / 20) + 0.6}, 0.01);
+      for (const Circle& c : crowd) spec.obstacles.push_back(&c);
+    }
     spec.terms = {{&pose, 1.0, "pose"}};
     spec.split = true;
     spec.contacts = {{0, false, 0}};
     const int per_piece = check_points / 2;
     for (int i = 1; i <= per_piece; ++i) {
-      for (const int piece : {0, 1}) spec.checks.push_back({piece, static_cast<double>(i) / (per_piece + 1), 0});
+      for (const int piece : {0, 1}) {
+        const int obstacle = 2 * (i - 1) + piece;
+        spec.checks.push_back({piece, static_cast<double>(i) / (per_piece + 1), kind == crowded ? obstacle : 0});
+      }
     }
     spec.nodes = suggested_nodes(order, 1.0);
     program = std::make_unique<PoseProgram>(spec);
@@ -63,6 +89,8 @@ struct PoseFixture {
 
   LegendreBasis basis;
   Circle circle{{0.6, 0.0}, 0.08};
+  Part teeth = wheel({0.6, 0.0}, 0.08, 200);
+  std::deque<Circle> crowd;
   BracedPose pose;
   Rod rod;
   std::unique_ptr<PoseProgram> program;

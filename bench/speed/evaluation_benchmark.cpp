@@ -1,6 +1,7 @@
 // What one evaluation of a pose program costs, beside what the sines and cosines in it cost anyway: order 6, split, one
-// contact, 20 check points; the last number of a name: whether the rod is tapered (1), or stretches (2). Reports heap
-// allocations per iteration too. The ratio of the rows is the result; times depend on the machine.
+// contact, 20 check points; the last number of a name: whether the rod is tapered (1), or stretches (2), or touches one
+// body of 200 sides instead of a circle (3), or has 199 circles more around it (4). Reports heap allocations per
+// iteration too. The ratio of the rows is the result; times depend on the machine.
 
 #include <benchmark/benchmark.h>
 
@@ -16,6 +17,8 @@ namespace {
 
 using namespace tendril;
 using Fixture = bench::PoseFixture;
+using bench::crowded;
+using bench::toothed;
 using test::allocations;
 
 void count_allocations(benchmark::State& state, long before) {
@@ -46,7 +49,7 @@ void values(benchmark::State& state) {
   }
   count_allocations(state, before);
 }
-BENCHMARK(values)->Args({6, 20, 0})->Args({6, 20, 1})->Args({6, 20, 2});
+BENCHMARK(values)->Args({6, 20, 0})->Args({6, 20, 1})->Args({6, 20, 2})->Args({6, 20, toothed})->Args({6, 20, crowded});
 
 void first_derivatives(benchmark::State& state) {
   Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), state.range(2));
@@ -67,7 +70,9 @@ BENCHMARK(first_derivatives)
     ->Args({6, 20, 1})
     ->Args({12, 20, 1})
     ->Args({6, 20, 2})
-    ->Args({12, 20, 2});
+    ->Args({12, 20, 2})
+    ->Args({6, 20, toothed})
+    ->Args({6, 20, crowded});
 
 void with_hessian(benchmark::State& state) {
   Fixture f(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)), state.range(2));
@@ -88,7 +93,9 @@ BENCHMARK(with_hessian)
     ->Args({6, 20, 1})
     ->Args({12, 20, 1})
     ->Args({6, 20, 2})
-    ->Args({12, 20, 2});
+    ->Args({12, 20, 2})
+    ->Args({6, 20, toothed})
+    ->Args({6, 20, crowded});
 
 /// One mode's program with its tables, and what judges it.
 void assembly(benchmark::State& state) {
@@ -104,13 +111,13 @@ BENCHMARK(assembly);
 
 /// The whole certificate of a polished plan.
 void certificate(benchmark::State& state) {
-  Fixture f;
+  Fixture f(6, 20, state.range(0));
   f.program->set_branch(0, Branch::touching);
   const PolishReport plan = polish(*f.program, f.x, {});
   Certifier certifier(*f.program);
   for (auto _ : state) benchmark::DoNotOptimize(certifier.certify(*f.program, plan.x).stability);
   state.counters["converged"] = plan.converged ? 1.0 : 0.0;
 }
-BENCHMARK(certificate);
+BENCHMARK(certificate)->Arg(0)->Arg(toothed)->Arg(crowded);
 
 }  // namespace

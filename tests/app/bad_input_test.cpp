@@ -94,6 +94,16 @@ TEST(BadFile, IsRefused) {
   expect_refused(tendril({"plan", "/dev/zero"}), "larger than 4 MiB");
 }
 
+TEST(BadFile, WithAnOutlineThatCrossesItselfIsNamed) {
+  const TemporaryDirectory directory;
+  directory.write("part.csv", "x (mm),y (mm)\n60,0\n80,10\n80,0\n60,10\n");
+  const std::string scene =
+      directory.write("s.toml", brace_with("shape = \"circle\"\ncenter = [\"60 mm\", \"0 mm\"]\nradius = \"8 mm\"",
+                                           "shape = \"polygon\"\nrounding = \"1 mm\"\nfile = {name = \"part.csv\"}"));
+  expect_refused(tendril({"plan", scene}),
+                 "s.toml:24:8: part.csv: option 'vertices' of a polygon: found sides that cross or meet");
+}
+
 TEST(BadFile, OfAnySizeIsRefused) {
   expect_refused(plan_text(std::string((std::size_t{4} << 20) + 1, '#')), "larger than 4 MiB");
   // Just below the limit the contents count.

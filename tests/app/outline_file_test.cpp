@@ -269,6 +269,10 @@ TEST(OutlineFile, ABodyHasItsSections) {
 
 TEST(OutlineFile, RefusesWhatHoldsNoOutline) {
   const auto refused = [](const Read& r, const std::string& reason) { EXPECT_TRUE(contains_text(r.message, reason)); };
+  refused({"part.svg", "<svg>\n<rect x=\"9\" width=\"-2\" height=\"2\"/></svg>"},
+          "part.svg:2:1: found width = \"-2\", expected a length that is not negative");
+  refused({"body.stl", "solid a\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 nan 1\n"},
+          "facet 1 has a vertex that is not finite");
   refused({"part.csv", "x,y\n0,0\n1,\n0,1\n"}, "part.csv: point 2 of 3 has an empty value");
   refused({"part.csv", "x,y\n0,0\n1,0\n0,1\n", "", "circle"}, "s.toml:6:8: found a file for the shape 'circle'");
   refused({"part.svg", "<svg><text>a</text><image/></svg>"},

@@ -5,15 +5,19 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <random>
 #include <string>
 #include <tuple>
 #include <vector>
 
+#include "check/body.hpp"
 #include "common/scene_text.hpp"
 #include "common/scenes.hpp"
+#include "obstacle/shape_options.hpp"
 #include "support/print.hpp"
 #include "support/random_outline.hpp"
 #include "tendril/plugins/components.hpp"
@@ -112,6 +116,78 @@ TEST(CheckedPlans, WithAnyOutlineHasNoDefect) {
     ++touching;
   }
   EXPECT_GT(touching, 50);
+}
+
+// A body of one thickness beside any outline is a line beside the outline that is grown by its radius, whose plans are
+// checked above.
+TEST(CheckedPlans, OfAThickRodAreThoseBesideAGrownOutline) {
+  plugins::Registry registry(plugins::Catalog(plugins::search_places({})));
+  std::mt19937 random(18);
+  int touching = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const double side = trial % 2 == 0 ? 1.0 : -1.0;
+    const Vec2 center{0.3 + 0.01 * trial, -0.3 * side};
+    std::string vertices;
+    for (const Vec2 p : support::random_outline(random, center, 0.25)) {
+      vertices += fmt::format("{}[{:.17g}, {:.17g}]", vertices.empty() ? "" : ", ", p.x, p.y);
+    }
+    const auto planned = [&](const std::string& rounding, const std::string& thickness) {
+      const std::string part =
+          "[[obstacle]]\nshape = \"polygon\"\nvertices = [" + vertices + "]\nrounding = " + rounding + "\n";
+      const Scene scene =
+          scene_from_text(gravity_of(1.0) + unit_rod(2.0) + thickness + actuator(-3.0, 3.0) + contact("allow") +
+                              target(0.9, -0.25 * side) + weighted(1.0, 1e-4) + part + models[3].text,
+                          "part", registry);
+      return Problem(scene, plugins::make_components(registry, scene)).plan();
+    };
+    const Plan thick = planned("0.01", "thickness = 0.03\n");
+    const Plan grown = planned("0.025", "");
+    ASSERT_EQ(thick.status, PlanStatus::solved) << trial << ": " << thick.message;
+    ASSERT_EQ(grown.status, PlanStatus::solved) << trial << ": " << grown.message;
+    EXPECT_NEAR(thick.objective, grown.objective, 1e-8 * (1.0 + grown.objective)) << trial;
+    ASSERT_EQ(thick.contacts.size(), grown.contacts.size()) << trial;
+    for (std::size_t i = 0; i < grown.contacts.size(); ++i) {
+      EXPECT_NEAR(thick.contacts[i].force, grown.contacts[i].force, 1e-6 * (1.0 + grown.contacts[i].force)) << trial;
+      touching += grown.contacts[i].force > 1e-6 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(touching, 5);
+}
+
+/// What bounds a channel, by other formulas than those of the shape: corners that are mitred or rounded, ends, widths.
+TEST(BodyOfAChannel, IsThatOfTheShape) {
+  const Component<Obstacle> component = channel_component();
+  std::mt19937 random(19);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int trial = 0; trial < 100; ++trial) {
+    ObstacleSpec spec{"o", "channel", {}};
+    RawValue::List points, widths;
+    Vec2 at{};
+    double heading = 0.0;
+    for (int i = 0; i < 2 + trial % 5; ++i) {
+      points.push_back({RawValue::List{{at.x}, {at.y}}});
+      widths.push_back({0.1 + 0.2 * unit(random)});
+      at += (0.3 + 0.3 * unit(random)) * Vec2{std::cos(heading), std::sin(heading)};
+      heading += trial % 2 == 0 ? 3.0 * unit(random) - 1.5 : unit(random) - 0.5;
+    }
+    spec.options = {{"points", {points}}, {"rounding", {0.02}}, {"wall", {0.1 + 0.1 * unit(random)}}};
+    static constexpr std::array<const char*, 4> ends{"none", "start", "end", "both"};
+    spec.options["closed"] = {std::string(ends[static_cast<std::size_t>(trial % 4)])};
+    if (trial % 3 == 0) {
+      spec.options["widths"] = {widths};
+    } else {
+      spec.options["width"] = {0.2};
+    }
+    const Body body = body_of(spec, {}, 1.0);
+    const std::unique_ptr<Obstacle> shape =
+        component.make(resolve_options(component.options, spec.options, Scale{1.0, 1.0}, {}, "a channel"));
+    for (int i = 0; i < 200; ++i) {
+      const Vec2 p{2.5 * unit(random) - 0.5, 3.0 * unit(random) - 1.5};
+      Vec2 normal{};
+      const SurfacePoint s = shape->at(p);
+      EXPECT_NEAR(body.distance(p, normal) - body.radius, s.distance, 1e-9) << trial;
+    }
+  }
 }
 
 /// One thing that is wrong with a plan, or that its scene does not allow, two to five times as far off as may be.

@@ -150,6 +150,15 @@ TEST_P(PartsWithEverySolver, AnArmReachesThroughAWindowAndItsMirrorImageToo) {
   for (const PlannedContact& c : a.contacts) EXPECT_EQ(c.obstacle_name, "frame");
 }
 
+// Executed, 12 N mm hold the rod on two sides of the pipe with its tip at the target. From the start the other wall is
+// nearer, 15 mm away; which wall is touched is no way of its own.
+TEST_P(PartsWithEverySolver, TheOtherWallOfAPipeIsFound) {
+  const Scene pipe = scene("pipe");
+  const Plan found = planned(pipe);
+  ASSERT_TRUE(certified(found));
+  EXPECT_LT(*found.target_error, 0.01 * pipe.rod.length());
+}
+
 INSTANTIATE_TEST_SUITE_P(Solvers, PartsWithEverySolver, testing::ValuesIn(registry().names(ComponentKind::solver)),
                          [](const auto& each) { return each.param; });
 

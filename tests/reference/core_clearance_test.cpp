@@ -104,10 +104,10 @@ TEST(CoreClearanceReference, DepthOfCirclesOfAllSizes) {
 }
 
 // Any shape: the exact depth of an arc, by sampling that leaves less than 1e-7 and a search within the deepest cell.
-double sampled_depth(const Arc& arc, const Obstacle& shape) {
+double sampled_depth(const Arc& arc, const Obstacle& shape, double thick = 0.0, double taper = 0.0) {
   constexpr int samples = 4000;
   double deepest = 0.0;
-  const auto depth = [&](double s) { return -shape.at(arc.at(s)).distance; };
+  const auto depth = [&](double s) { return thick - taper * s - shape.at(arc.at(s)).distance; };
   for (int i = 0; i <= samples; ++i) deepest = std::max(deepest, depth(static_cast<double>(i) / samples));
   for (int i = 0; i <= samples; ++i) {
     const double s = static_cast<double>(i) / samples;
@@ -159,22 +159,27 @@ TEST(CoreClearanceReference, DepthOfWallsCapsulesAndPolygons) {
   EXPECT_GT(deep, 50);
 }
 
-// 200 bodies of any outline, some with holes, from far away through touching to right through the core. Inside of the
-// core the bound is sharp to a thousandth of the depth.
+// 200 bodies of any outline, some with holes, from far away through touching to right through the core, beside rods
+// that are lines, or thick and tapered. Inside of the core the bound is sharp to a thousandth of the depth.
 TEST(CoreClearanceReference, DepthOfBodiesOfAnyOutline) {
   std::mt19937 random(12);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   int touching = 0;
   int deep = 0;
   for (int trial = 0; trial < 200; ++trial) {
-    const Arc arc(trial % 3 == 0 ? -3.0 : trial % 3 == 1 ? 0.02 : 2.5, 6, 2);
+    const double thick = trial % 2 == 0 ? 0.0 : 0.01 + 0.03 * unit(random);
+    const double taper = 0.8 * thick * unit(random);
+    Rod rod;
+    rod.segments[0].radius = thick;
+    if (thick > 0.0) rod.segments[0].more_radius = {-taper};
+    const Arc arc(trial % 3 == 0 ? -3.0 : trial % 3 == 1 ? 0.02 : 2.5, 6, 2, rod);
     const double size = std::pow(10.0, -1.5 + 1.5 * unit(random));
     const double rounding = size * (trial % 5 == 0 ? 1e-3 : 0.2);
     const Vec2 center = arc.at(unit(random)) + (1.2 * size * (2.0 * unit(random) - 1.0)) * turned(arc.tangent(0.5));
     std::vector<ClosedLine> holes;
     if (trial % 4 == 0) holes.push_back(random_outline(random, center, 0.4 * size));
     const Part part(boundary_of({random_outline(random, center, size)}, holes), rounding);
-    const double exact = sampled_depth(arc, part);
+    const double exact = sampled_depth(arc, part, thick, taper);
     const double depth = certified_depth(arc.curve, part);
     (exact > rounding ? deep : touching) += exact > 0.0 ? 1 : 0;
     EXPECT_GE(depth, exact - 1e-14) << trial;
@@ -189,6 +194,32 @@ TEST(CoreClearanceReference, DepthOfBodiesOfAnyOutline) {
   }
   EXPECT_GT(touching, 20);
   EXPECT_GT(deep, 50);
+}
+
+// Small pegs and notched bodies beside the rod: what is passed over far away hides no approach below the level. Without
+// a level nothing is passed over.
+TEST(CoreClearanceReference, EveryApproachBelowTheLevelIsFoundWithoutALookAtAllPlaces) {
+  std::mt19937 random(21);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  constexpr double level = 0.02;
+  std::size_t approaches = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const Arc arc(trial % 3 == 0 ? -3.0 : trial % 3 == 1 ? 0.02 : 5.0, 6, 1 + trial % 2);
+    const Vec2 center = arc.at(unit(random)) + (0.3 * (2.0 * unit(random) - 1.0)) * turned(arc.tangent(0.5));
+    std::unique_ptr<Obstacle> shape;
+    if (trial % 4 == 0) {
+      shape = std::make_unique<Part>(boundary_of({random_outline(random, center, 0.2)}, {}), 0.01);
+    } else {
+      shape = std::make_unique<Circle>(center, std::pow(10.0, -3.0 + 2.0 * unit(random)));
+    }
+    std::vector<ClosestApproach> every = closest_approaches(arc.curve, *shape, infinity);
+    std::erase_if(every, [](const ClosestApproach& a) { return a.distance > level; });
+    const std::vector<ClosestApproach> found = closest_approaches(arc.curve, *shape, level);
+    ASSERT_EQ(found.size(), every.size()) << trial;
+    for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].arc_length, every[i].arc_length) << trial;
+    approaches += found.size();
+  }
+  EXPECT_GT(approaches, 100U);
 }
 
 TEST(CoreClearanceReference, DepthAtTheEndsOfTheRod) {

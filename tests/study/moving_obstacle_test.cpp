@@ -98,6 +98,41 @@ shifts = [["0 mm", "0 mm"], ["0.5 mm", "-0.5 mm"], ["1 mm", "-1 mm"], ["1.5 mm",
   EXPECT_GT(read_file(out + "/figure.svg").size(), 1000U);
 }
 
+// A peg that is pushed across the rod by three times its size in one step takes the rod along, as it does in small
+// ones.
+TEST(MovingObstacle, IsLedAlongWhereOneStepIsFar) {
+  const TemporaryDirectory directory;
+  const std::string scene =
+      directory.write("s.toml", replaced(replaced(brace(), "problem = \"pose\"", "problem = \"trajectory\""),
+                                         "radius = \"8 mm\"", "radius = \"4 mm\"") +
+                                    R"(
+[[trajectory.obstacle]]
+name = "obstacle 1"
+shifts = [["0 mm", "-8 mm"], ["0 mm", "16 mm"]]
+)");
+  const std::string out = directory / "out";
+  ASSERT_EQ(tendril({"plan", scene, "--output", out}).exit_code, 0);
+  json held = json::parse(read_file(out + "/result.json"));
+  for (json& step : held["steps"]) step["moments"] = {1e-3};
+  const auto carried = [&](int steps) {
+    json more = held;
+    more["steps"] = json::array();
+    for (int i = 0; i <= steps; ++i) {
+      json& step = more["steps"].emplace_back(held["steps"][0]);
+      step["moved_obstacles"][0]["shift"][1] = 1e-3 * (-8.0 + 24.0 * i / steps);
+    }
+    const test::CommandRun run =
+        tendril({"execute", scene, "--plan", directory.write("held.json", more.dump()), "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return json::parse(run.out)["steps"].back();
+  };
+  const json far = carried(1);
+  const json near = carried(12);
+  EXPECT_NEAR(far["tip"]["y"], near["tip"]["y"], 1e-7);
+  ASSERT_EQ(far["contacts"].size(), 1U);
+  EXPECT_GT(far["contacts"][0]["normal"][1].get<double>(), 0.5);
+}
+
 TEST(MovingObstacle, RefusesWhatMakesNoSense) {
   const TemporaryDirectory directory;
   const std::string trajectory = replaced(brace(), "problem = \"pose\"", "problem = \"trajectory\"");

@@ -155,11 +155,13 @@ std::vector<Outline> read_stl_section(const std::filesystem::path& path, char ax
   Section section(axis, height, unit);
   double low = infinity;
   double high = -infinity;
-  for (const Triangle& triangle : triangles_of(path)) {
+  const std::vector<Triangle> triangles = triangles_of(path);
+  for (const Triangle& triangle : triangles) {
     for (const Point& p : triangle) {
       const double along = unit * p[static_cast<std::size_t>(axis - 'x')];
       if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
-        throw InputError(path.string() + ": a vertex is not finite");
+        throw InputError(fmt::format("{}: facet {} has a vertex that is not finite, expected numbers", path.string(),
+                                     &triangle - triangles.data() + 1));
       }
       low = std::min(low, along);
       high = std::max(high, along);

@@ -218,6 +218,10 @@ class SvgReader {
   void draw(const std::string& name, const Attributes& attributes, const std::string& style, const Transform& to_root) {
     std::vector<CurvedLine> lines;
     const auto number = [&](const std::string& key) { return length_of(attributes, key); };
+    const auto size = [&](const std::string& key) {
+      if (const double length = number(key); length >= 0.0) return length;
+      fail(fmt::format("found {} = \"{}\", expected a length that is not negative", key, text_of(attributes, key)));
+    };
     if (name == "path") {
       try {
         lines = lines_of_path(text_of(attributes, "d"));
@@ -227,11 +231,11 @@ class SvgReader {
     } else if (name == "polygon" || name == "polyline") {
       lines.push_back(polygon(text_of(attributes, "points")));
     } else if (name == "rect") {
-      lines.push_back(rectangle({number("x"), number("y")}, {number("width"), number("height")},
+      lines.push_back(rectangle({number("x"), number("y")}, {size("width"), size("height")},
                                 length_of(attributes, "rx", number("ry")), length_of(attributes, "ry", number("rx"))));
     } else if (name == "circle" || name == "ellipse") {
-      const double rx = number(name == "circle" ? "r" : "rx");
-      const double ry = number(name == "circle" ? "r" : "ry");
+      const double rx = size(name == "circle" ? "r" : "rx");
+      const double ry = size(name == "circle" ? "r" : "ry");
       lines.emplace_back();
       add_arc(lines.back(), {number("cx"), number("cy")}, {rx, 0.0}, {0.0, ry}, 0.0, 2.0 * std::numbers::pi);
       lines.back().back()[3] = lines.back().front()[0];

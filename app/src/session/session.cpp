@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
+#include <set>
 #include <utility>
 
 #include "scene/calibrated_rod.hpp"
@@ -16,6 +18,7 @@
 #include "tendril/app/scene_reader.hpp"
 #include "tendril/execute.hpp"
 #include "tendril/grasp.hpp"
+#include "tendril/leading.hpp"
 
 namespace tendril::app {
 
@@ -46,6 +49,18 @@ std::string plugin_in(const Document& document, const char* table) {
 bool declares(const OptionSchema& schema, std::string_view name) {
   return std::any_of(schema.begin(), schema.end(),
                      [&](const OptionSpec& spec) { return spec.name == name || spec.name == any_option; });
+}
+
+/// The file that the option of the obstacle at `path` was read from; empty: the scene says it itself.
+std::string file_behind(const Document& document, const std::string& path, const std::string& option) {
+  static const std::set<std::string, std::less<>> read{"vertices", "outlines", "points", "widths"};
+  const Node* obstacles = path.starts_with("obstacle[") ? document.root().find("obstacle") : nullptr;
+  const auto* list = obstacles != nullptr ? std::get_if<Node::List>(&obstacles->value) : nullptr;
+  if (list == nullptr || !read.contains(option)) return "";
+  const Node* file = (*list)[std::stoul(path.substr(path.find('[') + 1))].find("file");
+  const Node* name = file != nullptr ? file->find("name") : nullptr;
+  const auto* text = name != nullptr ? std::get_if<std::string>(&name->value) : nullptr;
+  return text != nullptr ? *text : "";
 }
 
 }  // namespace
@@ -85,6 +100,9 @@ decltype(auto) Session::located(const std::string& path, Make&& make) const {
   try {
     return make();
   } catch (const OptionError& error) {
+    if (const std::string file = file_behind(document_, path, error.option()); !file.empty()) {
+      document_.fail(document_.find(path + ".file"), fmt::format("{}: {}", file, error.what()));
+    }
     const SourcePosition place =
         error.position().line > 0 ? error.position() : document_.find(path + '.' + error.option());
     const std::string meant = misspelt_key(path, error.option());
@@ -392,6 +410,12 @@ Trajectory Session::execute(const std::vector<TrajectoryStep>& steps, const std:
     aimed.target = step.target;
     ExecuteControl control = execute_control(state);
     control.place = step.plan.place;
+    std::optional<Plan> led;
+    if (done.steps.size() > 1) {
+      const ObstaclesAt at = [this](const TargetSpec& where) { return make_obstacles(where); };
+      led = located("", [&] { return led_near(aimed, at, (&reached - 1)->target, *state, step, control); });
+    }
+    if (led) control.start = &*led;
     reached.plan = located("", [&] { return tendril::execute(aimed, obstacles, step.plan, control).result; });
     done.interrupted = stop().load();
     if (done.interrupted || reached.plan.backbone.empty()) break;

@@ -247,7 +247,11 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
   const Eigen::VectorXd& rows = d.rows = d.program->constraints(x);
   if (rows.size() != judged.row_count()) throw Error("the program to be judged has other check points than its judge");
   c.quadrature = d.error;
-  if (!d.exact) c.quadrature = (rows - judged.constraints(x)).cwiseAbs().maxCoeff();
+  if (!d.exact) {
+    // Where nothing touches and nothing pulls no row depends on where the rod is, but what is asked of its tip does.
+    c.quadrature = std::max((rows - judged.constraints(x)).cwiseAbs().maxCoeff(),
+                            norm(d.program->backbone().tip() - judged.backbone().tip()));
+  }
   c.equilibrium = rows.head(at.coordinates).cwiseAbs().maxCoeff() + (d.exact ? d.error : 0.0);
 
   c.bounds = 0.0;

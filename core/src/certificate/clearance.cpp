@@ -190,11 +190,18 @@ void closest_approaches(const Curve& curve, const Obstacle& obstacle, double lev
     }
     const double wanted = curve.arc_bound(j) / std::clamp(0.5 * obstacle.smallest_radius(), 1e-3, 0.02);
     const int steps = std::clamp(static_cast<int>(std::ceil(wanted)), 8, 1000);
+    // From sample to sample the distance changes by no more than that.
+    const double most = 2.0 * reach / steps;
     for (int i = seen == 0 ? 0 : 1; i <= steps; ++i, ++seen) {
       const ClosestApproach next = valleys.sample(j, static_cast<double>(i) / steps);
       if (seen > 0) valleys.consider(seen > 1 ? &before : nullptr, here, &next);
       before = here;
       here = next;
+      // Samples that stand above the level with their neighbours, whatever they are, are passed over.
+      if (const double above = std::min((next.distance - level) / most, static_cast<double>(steps)); above >= 5.0) {
+        i += static_cast<int>(above) - 3;
+        seen = -1;
+      }
     }
   }
   if (seen > 0) valleys.consider(seen > 1 ? &before : nullptr, here, nullptr);

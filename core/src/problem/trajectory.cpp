@@ -4,21 +4,24 @@
 #include <cmath>
 #include <numbers>
 
-namespace tendril {
-namespace {
+#include "tendril/leading.hpp"
 
-TargetSpec middle_of(const TargetSpec& a, const TargetSpec& b) {
+namespace tendril {
+
+TargetSpec between(const TargetSpec& a, const TargetSpec& b, double share) {
   TargetSpec middle = b;
-  if (a.position && b.position) middle.position = 0.5 * (*a.position + *b.position);
+  if (a.position && b.position) middle.position = *a.position + share * (*b.position - *a.position);
   // Directions: the shorter way round.
-  if (a.angle && b.angle) middle.angle = *a.angle + 0.5 * std::remainder(*b.angle - *a.angle, 2.0 * std::numbers::pi);
+  if (a.angle && b.angle) middle.angle = *a.angle + share * std::remainder(*b.angle - *a.angle, 2.0 * std::numbers::pi);
   for (std::size_t i = 0; i < std::min(a.obstacles.size(), b.obstacles.size()); ++i) {
     const ObstaclePlace& from = a.obstacles[i].place;
     ObstaclePlace& to = middle.obstacles[i].place;
-    to = {0.5 * (from.turn + to.turn), 0.5 * (from.shift + to.shift)};
+    to = {from.turn + share * (to.turn - from.turn), from.shift + share * (to.shift - from.shift)};
   }
   return middle;
 }
+
+namespace {
 
 class Walker {
  public:
@@ -59,7 +62,7 @@ class Walker {
     Plan unreached;
     unreached.message = "too many intermediate targets";
     if (depth == most_halvings) return unreached;
-    const TargetSpec middle = middle_of(from, target);
+    const TargetSpec middle = between(from, target, 0.5);
     Plan reached = start;
     for (const auto& [goal, previous] : {std::pair(&middle, &from), std::pair(&target, &middle)}) {
       if (current_->intermediate == most_intermediate) return unreached;

@@ -5,11 +5,11 @@
 
 #include "problem/friction.hpp"
 #include "tendril/execute.hpp"
+#include "tendril/leading.hpp"
 #include "tendril/numbers.hpp"
 #include "tendril/problem.hpp"
 #include "tendril/scale.hpp"
 #include "tendril/tolerances.hpp"
-#include "tendril/trajectory.hpp"
 
 namespace tendril {
 namespace {
@@ -117,8 +117,73 @@ Execution verify(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>
   return reached;
 }
 
+namespace {
+
+/// In so many stretches obstacles are led from one step to the next, at most.
+constexpr int most_stretches = 200;
+
+/// How many it takes so that no point of an obstacle goes farther in one than half of its rounding.
+int stretches(const Scene& scene, const ObstaclesAt& obstacles, const TargetSpec& from, const TargetSpec& to) {
+  if (from.obstacles.empty() || from.obstacles.size() != to.obstacles.size()) return 1;
+  const std::vector<std::unique_ptr<Obstacle>> made = obstacles(from);
+  const double length = scale_of(scene).length;
+  double most = 1.0;
+  for (std::size_t i = 0; i < to.obstacles.size(); ++i) {
+    const auto o = static_cast<std::size_t>(to.obstacles[i].obstacle);
+    // A flat side has no other side.
+    if (!std::isfinite(made[o]->smallest_radius())) continue;
+    Vec2 low;
+    Vec2 high;
+    made[o]->bounding_box(low, high);
+    const ObstaclePlace& a = from.obstacles[i].place;
+    const ObstaclePlace& b = to.obstacles[i].place;
+    const Vec2 center = made[o]->reference_point();
+    const double arm = norm(0.5 * (low + high) - center) + 0.5 * norm(high - low);
+    const double way = norm(b.shift - a.shift) / length + std::abs(b.turn - a.turn) * arm;
+    most = std::max(most, way / (0.5 * made[o]->rounding()));
+  }
+  return static_cast<int>(std::ceil(std::min(most, static_cast<double>(most_stretches))));
+}
+
+RodPlace between(const RodPlace& a, const RodPlace& b, double share) {
+  RodPlace middle = b;
+  if (a.insertion && b.insertion) middle.insertion = *a.insertion + share * (*b.insertion - *a.insertion);
+  if (a.base && b.base) {
+    middle.base = BasePose{a.base->position + share * (b.base->position - a.base->position),
+                           a.base->angle + share * (b.base->angle - a.base->angle)};
+  }
+  return middle;
+}
+
+}  // namespace
+
+std::optional<Plan> led_near(const Scene& scene, const ObstaclesAt& obstacles, const TargetSpec& from,
+                             const Plan& before, const TrajectoryStep& step, const ExecuteControl& control) {
+  const int count = stretches(scene, obstacles, from, step.target);
+  const std::vector<double> first = held_of(scene, before);
+  const std::vector<double> last = held_of(scene, step.plan);
+  std::optional<Plan> at;
+  ExecuteControl leading = control;
+  for (int i = 1; i < count; ++i) {
+    const double share = static_cast<double>(i) / count;
+    std::vector<double> held = first;
+    for (std::size_t a = 0; a < held.size(); ++a) held[a] += share * (last[a] - first[a]);
+    leading.start = at ? &*at : &before;
+    leading.place = between(before.place, step.plan.place, share);
+    try {
+      Plan next = execute(scene, obstacles(between(from, step.target, share)), held, leading).result;
+      if (next.status != PlanStatus::solved) break;
+      at = std::move(next);
+    } catch (const SceneError&) {
+      break;  // an obstacle that is smaller than its stretch: whoever executes the step tells
+    }
+  }
+  return at;
+}
+
 void verify(const Scene& scene, const ObstaclesAt& obstacles, Trajectory& trajectory, const ExecuteControl& control) {
   std::optional<Plan> before;
+  const TargetSpec* from = nullptr;
   for (TrajectoryStep& step : trajectory.steps) {
     Plan& plan = step.plan;
     if (plan.backbone.empty()) {
@@ -126,10 +191,16 @@ void verify(const Scene& scene, const ObstaclesAt& obstacles, Trajectory& trajec
       continue;
     }
     ExecuteControl from_before = control;
-    if (before) from_before.start = &*before;
+    // Contacts push as they do in the plan, or along their normals on the way to it.
+    ExecuteControl leading = control;
+    leading.with_friction = false;
+    std::optional<Plan> led;
+    if (before) led = led_near(scene, obstacles, *from, *before, step, leading);
+    if (before) from_before.start = led ? &*led : &*before;
     Execution reached = verify(scene, obstacles(step.target), plan, from_before);
     // After a step that did not come to rest the next one starts from where the plan has it.
     before = reached.result.status == PlanStatus::solved ? std::move(reached.result) : plan;
+    from = &step.target;
   }
 }
 

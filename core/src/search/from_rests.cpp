@@ -238,12 +238,26 @@ bool Planner::rest_is_due(const Mode& mode) {
   return values_tried_ > search_parameters().many_values;
 }
 
+bool Planner::misses_among_sides() const {
+  const bool sided =
+      std::any_of(d_.obstacles.begin(), d_.obstacles.end(), [](const Obstacle* o) { return !o->convex(); });
+  if (!sided || d_.palm || winner_ < 0 || !d_.target.has_position || !(d_.least_cost(1.0) > d_.least_cost()))
+    return false;
+  const Candidate& best = states_[static_cast<std::size_t>(winner_)].best;
+  best.program->constraints(best.x);
+  const double out_of_reach = std::max(0.0, norm(d_.target.position - d_.rod.base) - 1.0);
+  return norm(best.program->backbone().tip() - d_.target.position) > out_of_reach + search_parameters().missed;
+}
+
 void Planner::start_from_rests() {
   rested_ = true;
+  const bool missed = misses_among_sides();
   std::vector<StartShape> from{d_.scene_start()};
   if (loaded()) from.insert(from.end(), {hanging(false), hanging(true)});
   const std::vector<std::vector<double>> samples = sampled_moments();
-  const double most_work = steps_.tally.work + generosity() * search_parameters().sampling_work;
+  // Where there is a plan, no more than sides are worth.
+  const double worth = missed ? search_parameters().side_work : search_parameters().sampling_work;
+  const double most_work = steps_.tally.work + generosity() * worth;
   std::size_t enough = samples.size();
   int useless = 0;
   bool has_plan = have_plan_;
@@ -256,6 +270,7 @@ void Planner::start_from_rests() {
       useless = rest && contacts_of_rest(*rest) ? 0 : useless + 1;
       if (useless > search_parameters().useless_rests) return;
       if (rest) consider_rest(*rest);
+      if (missed && !misses_among_sides()) return;
       // The first plan is seldom the best: as many samples as led to it may follow.
       if (have_plan_ && !has_plan && !thorough()) enough = std::min(enough, 2 * (i + 1));
       has_plan = have_plan_;

@@ -49,7 +49,9 @@ std::vector<Rest> Planner::rests_of_arcs() const {
   inputs.resize(std::min(inputs.size(), search_parameters().inputs_let_go));
   const int arcs = search_parameters().arcs_let_go;
   std::vector<Rest> rests;
-  int left = search_parameters().looks_at_arcs;
+  // A step costs as the square of the values does.
+  const double values = std::max(1, d_.coordinate_count({})) / 10.0;
+  int left = static_cast<int>(search_parameters().looks_at_arcs / std::max(1.0, values * values));
   for (const std::vector<double>& moments : inputs) {
     const std::size_t first = rests.size();
     for (int i = 0; i < arcs && left > 0 && !must_stop(); ++i) {

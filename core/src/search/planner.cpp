@@ -173,6 +173,7 @@ Plan Planner::run() {
   if (search_parameters().balance_first && d_.palm && !d_.palm->balance) start_from_balance(order);
   search(order);
   if (fast()) return report();
+  if (search_parameters().ask_rests && !rested_ && misses_among_sides()) start_from_rests();
   if (winner_ >= 0 || d_.palm) hold_cheaper();
   search_further(starts(), order);
   let_go();
@@ -243,8 +244,13 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
     std::size_t way;
     const SideStart* start;
   };
+  // The scene's own start comes before all others; where there are many ways, not with all of them.
+  const std::size_t most_trials = search_parameters().most_trials * static_cast<std::size_t>(generosity());
   std::vector<Trial> trials;
+  std::vector<Trial> last;
+  std::size_t first_ways = 0;
   for (const std::size_t i : order) {
+    if (!modes_[i].skip.empty()) continue;
     std::vector<Trial> of_way;
     for (const SideStart& start : starts) {
       double merit = start.merit;
@@ -255,13 +261,14 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
     }
     std::stable_sort(of_way.begin(), of_way.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
     if (of_way.size() > most_sides) of_way.resize(most_sides);
-    // The scene's own start comes before all others.
-    trials.push_back({0.0, i, &own});
+    (first_ways < most_trials ? trials : last).push_back({0.0, i, &own});
+    ++first_ways;
     trials.insert(trials.end(), of_way.begin(), of_way.end());
   }
   std::stable_sort(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
-  const std::size_t most_trials = search_parameters().most_trials * static_cast<std::size_t>(generosity());
-  if (trials.size() > most_trials) trials.resize(most_trials);
+  const std::size_t most = std::max(most_trials, std::min(first_ways, most_trials) + most_trials / 2);
+  if (trials.size() > most) trials.resize(most);
+  trials.insert(trials.end(), last.begin(), last.end());
   const double most_work = steps_.tally.work + generosity() * search_parameters().side_work;
   for (const Trial& trial : trials) {
     ModeState& state = states_[trial.way];

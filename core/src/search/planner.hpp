@@ -147,8 +147,11 @@ class Planner {
   bool come_to_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
   /// Whether so much was tried without a plan that the rod itself is asked for one; once.
   bool rest_is_due(const Mode& mode);
-  /// Plans from where the rod rests under the least moments.
+  /// Plans from where the rod rests under sampled moments.
   void start_from_rests();
+  /// Whether the plan misses a target among bodies that are not convex: from another side of one it may be reached, and
+  /// which side of it is touched is no way of its own.
+  bool misses_among_sides() const;
   /// The objective may fall along stable equilibria up to their end: the plan is then held at the limit of stability.
   void hold_stable(const std::vector<Rest>& rests, const std::vector<std::size_t>& order);
   /// A start of a grasp. Without a force the row of the balance says nothing about where the contact should be.

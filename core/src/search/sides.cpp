@@ -31,18 +31,29 @@ SideStart look_at(const Task& task, StartShape shape, std::vector<OutlinePoint>&
   SideStart seen{std::move(shape), Sides(count, 0), std::vector<int>(count, 0), std::vector<double>(count, infinity)};
   seen.tip = line.back().position;
   for (const OutlinePoint& p : line) seen.bend += p.curvature * p.curvature / static_cast<double>(line.size());
+  // From point to point no distance changes by more than that.
+  double most = 0.0;
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    most =
+        std::max(most, norm(line[i].position - line[i - 1].position) + std::abs(line[i].radius - line[i - 1].radius));
+  }
   for (std::size_t o = 0; o < task.obstacles.size(); ++o) {
     if (!has_sides(task, o)) continue;
     const Obstacle& obstacle = *task.obstacles[o];
     double least = infinity;
     double turn = 0.0;
     Vec2 where{};
-    for (const OutlinePoint& p : line) {
+    for (std::size_t i = 0; i < line.size();) {
+      const OutlinePoint& p = line[i];
       const SurfacePoint surface = obstacle.at(p.position);
-      if (!(surface.distance - p.radius < least)) continue;
-      least = surface.distance - p.radius;
-      turn = cross(p.tangent, surface.normal);
-      where = p.position;
+      const double distance = surface.distance - p.radius;
+      if (distance < least) {
+        least = distance;
+        turn = cross(p.tangent, surface.normal);
+        where = p.position;
+      }
+      const double points = std::min((distance - least) / most, static_cast<double>(line.size()));
+      i += points >= 1.0 ? static_cast<std::size_t>(points) : 1;
     }
     if (!obstacle.convex()) seen.patches[o] = obstacle.patch_at(where);
     seen.distances[o] = least;

@@ -28,7 +28,7 @@ std::string contact_name(const ContactSetup& c, const std::vector<std::string>& 
 }
 
 /// Rows of a program before the exchange of check points adds some: enough for a dozen obstacles.
-constexpr std::size_t most_first_checks = 128;
+constexpr std::size_t most_first_checks = 48;
 
 /// Keeps so many of the check points, those that the shape has next to their obstacles, in their order.
 void keep_nearest(std::vector<CheckPoint>& checks, const PoseProgram& program, std::span<const double> knots,
