@@ -126,7 +126,7 @@ CommandRun execute_brace(std::vector<std::string> more) {
 
 TEST(BadMoments, AreRefused) {
   expect_refused(execute_brace({}), "expected --moments \"M, ...\" or --plan RESULT.json");
-  expect_refused(execute_brace({"--moments", ""}), "--moments, number 1: found \"\"");
+  expect_refused(execute_brace({"--moments", ""}), "--moments: found 0 moments, expected one for each");
   expect_refused(execute_brace({"--moments", "1 mm"}),
                  "--moments, number 1: found \"1 mm\", whose unit is not that of a moment");
   expect_refused(execute_brace({"--moments", "1 Nm"}), "did you mean 'N m'?");

@@ -75,8 +75,9 @@ TEST(SearchFollow, WhatWasSaidOfTheEarlierPlanIsNotSaidOfTheNext) {
   // Nor is what holds of this one told twice.
   TargetSpec beyond = scene("brace").target;
   beyond.position = Vec2{beyond.position->x + 0.02, beyond.position->y};
+  with.problem.set_target(beyond);
   for (int i = 0; i < 2; ++i) {
-    with.problem.follow(beyond, again);
+    again = follow(with, again);
     ASSERT_TRUE(certified(again));
     EXPECT_EQ(std::count_if(again.notes.begin(), again.notes.end(),
                             [](const std::string& note) { return note.find("misses the target") != note.npos; }),

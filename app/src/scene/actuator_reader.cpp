@@ -64,10 +64,14 @@ Key<ActuatorDraft> calibrated_key() {
                          {}};
   key.read = [spec = key.spec](const Context& context, const Node& node, ActuatorDraft& draft) {
     const auto* list = std::get_if<Node::List>(&node.value);
-    if (list == nullptr || list->size() != 2) context.fail(node, "the least and the largest value, [least, largest]");
+    const std::string expected = "the least and the largest value, [least, largest]";
+    if (list == nullptr) context.fail(node, expected);
     KeySpec own = spec;
     own.dimension = told_dimension(draft);
-    draft.calibrated = {read_quantity(context, list->front(), own), read_quantity(context, list->back(), own)};
+    std::vector<double> values;
+    for (const Node& item : *list) values.push_back(read_quantity(context, item, own));
+    if (values.size() != 2) context.fail(node, expected);
+    draft.calibrated = {values.front(), values.back()};
   };
   return key;
 }

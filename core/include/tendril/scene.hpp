@@ -94,7 +94,7 @@ struct TENDRIL_API ActuatorSpec {
   std::vector<double> force_per_pressure{};
   /// What its rod was calibrated with, of what its kind is told (SI): beyond it nothing is known of the rod's numbers.
   double calibrated_from = -infinity;
-  double calibrated_to = infinity;
+  double calibrated_to = infinity;  ///< likewise
 
   /// What it is told: also a pressure if it is known what moment that gives.
   ActuatorKind input() const;

@@ -336,7 +336,6 @@ bool Problem::follow_without_solver(Plan& plan, bool contacts_may_change) {
   plan.scan.reset();
   plan.minima.clear();
   plan.notes.clear();
-  tell_target(d, plan);
   return true;
 }
 
@@ -362,6 +361,7 @@ Plan Problem::plan(const PlanControl& control) {
   if (follows && control.without.empty()) {
     Plan followed = *control.start;
     if (follow_without_solver(followed, false)) {
+      tell_target(*task_, followed);
       tell_more(*task_, followed, control.stop);
       return followed;
     }

@@ -168,8 +168,10 @@ double Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
                         r.status == SolveStatus::not_finite || r.x.size() != feasible.size();
     if (broken) return cost;
     const bool done = usable(r, feasible) && finish(state, held, regions, checks, r.x);
-    // On its way a backend may pass through an obstacle. The plan that it finds then says nothing about where it began.
-    if (done && (d_.palm || stays_beside(d_, held, feasible, r.x))) return cost;
+    // On its way a backend may pass through an obstacle, or end where it costs more. The plan that it finds then says
+    // nothing about where it began.
+    const bool left = held.cost(r.x) > cost + search_parameters().dearer;
+    if (done && (d_.palm || (!left && stays_beside(d_, held, feasible, r.x)))) return cost;
   }
   // What the backend cannot do with all variables it may do with the moments alone.
   Eigen::VectorXd x = feasible;

@@ -68,12 +68,23 @@ std::vector<Rest> Planner::rests_of_arcs() const {
   return rests;
 }
 
+bool Planner::is_off_target() const {
+  if (winner_ < 0) return true;
+  const double there = search_parameters().there;
+  // As far as the objective tells what that costs.
+  if (d_.least_cost(there) > d_.least_cost()) return best_objective() > d_.least_cost(there);
+  const Candidate& best = states_[static_cast<std::size_t>(winner_)].best;
+  best.program->constraints(best.x);
+  const Backbone& backbone = best.program->backbone();
+  const bool beside = d_.target.has_position && norm(backbone.tip() - d_.target.position) > there;
+  const bool turned = d_.target.has_angle && std::abs(backbone.tip_angle() - d_.target.angle) > there;
+  return beside || turned || !(d_.target.has_position || d_.target.has_angle);
+}
+
 void Planner::let_go() {
   // Where nothing buckles there is one equilibrium, and where the tip is at its target no other can bring much.
   const bool one = d_.obstacles.empty() && !loaded();
-  if (!search_parameters().let_go || one || d_.palm || must_stop() ||
-      best_objective() <= d_.least_cost(search_parameters().there))
-    return;
+  if (!search_parameters().let_go || one || d_.palm || must_stop() || !is_off_target()) return;
   const std::vector<Rest> rests = rests_of_arcs();
   std::vector<std::pair<double, std::size_t>> costs;
   for (std::size_t i = 0; i < rests.size(); ++i) costs.emplace_back(cost_of(rests[i]), i);

@@ -103,6 +103,7 @@ class Planner {
   void scan();
   /// Where the plan is off its target: where arcs come to rest are starts.
   void let_go();
+  bool is_off_target() const;               ///< by 2 % of the length, or in what that costs
   std::vector<Rest> rests_of_arcs() const;  ///< where arcs of every turn come to rest under sampled moments
   std::vector<StartShape> scanned_shapes() const;
   Rest rest_at(const ModeState& state) const;  ///< of a plan

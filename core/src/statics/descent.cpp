@@ -66,7 +66,8 @@ class Valley {
 
   void derivatives(double stiffness, Eigen::VectorXd& gradient, Eigen::MatrixXd& hessian) {
     const Eigen::VectorXd rows = program_->constraints(x_);
-    const Eigen::MatrixXd jacobian = program_->jacobian(x_).leftCols(n_);
+    const MatrixView whole = program_->jacobian(x_);
+    const auto jacobian = whole.leftCols(n_);  // of many check points a copy would cost most
     Eigen::VectorXd g = -rows.head(n_);
     Eigen::MatrixXd h = -jacobian.topRows(n_);
     Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(rows.size());
