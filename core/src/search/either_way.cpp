@@ -37,8 +37,7 @@ bool keep_better(Plan& plan, Plan& other) {
 
 /// What contact bends far may have come nearer to the direction a turn away from `angle`, which it was planned for: it
 /// is measured against the nearest one.
-void face_nearest(Task& task, const PlanControl& control, double angle, Plan& best) {
-  Limit limit(task);
+void face_nearest(Task& task, const PlanControl& control, double angle, Limit& limit, Plan& best) {
   for (int i = 0; i < search_parameters().most_turns; ++i) {
     task.face(best.tip_angle);
     if (best.status != PlanStatus::solved || task.target.angle == angle || !limit.leaves_time()) return;
@@ -77,7 +76,7 @@ Plan plan_either_way(Task& task, const PlanControl& control) {
     }
     if (there || stopped) break;
   }
-  face_nearest(task, control, best_angle, best);
+  face_nearest(task, control, best_angle, limit, best);
   return best;
 }
 
