@@ -64,7 +64,10 @@ struct PoseFixture {
     spec.obstacles = {&circle};
     if (kind == toothed) spec.obstacles = {&teeth};
     if (kind == crowded) {
-      for (int i = 0; i < 199; ++i) crowd.emplace_back(Vec2{0.1 * (i % 20) - 0.5, 0.1 * (i / 20) + 0.6}, 0.01);
+      for (int i = 0; i < 199; ++i) {
+        const int row = i / 20;
+        crowd.emplace_back(Vec2{0.1 * (i % 20) - 0.5, 0.1 * row + 0.6}, 0.01);
+      }
       for (const Circle& c : crowd) spec.obstacles.push_back(&c);
     }
     spec.terms = {{&pose, 1.0, "pose"}};
