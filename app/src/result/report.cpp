@@ -244,7 +244,7 @@ std::string certificate_text(const Certificate& certificate) {
     entry("least stretch", certificate.least_stretch, "> 0", certificate.least_stretch > 0.0);
   }
   information("moment balance", certificate.moment_balance, "(model error)");
-  information("quadrature", certificate.quadrature, "(change if doubled)");
+  information("quadrature", certificate.quadrature, "(proven bound, or change if doubled)");
   std::string text = '\n' + grid.text("");
   for (const std::string& failure : certificate.failures) text += "  " + printable(failure) + '\n';
   return text;

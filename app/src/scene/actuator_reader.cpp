@@ -87,7 +87,7 @@ Key<ActuatorDraft> law_key(const std::string& name, const Dimension& dimension, 
       coefficients = {read_quantity(context, node, spec)};
       return;
     }
-    constexpr std::array<std::string_view, 5> pressures{"/Pa", "/Pa^2", "/Pa^3", "/Pa^4", "/Pa^5"};
+    constexpr std::array<std::string_view, most_coefficients> pressures{"/Pa", "/Pa^2", "/Pa^3", "/Pa^4", "/Pa^5"};
     if (list->empty() || list->size() > pressures.size()) {
       context.fail(node,
                    fmt::format("{} per pressure, or a list of 1 to 5 coefficients of the pressure, its square, ...",

@@ -24,6 +24,9 @@ struct ActuatorDraft {
   SourcePosition position{};
 };
 
+/// Coefficients that a law of the pressure may have.
+inline constexpr std::size_t most_coefficients = 5;
+
 Table<ActuatorDraft> actuator_table();
 
 /// `path`: of its keys. `length`: of the rod.

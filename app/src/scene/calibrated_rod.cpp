@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "scene/actuator_reader.hpp"
+
 namespace tendril::app {
 
 namespace {
@@ -198,13 +200,13 @@ bool put(Settings& settings, const CalibratedNumber& number) {
 
 using Numbers = std::vector<std::pair<std::size_t, const CalibratedNumber*>>;
 
-/// What was found of a law, powers ascending; nothing where it is not known.
-Numbers law_of(const Calibration& calibration, CalibrationUnknown kind, std::size_t actuator) {
+/// What was found of a law, powers ascending; empty: it was not looked for. Nothing where it is not known.
+std::optional<Numbers> law_of(const Calibration& calibration, CalibrationUnknown kind, std::size_t actuator) {
   Numbers out;
   for (std::size_t i = 0; i < calibration.numbers.size(); ++i) {
     const CalibratedNumber& n = calibration.numbers[i];
     if (n.spec.kind != kind || n.spec.actuator != static_cast<int>(actuator) + 1) continue;
-    if (!n.identifiable) return {};
+    if (!n.identifiable) return std::nullopt;
     out.emplace_back(i, &n);
   }
   return out;
@@ -239,12 +241,21 @@ std::vector<std::size_t> put_actuator(Settings& settings, const Calibration& cal
     settings.set(path + ".calibrated",
                  fmt::format("[\"{:.12g} {}\", \"{:.12g} {}\"]", low, dimension.unit, high, dimension.unit));
   };
-  const Numbers moment = law_of(calibration, CalibrationUnknown::moment, index);
-  const Numbers force = law_of(calibration, CalibrationUnknown::force, index);
-  const ActuatorSpec spec{.kind = told.kind};
+  const std::optional<Numbers> found_moment = law_of(calibration, CalibrationUnknown::moment, index);
+  const std::optional<Numbers> found_force = law_of(calibration, CalibrationUnknown::force, index);
+  if (!found_moment || !found_force) return {};
+  const Numbers& moment = *found_moment;
+  const Numbers& force = *found_force;
+  const auto says = [&](const char* key, std::string_view word) {
+    const Node* node = table->find(key);
+    return node != nullptr && std::get<std::string>(node->value) == word;
+  };
   if (told.kind != ActuatorKind::pressure) {
-    const bool sought = !moment.empty() || !force.empty();
-    if (!sought) range(told.least, told.largest, spec.input_dimension());
+    // A range stands in what the scene's actuator is told, which the recordings may not say.
+    const bool same =
+        says("kind", to_string(told.kind)) || (told.kind == ActuatorKind::moment && table->find("kind") == nullptr);
+    if (same && !says("control", "length") && moment.empty() && force.empty())
+      range(told.least, told.largest, ActuatorSpec{.kind = told.kind}.input_dimension());
     return {};
   }
   // Of a law the pressures that it was fitted to, from none on.
@@ -255,7 +266,8 @@ std::vector<std::size_t> put_actuator(Settings& settings, const Calibration& cal
     return node != nullptr && std::holds_alternative<Node::List>(node->value);
   };
   const bool known = !moment.empty() || table->find("moment_per_pressure") != nullptr;
-  if (!known || !tells_pressure(moment, low, high)) return {};
+  if (!known || std::max(moment.size(), force.size()) > most_coefficients || !tells_pressure(moment, low, high))
+    return {};
   std::vector<std::size_t> placed;
   const auto put_law = [&](const char* key, const Numbers& law) {
     if (law.empty()) return;
@@ -269,8 +281,7 @@ std::vector<std::size_t> put_actuator(Settings& settings, const Calibration& cal
     for (const char* key : {".limit", ".min_pressure", ".max_pressure"}) settings.drop(path + key);
     settings.set(path + ".min", fmt::format("{:.12g} Pa", low));
     settings.set(path + ".max", fmt::format("{:.12g} Pa", high));
-  } else if (const Node* kind = table->find("kind");
-             kind == nullptr || std::get<std::string>(kind->value) != to_string(ActuatorKind::pressure)) {
+  } else if (!says("kind", to_string(ActuatorKind::pressure))) {
     return placed;  // its limits are moments; the range stands above
   }
   settings.set(path + ".kind", std::string(to_string(ActuatorKind::pressure)));

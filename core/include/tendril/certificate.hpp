@@ -28,7 +28,7 @@ struct Certificate {
   bool guided_in_plane = false;         ///< it may not leave it, whatever that margin
   double contact_convexity = infinity;  ///< smallest d_ss of interior contacts with force; infinity: none
   double least_stretch = 1.0;           ///< 1 + eps where a rod that stretches is shortest; 1 where it is nowhere
-  double quadrature = infinity;         ///< largest change of any row when the rule is doubled
+  double quadrature = infinity;         ///< error of the rule in any row: a bound, or the change if doubled
   /// Where contacts can rub: the largest tangential force beyond its cone, or off the cone's edge where the contact
   /// slips, per 1 + normal force (EI/L^2); none: nothing rubs.
   std::optional<double> friction{};

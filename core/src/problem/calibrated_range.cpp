@@ -14,6 +14,7 @@ void tell_beyond_calibration(const RodSpec& rod, const std::vector<double>& mome
     const ActuatorSpec& actuator = rod.actuators[a];
     const double low = actuator.calibrated_from;
     const double high = actuator.calibrated_to;
+    if (!(low > -infinity || high < infinity)) continue;
     const double told = actuator.told(moments[a], turns[a]);
     const double within = std::isfinite(low) && std::isfinite(high) ? std::max(std::abs(low), std::abs(high)) : 0.0;
     if (told >= low - tolerance::bounds * within && told <= high + tolerance::bounds * within) continue;

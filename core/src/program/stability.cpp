@@ -24,6 +24,8 @@ void multiply(const A& a, const B& b, Eigen::MatrixXd& out) {
 /// Of a symmetric tridiagonal matrix, by Laguerre's method from below Gershgorin's circles, which never passes the
 /// smallest of real roots. The characteristic polynomial is the product of Sturm's quotients q.
 double smallest_eigenvalue(const Eigen::VectorXd& diagonal, const Eigen::VectorXd& beside) {
+  // Comparisons pass over what is no number: of such a matrix nothing is known.
+  if (!diagonal.allFinite() || !beside.allFinite()) return std::numeric_limits<double>::quiet_NaN();
   const Eigen::Index n = diagonal.size();
   double at = std::numeric_limits<double>::infinity();
   double size = 0.0;
