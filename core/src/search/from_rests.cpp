@@ -55,8 +55,11 @@ std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, co
   const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false, false, moves, moves});
   const Descent down =
       descend_in(*d_.components.coordinates, path, 1.0, from.curvature, [&allowance] { return allowance.spent(); });
-  if (!down.converged) return std::nullopt;
-  Rest rest{down.state.curvature, moments, {}, moves};
+  return down.converged ? settled(down, moments) : std::nullopt;
+}
+
+std::optional<Rest> Planner::settled(const Descent& down, const std::vector<double>& moments) const {
+  Rest rest{down.state.curvature, moments, {}, d_.rod.starts()};
   for (PointContact c : down.state.contacts) {
     // Held between obstacles that leave no room it rests nowhere.
     if (c.force > search_parameters().deepest * down.stiffness) return std::nullopt;
@@ -240,15 +243,19 @@ bool Planner::rest_is_due(const Mode& mode) {
   return values_tried_ > search_parameters().many_values;
 }
 
+const Backbone& Planner::backbone_of_best() const {
+  const Candidate& best = states_[static_cast<std::size_t>(winner_)].best;
+  best.program->constraints(best.x);
+  return best.program->backbone();
+}
+
 bool Planner::misses_among_sides() const {
   const bool sided =
       std::any_of(d_.obstacles.begin(), d_.obstacles.end(), [](const Obstacle* o) { return !o->convex(); });
   if (!sided || d_.palm || winner_ < 0 || !d_.target.has_position || !(d_.least_cost(1.0) > d_.least_cost()))
     return false;
-  const Candidate& best = states_[static_cast<std::size_t>(winner_)].best;
-  best.program->constraints(best.x);
   const double out_of_reach = std::max(0.0, norm(d_.target.position - d_.rod.base) - 1.0);
-  return norm(best.program->backbone().tip() - d_.target.position) > out_of_reach + search_parameters().missed;
+  return norm(backbone_of_best().tip() - d_.target.position) > out_of_reach + search_parameters().missed;
 }
 
 void Planner::start_from_rests() {

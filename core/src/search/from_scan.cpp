@@ -7,6 +7,7 @@
 #include "search/scan.hpp"
 #include "search/sides.hpp"
 #include "search/task.hpp"
+#include "statics/descent.hpp"
 
 namespace tendril {
 
@@ -47,22 +48,14 @@ double Planner::cost_of(const Rest& rest) const {
 std::vector<Rest> Planner::rests_of_arcs() const {
   std::vector<std::vector<double>> inputs = sampled_moments();
   inputs.resize(std::min(inputs.size(), search_parameters().inputs_let_go));
-  const int arcs = search_parameters().arcs_let_go;
+  const std::vector<double> moves = d_.rod.starts();
+  Allowance allowance(steps_.deadline(), search_parameters().looks_at_arcs);
   std::vector<Rest> rests;
-  // A step costs as the square of the values does.
-  const double values = std::max(1, d_.coordinate_count({})) / 10.0;
-  int left = static_cast<int>(search_parameters().looks_at_arcs / std::max(1.0, values * values));
   for (const std::vector<double>& moments : inputs) {
-    const std::size_t first = rests.size();
-    for (int i = 0; i < arcs && left > 0 && !must_stop(); ++i) {
-      const int most = std::min(left, search_parameters().looks_at_an_arc);
-      Allowance allowance(steps_.deadline(), most);
-      const double bent = search_parameters().widest_of_one * (2.0 * i / (arcs - 1) - 1.0);
-      auto rest = come_to_rest(moments, constant_curvature(bent), allowance);
-      left -= most - allowance.left();
-      const auto known = [&](const Rest& other) { return same_rest(other, *rest); };
-      if (rest && std::none_of(rests.begin() + static_cast<std::ptrdiff_t>(first), rests.end(), known))
-        rests.push_back(std::move(*rest));
+    const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false, false, moves, moves});
+    for (const Descent& down : descend_from_arcs(path, 1.0, search_parameters().widest_of_one,
+                                                 search_parameters().arcs_let_go, [&] { return allowance.spent(); })) {
+      if (auto rest = settled(down, moments)) rests.push_back(std::move(*rest));
     }
   }
   return rests;
@@ -73,9 +66,7 @@ bool Planner::is_off_target() const {
   const double there = search_parameters().there;
   // As far as the objective tells what that costs.
   if (d_.least_cost(there) > d_.least_cost()) return best_objective() > d_.least_cost(there);
-  const Candidate& best = states_[static_cast<std::size_t>(winner_)].best;
-  best.program->constraints(best.x);
-  const Backbone& backbone = best.program->backbone();
+  const Backbone& backbone = backbone_of_best();
   const bool beside = d_.target.has_position && norm(backbone.tip() - d_.target.position) > there;
   const bool turned = d_.target.has_angle && std::abs(backbone.tip_angle() - d_.target.angle) > there;
   return beside || turned || !(d_.target.has_position || d_.target.has_angle);

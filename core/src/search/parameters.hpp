@@ -73,9 +73,8 @@
   X(bool, hang, true, "under large loads shapes that hang are starts")                                               \
   X(bool, scan, true, "a thorough search looks at all equilibria over the box of one or two moments")                \
   X(bool, let_go, true, "where the plan is off its target arcs that are let go are starts")                          \
-  X(int, arcs_let_go, 17, "arcs that are let go, over all turns")                                                    \
-  X(int, looks_at_an_arc, 600, "steps that one of them may take to a rest")                                          \
-  X(int, looks_at_arcs, 20000, "steps of all of them, where the rod has ten coordinates; fewer where it has more")   \
+  X(int, arcs_let_go, 33, "arcs that are let go, over all turns")                                                    \
+  X(int, looks_at_arcs, 20000, "steps of all of them")                                                               \
   X(std::size_t, dearer_let_go, 2,                                                                                   \
     "rests that cost more than the plan and are starts, each of another contact or side")                            \
   X(std::size_t, inputs_let_go, 5, "moments under which they are")                                                   \

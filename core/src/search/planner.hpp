@@ -24,6 +24,8 @@
 
 namespace tendril {
 
+struct Descent;
+
 /// A point of a pose program, judged.
 using Candidate = PointOf<PoseProgram, Certifier>;
 
@@ -103,8 +105,9 @@ class Planner {
   void scan();
   /// Where the plan is off its target: where arcs come to rest are starts.
   void let_go();
-  bool is_off_target() const;               ///< by 2 % of the length, or in what that costs
-  std::vector<Rest> rests_of_arcs() const;  ///< where arcs of every turn come to rest under sampled moments
+  const Backbone& backbone_of_best() const;  ///< of the best plan, of which there is one
+  bool is_off_target() const;                ///< by 2 % of the length, or in what that costs
+  std::vector<Rest> rests_of_arcs() const;   ///< where arcs of every turn come to rest under sampled moments
   std::vector<StartShape> scanned_shapes() const;
   Rest rest_at(const ModeState& state) const;  ///< of a plan
   /// What the plan costs that a rest is, as far as the coordinates can show it; infinity: a plan may not be so.
@@ -134,6 +137,8 @@ class Planner {
   /// many: these bend as the executor's do.
   std::optional<Rest> come_to_rest(const std::vector<double>& moments, const StartShape& from,
                                    Allowance& allowance) const;
+  /// Of the floor of a valley. Nothing where the rod is held between obstacles that leave no room.
+  std::optional<Rest> settled(const Descent& down, const std::vector<double>& moments) const;
   /// The contacts that press, in order along the rod; nothing where a plan may not have so many, or none.
   std::optional<std::vector<ContactSetup>> contacts_of_rest(const Rest& rest) const;
   /// A plan from a rest, touching what it touches: the moments are chosen along stable equilibria.

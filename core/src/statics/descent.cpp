@@ -13,6 +13,11 @@ namespace {
 constexpr int fine_order = 6;                                  ///< functions per piece of the fine basis
 constexpr int pieces_per_rod = 8;                              ///< at least, of the fine basis
 constexpr int checks_per_rod = 160;                            ///< at least, per obstacle
+constexpr int coarse_order = 6;                                ///< functions per stretch, where arcs are let go
+constexpr double coarse_stiffness = 1e3, coarse_step = 1.0;    ///< there
+constexpr int coarse_checks = 40;                              ///< there
+constexpr int first_stride = 4;                                ///< of the arcs that are let go whatever the others do
+constexpr double same_floor = 0.05;                            ///< two are one, in the metric of the bending energy
 constexpr double first_stiffness = 1e4, last_stiffness = 1e7;  ///< of the penalty, energy per length squared
 constexpr double longest_step = 0.25;   ///< of the trust region, in the metric of the bending energy
 constexpr int most_steps = 600;         ///< per stiffness
@@ -24,8 +29,8 @@ constexpr int most_rounds = 40;         ///< of multipliers
 
 class Valley {
  public:
-  Valley(const LoadPath& path, double load, std::shared_ptr<const CoordinateModel> basis)
-      : path_(path), basis_(std::move(basis)), program_(std::make_unique<PoseProgram>(spec(load))) {
+  Valley(const LoadPath& path, double load, std::shared_ptr<const CoordinateModel> basis, int checks = checks_per_rod)
+      : path_(path), basis_(std::move(basis)), program_(std::make_unique<PoseProgram>(spec(load, checks))) {
     program_->set_loads(path.loads(load));
     const Chain& chain = program_->chain();
     const int functions = chain.functions();
@@ -49,6 +54,13 @@ class Valley {
 
   void start(const Curvature& curvature) {
     x_.head(n_) = program_->chain().coordinates_of(curvature, program_->knots(x_), curvature.stretch);
+  }
+
+  void start(const Eigen::VectorXd& coordinates) { x_.head(n_) = coordinates; }
+  Eigen::VectorXd coordinates() const { return x_.head(n_); }
+  /// In the metric of the bending energy.
+  double distance(const Eigen::VectorXd& coordinates) const {
+    return scale_.partialPivLu().solve(coordinates - x_.head(n_)).norm();
   }
 
   /// Energy with the penalty at the coordinates kept, moved by `step` in scaled coordinates.
@@ -185,7 +197,7 @@ class Valley {
     return {{c.obstacle, tip, 0}, rod.start(c.piece) + c.sigma * rod.length(c.piece), 0.0};
   }
 
-  PoseProgramSpec spec(double load) const {
+  PoseProgramSpec spec(double load, int checks) const {
     PoseProgramSpec s;
     s.rod = &path_.rod();
     s.model = basis_.get();
@@ -197,8 +209,7 @@ class Valley {
       const bool far = s.obstacles[at]->at(path_.rod().base).distance > 1.0 + path_.rod().most_radius();
       if (far && !path_.rod().stretches() && path_.rod().moves.empty()) continue;
       for (int j = 0; j < chain.piece_count(); ++j) {
-        const double wanted =
-            chain.length0()[j] * std::max<double>(checks_per_rod, 2.0 / path_.smallest_radius(at, load));
+        const double wanted = chain.length0()[j] * std::max<double>(checks, 2.0 / path_.smallest_radius(at, load));
         const int count = std::clamp(static_cast<int>(std::ceil(wanted)), 2, 200);
         for (int i = 1; i <= count; ++i) s.checks.push_back({j, static_cast<double>(i) / count, o});
       }
@@ -235,8 +246,8 @@ Eigen::VectorXd trust_step(const Eigen::VectorXd& slopes, const Eigen::VectorXd&
 }
 
 /// One stiffness: steps of a trust-region Newton method until the valley's floor. Why not, or null.
-const char* minimize(Valley& valley, double stiffness, double& radius, const std::function<bool()>& must_stop,
-                     Eigen::VectorXd& gradient) {
+const char* minimize(Valley& valley, double stiffness, double& radius, double longest,
+                     const std::function<bool()>& must_stop, Eigen::VectorXd& gradient) {
   Eigen::MatrixXd hessian;
   for (int step = 0; step < most_steps; ++step) {
     if (must_stop()) return "stopped";
@@ -257,7 +268,7 @@ const char* minimize(Valley& valley, double stiffness, double& radius, const std
       const bool rounding = promised <= 1e-13 * (1.0 + std::abs(before));
       if (gained >= 0.1 * promised || (rounding && std::abs(gained) <= 1e-12 * (1.0 + std::abs(before)))) {
         valley.move(moved);
-        if (gained > 0.7 * promised) radius = std::min(longest_step, 2.0 * radius);
+        if (gained > 0.7 * promised) radius = std::min(longest, 2.0 * radius);
         break;
       }
       radius *= 0.25;
@@ -276,7 +287,7 @@ Descent go_down(Valley& valley, const std::function<bool()>& must_stop, bool rig
   double radius = 0.1;
   result.stiffness = first_stiffness;
   for (int round = 0; round < most_rounds;) {
-    if (const char* reason = minimize(valley, result.stiffness, radius, must_stop, gradient)) {
+    if (const char* reason = minimize(valley, result.stiffness, radius, longest_step, must_stop, gradient)) {
       result.reason = reason;
       return result;
     }
@@ -309,6 +320,46 @@ Descent descend(const LoadPath& path, double load, const Curvature& curvature, c
   Descent result = go_down(valley, must_stop, rigid);
   result.basis = basis;
   return result;
+}
+
+std::vector<Descent> descend_from_arcs(const LoadPath& path, double load, double widest, int arcs,
+                                       const std::function<bool()>& must_stop) {
+  const auto basis = std::make_shared<const LegendreBasis>(coarse_order, 1);
+  Valley valley(path, load, basis, coarse_checks);
+  std::vector<Eigen::VectorXd> floors;
+  std::vector<int> below(static_cast<std::size_t>(arcs), -1);  // of each arc: its floor
+  const auto let_go = [&](int arc) {
+    const double bent = widest * ((2.0 * arc + 1.0) / arcs - 1.0);
+    valley.start(Curvature([bent](double) { return bent; }));
+    Eigen::VectorXd gradient;
+    double radius = coarse_step;
+    if (minimize(valley, coarse_stiffness, radius, coarse_step, must_stop, gradient) != nullptr) return;
+    const auto same = [&](const Eigen::VectorXd& floor) { return valley.distance(floor) < same_floor; };
+    const auto found = std::find_if(floors.begin(), floors.end(), same);
+    below[static_cast<std::size_t>(arc)] = static_cast<int>(found - floors.begin());
+    if (found == floors.end()) floors.push_back(valley.coordinates());
+  };
+  for (int stride = first_stride; stride >= 1; stride /= 2) {
+    const int apart = stride == first_stride ? stride : 2 * stride;
+    for (int arc = stride == first_stride ? 0 : stride; arc < arcs; arc += apart) {
+      const auto at = static_cast<std::size_t>(arc);
+      const auto by = static_cast<std::size_t>(stride);
+      const bool between = stride < first_stride && arc + stride < arcs;
+      if (between && below[at - by] == below[at + by]) {
+        below[at] = below[at - by];
+      } else {
+        let_go(arc);
+      }
+    }
+  }
+  std::vector<Descent> out;
+  for (const Eigen::VectorXd& floor : floors) {
+    valley.start(floor);
+    Descent down = go_down(valley, must_stop, false);
+    down.basis = basis;
+    if (down.converged) out.push_back(std::move(down));
+  }
+  return out;
 }
 
 Descent descend_in(const CoordinateModel& model, const LoadPath& path, double load, const Curvature& curvature,

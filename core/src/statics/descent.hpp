@@ -32,6 +32,11 @@ struct Descent {
 Descent descend(const LoadPath& path, double load, const Curvature& curvature, const std::function<bool()>& must_stop,
                 bool rigid = false);
 
+/// Where arcs of every turn up to +-`widest` (rad) come to rest, coarsely: few functions, few check points, and between
+/// two arcs that come to rest in one valley no other is let go. Each valley once.
+std::vector<Descent> descend_from_arcs(const LoadPath& path, double load, double widest, int arcs,
+                                       const std::function<bool()>& must_stop);
+
 /// The same in the coordinates of a model, not split at contacts, with soft obstacles. `model` must outlive the result.
 Descent descend_in(const CoordinateModel& model, const LoadPath& path, double load, const Curvature& curvature,
                    const std::function<bool()>& must_stop);
