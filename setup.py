@@ -28,6 +28,7 @@ def built_by_cmake(temporary):
         return pathlib.Path(given)
     build = pathlib.Path(temporary).resolve() / "cmake"
     settings = {"CMAKE_BUILD_TYPE": "Release", "TENDRIL_TESTS": "OFF", "TENDRIL_BENCH": "OFF", "TENDRIL_PYTHON": "ON",
+                "CMAKE_UNITY_BUILD": "ON", "TENDRIL_WERROR": "OFF",
                 "TENDRIL_PYTHON_EXECUTABLE": sys.executable}
     configure = ["cmake", "-S", SOURCE, "-B", build, *(f"-D{key}={value}" for key, value in settings.items())]
     if shutil.which("ninja"):

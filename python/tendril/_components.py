@@ -73,6 +73,9 @@ class NotRead:
     def __init__(self, name: str) -> None:
         self._name = name
 
+    def __repr__(self) -> str:
+        return f'"{self._name}", which is not among its `reads`'
+
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
         if self._name == "samples":
             raise TypeError("the curvature and the strain of the tip are not read; samples=[1.0] asks for the point at the rod's end")

@@ -133,6 +133,9 @@ class Result(Mapping[str, Any]):
     def __len__(self) -> int:
         return len(self._document)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
     def __eq__(self, other: object) -> bool:
         return type(other) is type(self) and self._document == other._document  # type: ignore[attr-defined]
 

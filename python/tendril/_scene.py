@@ -107,6 +107,10 @@ class Scene:
     def __iter__(self) -> Iterator[str]:
         return iter(self._tables())
 
+    def _ipython_key_completions_(self) -> list[str]:
+        """The paths of all that is set, which a notebook offers behind `scene["`."""
+        return list(_paths("", self._tables()))
+
     def __setitem__(self, key: str, value: Any) -> None:
         _steps(key)
         if isinstance(value, str):
@@ -366,6 +370,17 @@ def _leaves(key: str, value: Any) -> Iterator[tuple[str, Any]]:
             yield from _leaves(f"{key}.{inner}", item)
     else:
         yield key, value
+
+
+def _paths(path: str, node: Any) -> Iterator[str]:
+    if path:
+        yield path
+    if isinstance(node, dict):
+        for key, item in node.items():
+            yield from _paths(f"{path}.{key}" if path else key, item)
+    elif isinstance(node, list) and any(isinstance(item, dict) for item in node):
+        for i, item in enumerate(node):
+            yield from _paths(f"{path}[{i}]", item)
 
 
 def path_of(file: File | None, name: str) -> str | None:

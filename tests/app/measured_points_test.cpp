@@ -102,6 +102,7 @@ std::vector<Layout> layouts() {
       {"windows_lines", "s [mm],x [mm],y [mm]\r\n", plain, "\r\n"},
       {"macintosh_lines", "s [mm],x [mm],y [mm]\r", plain, "\r"},
       {"semicolons", "s [mm];x [mm];y [mm]\n", columns(";")},
+      {"bars", "s [mm]|x [mm]|y [mm]\n", columns("|")},
       {"decimal_commas", "s [mm];x [mm];y [mm]\n", columns(";", true)},
       {"decimal_commas_between_tabs", "s [mm]\tx [mm]\ty [mm]\n", columns("\t", true)},
       {"decimal_commas_in_quotes", "\"s [mm]\",\"x [mm]\",\"y [mm]\"\n", columns(",", true, "\"")},
@@ -198,6 +199,16 @@ TEST(MeasuredPoints, AMarkerAtTheBaseIsNoMeasurement) {
   const json result = json::parse(plan_points(written(layout)).out);
   EXPECT_TRUE(left_out(result, "the measured point at the base")) << result;
   EXPECT_EQ(result["degrees_of_freedom"], 38);
+}
+
+// 3.93701 inches are the rod's 100 mm, with the digits that a table has.
+TEST(MeasuredPoints, TheTipMayBeBeyondTheRodByTheRoundingOfAnotherUnit) {
+  const double inch = 25.4;
+  const Layout layout{"", "s [inch],x [inch],y [inch]\n", scaled(1.0 / inch, true)};
+  const CommandRun run = plan_points(written(layout));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const double force = json_of({"plan", scene_path("estimate.toml")})["contacts"][0]["force"].get<double>();
+  EXPECT_NEAR(json::parse(run.out)["contacts"][0]["force"].get<double>(), force, 1e-4 * force);
 }
 
 // A lost marker keeps its place along the rod.

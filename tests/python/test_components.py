@@ -232,6 +232,15 @@ def test_what_is_not_read_is_told(brace):
         tendril.objective("x", reads=["tip_angel"])(lambda x: 0.0)
 
 
+def test_what_is_not_read_and_only_handed_on_is_told(brace):
+    @tendril.objective("hands_on", reads=["tip_angle"])
+    def hands_on(x):
+        return x.tip.x
+
+    with pytest.raises(tendril.Error, match='hands_on.*found "tip_position", which is not among its `reads`'):
+        brace.copy(objective=[{"plugin": "hands_on"}]).plan()
+
+
 def test_math_is_refused_with_a_hint(brace):
     @tendril.objective("by_math", reads=["tip_position"])
     def by_math(x):

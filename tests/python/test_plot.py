@@ -1,5 +1,9 @@
 """Pictures: what is drawn, and files that are what their names say."""
 
+import json
+import shutil
+import subprocess
+
 import matplotlib
 import matplotlib.pyplot
 import numpy as np
@@ -90,6 +94,19 @@ def test_a_film_goes_through_ffmpeg(scenes, tmp_path, monkeypatch):
     size, count = (tmp_path / "a.mp4").read_text().split()
     width, height = map(int, size.split("x"))
     assert int(count) == 3 * 4 * width * height
+    matplotlib.pyplot.close("all")
+
+
+@pytest.mark.skipif(not (shutil.which("ffmpeg") and shutil.which("ffprobe")), reason="ffmpeg is not installed")
+def test_a_film_has_a_frame_for_each_step(scenes, tmp_path):
+    document = tendril.load(scenes / "trajectory.toml").trajectory().to_dict()
+    few = tendril.Trajectory({**document, "steps": document["steps"][:5]})
+    few.animate(tmp_path / "a.mp4", fps=5.0)
+    asked = ["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=codec_name,pix_fmt,r_frame_rate,nb_read_frames", "-of", "json"]
+    told = subprocess.run([*asked, tmp_path / "a.mp4"], capture_output=True, check=True)
+    (stream,) = json.loads(told.stdout)["streams"]
+    # What browsers and slides show.
+    assert stream == {"codec_name": "h264", "pix_fmt": "yuv420p", "r_frame_rate": "5/1", "nb_read_frames": "5"}
     matplotlib.pyplot.close("all")
 
 

@@ -40,6 +40,13 @@ def test_keys(brace):
         del brace["obstacle[3]"]
 
 
+def test_a_notebook_completes_keys(brace):
+    offered = brace._ipython_key_completions_()
+    assert {"title", "rod.length", "rod.actuator", "rod.actuator[0].limit", "obstacle[0].center", "target.position"} <= set(offered)
+    assert all(key in brace for key in offered)
+    assert "certificate" in brace.plan()._ipython_key_completions_()
+
+
 def test_text_comes_back(brace):
     again = tendril.Scene.from_toml(brace.to_toml())
     assert again == brace and again.to_toml() == brace.to_toml()

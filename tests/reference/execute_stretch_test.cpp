@@ -1,4 +1,4 @@
-// Rods that stretch (model.md section 12), against reference values and against what they must equal.
+// Rods that stretch (model.md section 14), against reference values and against what they must equal.
 
 #include <gtest/gtest.h>
 

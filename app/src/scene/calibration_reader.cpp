@@ -15,7 +15,7 @@ namespace tendril::app {
 namespace {
 
 /// No file may have more rows: the time limit of a scene is meant for fewer.
-constexpr std::size_t most_rows = 100'000;
+constexpr std::size_t most_recorded_rows = 100'000;
 
 constexpr CalibrationUnknown all_unknowns[] = {CalibrationUnknown::stiffness,      CalibrationUnknown::axial_stiffness,
                                                CalibrationUnknown::modulus,        CalibrationUnknown::density,
@@ -80,7 +80,7 @@ Table<UnknownDraft> unknown_table() {
 }
 
 /// A column and where its value goes.
-struct Column {
+struct RecordedColumn {
   ColumnSpec spec;
   std::function<void(Recording&, CalibrationMarker&, double)> take;
   bool marks = false;  ///< it is of a point, not of the recording
@@ -97,7 +97,7 @@ std::vector<std::string> numbered(const std::string& name, std::size_t i) {
   return i == 0 ? std::vector<std::string>{name} : std::vector<std::string>{};
 }
 
-void add_actuators(std::vector<Column>& columns, std::size_t count) {
+void add_actuators(std::vector<RecordedColumn>& columns, std::size_t count) {
   struct Input {
     const char* name;
     ActuatorKind kind;
@@ -117,7 +117,7 @@ void add_actuators(std::vector<Column>& columns, std::size_t count) {
   }
 }
 
-void add_loads(std::vector<Column>& columns, std::size_t count) {
+void add_loads(std::vector<RecordedColumn>& columns, std::size_t count) {
   for (std::size_t l = 0; l < count; ++l) {
     const std::string name = "load_" + std::to_string(l + 1);
     columns.push_back({{name + "_fx", dimension::force, numbered("load_fx", l)},
@@ -129,15 +129,15 @@ void add_loads(std::vector<Column>& columns, std::size_t count) {
   }
 }
 
-constexpr std::size_t case_column = 0, group_column = 1, s_column = 2;
+constexpr std::size_t case_column = 0, group_column = 1, arc_length_column = 2;
 
 /// Everything that a file may say; the first three are as numbered above.
-std::vector<Column> columns_of(const RodSpec& rod) {
+std::vector<RecordedColumn> columns_of(const RodSpec& rod) {
   using R = Recording;
   using M = CalibrationMarker;
   const auto position = [](M& m) -> Vec2& { return m.position ? *m.position : m.position.emplace(); };
   const auto gravity = [](R& r) -> Vec2& { return r.gravity ? *r.gravity : r.gravity.emplace(); };
-  std::vector<Column> columns{
+  std::vector<RecordedColumn> columns{
       {{"case", none, {"recording", "name"}, true}, {}},
       {{"group", none, {"session"}, true}, {}},
       {{"s", dimension::length, {"arc_length", "arc length"}}, [](R&, M& m, double v) { m.arc_length = v; }, true},
@@ -174,7 +174,7 @@ class Recordings {
 
   const Context& context_;
   Scene& scene_;
-  std::vector<Column> columns_;
+  std::vector<RecordedColumn> columns_;
   std::vector<Recording> list_;
   std::map<std::string, std::size_t> index_;
   std::map<std::string, std::map<std::size_t, double>> known_;  // of a recording, as told first
@@ -183,9 +183,9 @@ class Recordings {
 void Recordings::read(const std::string& name, bool check) {
   TableFileSpec spec;
   spec.what = "calibrate";
-  for (const Column& column : columns_) spec.columns.push_back(column.spec);
-  spec.most_rows = most_rows;
-  spec.example = s_column;
+  for (const RecordedColumn& column : columns_) spec.columns.push_back(column.spec);
+  spec.most_rows = most_recorded_rows;
+  spec.example = arc_length_column;
   const std::filesystem::path path = std::filesystem::path(context_.document.file()).parent_path() / name;
   const TableFile file = read_table_file(path, spec, context_.units);
   for (const std::string& unread : file.unread) {
@@ -217,11 +217,11 @@ void Recordings::take_row(const TableFile& file, std::size_t row, const std::str
   marker.arc_length = std::numeric_limits<double>::quiet_NaN();
   bool seen = false;
   for (std::size_t i = 0; i < file.form.size(); ++i) {
-    const Column& column = columns_[file.form[i]];
+    const RecordedColumn& column = columns_[file.form[i]];
     const double value = file.rows[row][i];
     if (column.spec.text || std::isnan(value)) continue;
     column.take(recording, marker, value);
-    seen = seen || (column.marks && file.form[i] != s_column);
+    seen = seen || (column.marks && file.form[i] != arc_length_column);
     if (column.marks) continue;
     const auto [told, fresh] = known_[recording.name].emplace(file.form[i], value);
     if (!fresh && told->second != value) {

@@ -9,9 +9,9 @@
 namespace tendril::app {
 namespace {
 
-constexpr double agreement = 1e-6;        ///< share by which two statements of one number may differ
-constexpr double on_a_line = 1e-9;        ///< share of a column's largest value
-constexpr std::size_t most_rows = 10000;  ///< of a table
+constexpr double agreement = 1e-6;            ///< share by which two statements of one number may differ
+constexpr double on_a_line = 1e-9;            ///< share of a column's largest value
+constexpr std::size_t most_sections = 10000;  ///< of a table
 constexpr std::size_t most_segments = 100;
 
 using Ends = SectionDraft::Ends;
@@ -132,7 +132,7 @@ SegmentSpec plain_section(const Reading& r) {
   return s;
 }
 
-enum Column : std::size_t { place, stiffness, mass, rest, width };
+enum SectionColumn : std::size_t { place, stiffness, mass, rest, width };
 
 /// Rows that lie on a line between the last one kept and the next say nothing.
 std::vector<std::vector<double>> without_rows_on_lines(const std::vector<std::vector<double>>& rows) {
@@ -177,7 +177,7 @@ TableFile read_rows(const Reading& r, const std::filesystem::path& path) {
   }
   spec.forms.push_back({place, width});
   spec.forms.push_back({place, rest, width});
-  spec.most_rows = most_rows;
+  spec.most_rows = most_sections;
   TableFile file = read_table_file(path, spec, r.context.units);
   if (file.rows.size() < 2) r.fail("file", "the table has fewer than two rows, expected one for each end at least");
   for (std::size_t i = 0; i < file.rows.size(); ++i) {

@@ -15,17 +15,6 @@ namespace tendril::app {
 
 namespace {
 
-std::string plain(const Json& json, const char* key) {
-  const auto found = json.find(key);
-  return found != json.end() && found->is_number() ? fmt::format("{}", found->get<double>()) : "";
-}
-
-std::string entry(const Json& json, const char* key, std::size_t i) {
-  const auto found = json.find(key);
-  if (found == json.end() || !found->is_array() || found->size() <= i || !(*found)[i].is_number()) return "";
-  return fmt::format("{}", (*found)[i].get<double>());
-}
-
 std::size_t actuators(const StudyResult& result) {
   std::size_t most = 0;
   for (const Json& value : result.values) {
@@ -139,11 +128,11 @@ std::string grasp_columns(const StudyResult& result) {
 std::string grasp_cells(const StudyResult& result, std::size_t index) {
   if (!of_grasps(result)) return "";
   const Json& value = result.values[index];
-  std::string text =
-      fmt::format(",{},{},{},{},{},{},{}", plain(value, "diameter"), plain(value, "force_limit"),
-                  plain(value, "moment_change"), plain(value, "palm_distance"), plain(value, "axial_force"),
-                  plain(value, "lateral_force"), plain(value, "axial_stiffness"));
-  for (std::size_t i = 0; i < actuators(result); ++i) text += ',' + entry(value, "pressures", i);
+  std::string text = fmt::format(",{},{},{},{},{},{},{}", csv_number(value, "diameter"),
+                                 csv_number(value, "force_limit"), csv_number(value, "moment_change"),
+                                 csv_number(value, "palm_distance"), csv_number(value, "axial_force"),
+                                 csv_number(value, "lateral_force"), csv_number(value, "axial_stiffness"));
+  for (std::size_t i = 0; i < actuators(result); ++i) text += ',' + csv_number(value, "pressures", i);
   return text;
 }
 

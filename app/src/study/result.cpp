@@ -88,17 +88,6 @@ Json statistic_json(const Statistic& s) {
 std::string mode_text(const std::optional<StudyMode>& mode) { return mode ? std::string(to_string(*mode)) : "-"; }
 
 std::string plain(double value) { return fmt::format("{}", value); }
-std::string cell(const Json& json, const char* key) {
-  const auto found = json.find(key);
-  return found != json.end() && found->is_number() ? plain(found->get<double>()) : "";
-}
-
-std::string entry(const Json& json, const char* key, std::size_t i) {
-  const auto found = json.find(key);
-  if (found == json.end() || !found->is_array() || found->size() <= i || !(*found)[i].is_number()) return "";
-  return plain((*found)[i].get<double>());
-}
-
 std::string quoted(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c == '\n' ? ' ' : c);
@@ -232,6 +221,17 @@ std::string study_json(const Scene& scene, const StudyResult& result) {
   return text + "\n]}\n";
 }
 
+std::string csv_number(const Json& json, const char* key) {
+  const auto found = json.find(key);
+  return found != json.end() && found->is_number() ? plain(found->get<double>()) : "";
+}
+
+std::string csv_number(const Json& json, const char* key, std::size_t i) {
+  const auto found = json.find(key);
+  if (found == json.end() || !found->is_array() || found->size() <= i || !(*found)[i].is_number()) return "";
+  return plain((*found)[i].get<double>());
+}
+
 std::string cases_csv(const StudyResult& result) {
   const std::size_t moments = moment_count(result);
   std::string text = "index," + limit_column(result) +
@@ -243,10 +243,10 @@ std::string cases_csv(const StudyResult& result) {
     const Json& value = result.values[i];
     text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}", one.index, one.limit ? plain(*one.limit) : "",
                         one.mode ? to_string(*one.mode) : "", one.target ? plain(one.target->x) : "",
-                        one.target ? plain(one.target->y) : "", value.value("status", ""), entry(value, "tip", 0),
-                        entry(value, "tip", 1), cell(value, "tip_error"), cell(value, "contact_force"),
-                        cell(value, "model_error"));
-    for (std::size_t m = 0; m < moments; ++m) text += ',' + entry(value, "moments", m);
+                        one.target ? plain(one.target->y) : "", value.value("status", ""), csv_number(value, "tip", 0),
+                        csv_number(value, "tip", 1), csv_number(value, "tip_error"), csv_number(value, "contact_force"),
+                        csv_number(value, "model_error"));
+    for (std::size_t m = 0; m < moments; ++m) text += ',' + csv_number(value, "moments", m);
     text += place_cells(result.cases.front(), one) + grasp_cells(result, i);
     const std::string message = value.value("message", "");
     text += ',' + (message.empty() ? "" : quoted(message)) + '\n';

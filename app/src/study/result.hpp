@@ -54,6 +54,10 @@ std::string limit_text(const DisplayUnits& units, double limit, const Dimension&
 /// Every case has a certified plan.
 bool all_solved(const StudyResult& result);
 
+/// A number of a case for a table, in full; empty where there is none. `i`: the place in a list.
+std::string csv_number(const Json& json, const char* key);
+std::string csv_number(const Json& json, const char* key, std::size_t i);
+
 std::string study_json(const Scene& scene, const StudyResult& result);
 std::string cases_csv(const StudyResult& result);
 std::string groups_csv(const StudyResult& result);

@@ -95,13 +95,16 @@ std::vector<TextLine> lines_of(std::string_view text) {
 char separator_of(const TextLine& line) {
   bool comma = false;
   bool semicolon = false;
+  bool bar = false;
   bool tab = false;
   outside_quotes(trimmed_text(line.text), [&](char c, std::size_t) {
     comma = comma || c == ',';
     semicolon = semicolon || c == ';';
+    bar = bar || c == '|';
     tab = tab || c == '\t';
   });
   if (semicolon) return ';';
+  if (bar) return '|';
   if (!comma) return tab ? '\t' : ' ';
   // Blanks and tabs beside a comma only fill up, unless the comma belongs to a number.
   const std::vector<TextCell> by_tab = cells_of(line, '\t');

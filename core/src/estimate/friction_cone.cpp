@@ -5,7 +5,7 @@
 namespace tendril {
 namespace {
 
-constexpr int most_steps_of_a_fit = 200;
+constexpr int most_steps_in_the_cone = 200;
 /// From a state without friction to the edge of its cone: what the points allow is told to a sixth of the coefficient.
 constexpr int steps = 6;
 
@@ -41,7 +41,7 @@ ConeFits fit_cone(const LoadedRod& rod, const MeasuredShape& measured, const Sha
         const LoadedRod::Shape& from = out.fits[at].shape;
         std::vector<NormalForce> forces = from.forces;
         for (std::size_t k = 0; k < forces.size(); ++k) forces[k].lean = friction * (k == 0 ? a : b) * step / steps;
-        ShapeFit next = fit_shape(rod, measured, rod.solve(forces, from), accuracy, most_steps_of_a_fit, deadline);
+        ShapeFit next = fit_shape(rod, measured, rod.solve(forces, from), accuracy, most_steps_in_the_cone, deadline);
         if (!next.converged) {
           out.whole = false;
           break;
@@ -54,7 +54,7 @@ ConeFits fit_cone(const LoadedRod& rod, const MeasuredShape& measured, const Sha
   }
   const auto nearest = std::min_element(out.fits.begin(), out.fits.end(),
                                         [](const ShapeFit& x, const ShapeFit& y) { return x.sum < y.sum; });
-  out.best = fit_shape(rod, measured, nearest->shape, accuracy, most_steps_of_a_fit, deadline, friction);
+  out.best = fit_shape(rod, measured, nearest->shape, accuracy, most_steps_in_the_cone, deadline, friction);
   if (!out.best.converged) out.best = *nearest;
   return out;
 }

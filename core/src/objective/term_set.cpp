@@ -202,6 +202,8 @@ std::string place_of(const Reads& reads, const Quantities<double>& x) {
 
 void TermEvaluator::note_fault(double value, const char* what) {
   if (std::isfinite(value) || !weighted_.fault || !weighted_.fault->empty()) return;
+  // A term is not at fault where it is asked of no shape, as by a solver that took a step along another term's numbers.
+  if (!std::all_of(inputs_.begin(), inputs_.end(), [](const Input& i) { return std::isfinite(*i.value); })) return;
   *weighted_.fault = std::string(what) + " is " + shown(value) + ' ' + place_of(reads_, plain_.seen);
 }
 

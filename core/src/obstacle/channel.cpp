@@ -16,10 +16,6 @@ constexpr double mitred = pi / 6.0;
 constexpr double step = pi / 12.0;
 constexpr double farthest_turn = pi - 0.02;
 
-[[noreturn]] void refuse(const std::string& option, const std::string& found, const std::string& expected) {
-  throw OptionError(option, {}, "option '" + option + "' of a channel: found " + found + "; expected " + expected);
-}
-
 struct CenterLine {
   std::vector<Vec2> points;
   std::vector<double> widths;
@@ -85,13 +81,13 @@ CenterLine line_of(const Options& options) {
   for (int i = 0; i < table.rows; ++i) line.points.push_back({table(i, 0), table(i, 1)});
   for (std::size_t i = 0; i + 1 < line.points.size(); ++i) {
     if (!(norm(line.points[i + 1] - line.points[i]) > 0.0)) {
-      refuse("points", "point " + std::to_string(i + 1) + " twice in a row", "points that differ");
+      refuse_option("channel", "points", "point " + std::to_string(i + 1) + " twice in a row", "points that differ");
     }
   }
   for (std::size_t i = 1; i < line.sides(); ++i) {
     if (std::abs(line.turn(i)) > farthest_turn) {
-      refuse("points", "point " + std::to_string(i + 1) + ", at which the line turns back on itself",
-             "a line with room for both directions");
+      refuse_option("channel", "points", "point " + std::to_string(i + 1) + ", at which the line turns back on itself",
+                    "a line with room for both directions");
     }
   }
   if (options.has("width") == options.has("widths")) {
@@ -103,12 +99,13 @@ CenterLine line_of(const Options& options) {
   } else {
     line.widths = options.table("widths").values;
     if (line.widths.size() != line.points.size()) {
-      refuse("widths", std::to_string(line.widths.size()) + " entries",
-             "one for each of the " + std::to_string(line.points.size()) + " points");
+      refuse_option("channel", "widths", std::to_string(line.widths.size()) + " entries",
+                    "one for each of the " + std::to_string(line.points.size()) + " points");
     }
     const auto narrow = std::find_if(line.widths.begin(), line.widths.end(), [](double w) { return !(w > 0.0); });
     if (narrow != line.widths.end()) {
-      refuse("widths", "no width at point " + std::to_string(narrow - line.widths.begin() + 1), "widths above 0");
+      refuse_option("channel", "widths", "no width at point " + std::to_string(narrow - line.widths.begin() + 1),
+                    "widths above 0");
     }
   }
   return line;
@@ -120,7 +117,8 @@ std::unique_ptr<Obstacle> make_channel(const Options& options) {
   const double rounding = options.has("rounding") ? options.real("rounding") : 0.1 * *narrowest;
   const double wall = options.has("wall") ? options.real("wall") : *widest;
   if (!(wall > 2.0 * rounding)) {
-    refuse("wall", "a wall of " + shown(wall / rounding) + " times its rounding", "more than twice the rounding");
+    refuse_option("channel", "wall", "a wall of " + shown(wall / rounding) + " times its rounding",
+                  "more than twice the rounding");
   }
   const std::string& closed = options.text("closed");
   const double shut = wall - rounding;

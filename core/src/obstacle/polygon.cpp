@@ -12,23 +12,20 @@ namespace {
 /// A corner that turns by less than this (rad) could turn the other way by rounding of the input: no convex shape then.
 constexpr double least_turn = 1e-6;
 
-[[noreturn]] void refuse(const std::string& option, const std::string& found, const std::string& expected) {
-  throw OptionError(option, {}, "option '" + option + "' of a polygon: found " + found + "; expected " + expected);
-}
-
 /// How many vertices each outline has.
 std::vector<std::size_t> sizes_of(const Options& options, std::size_t vertices) {
   if (!options.has("outlines")) return {vertices};
   std::vector<std::size_t> sizes;
   std::size_t sum = 0;
   for (const double count : options.table("outlines").values) {
-    if (!(count >= 3.0) || count != std::floor(count)) refuse("outlines", shown(count), "whole numbers from 3 on");
+    if (!(count >= 3.0) || count != std::floor(count))
+      refuse_option("polygon", "outlines", shown(count), "whole numbers from 3 on");
     sizes.push_back(static_cast<std::size_t>(std::min(count, 1e9)));
     sum += sizes.back();
   }
   if (sum != vertices) {
-    refuse("outlines", std::to_string(sum) + " vertices together",
-           "as many as 'vertices' has, which are " + std::to_string(vertices));
+    refuse_option("polygon", "outlines", std::to_string(sum) + " vertices together",
+                  "as many as 'vertices' has, which are " + std::to_string(vertices));
   }
   return sizes;
 }
@@ -45,7 +42,7 @@ std::vector<ClosedLine> lines_of(const Options& options) {
       line.push_back({table(at, 0), table(at, 1)});
     }
     if (const std::optional<LineFault> fault = fault_of(line, row + 1)) {
-      refuse("vertices", fault->found, fault->expected);
+      refuse_option("polygon", "vertices", fault->found, fault->expected);
     }
     row += size;
     lines.push_back(std::move(line));
@@ -74,8 +71,8 @@ std::unique_ptr<Obstacle> make_polygon(const Options& options) {
   for (ClosedLine& line : lines) (twice_area(line) > 0.0 ? bodies : holes).push_back(std::move(line));
   const std::vector<ClosedLine> boundary = boundary_of(bodies, holes, Overlap::count);
   if (boundary.empty()) {
-    refuse("vertices", "outlines that run clockwise, which are holes, and nothing around them",
-           "a body that runs counterclockwise");
+    refuse_option("polygon", "vertices", "outlines that run clockwise, which are holes, and nothing around them",
+                  "a body that runs counterclockwise");
   }
   return std::make_unique<Part>(boundary, rounding);
 }

@@ -34,6 +34,12 @@ OptionSpec positive_length_option(std::string name, std::string description) {
   return length;
 }
 
+void refuse_option(const std::string& shape, const std::string& option, const std::string& found,
+                   const std::string& expected) {
+  throw OptionError(option, {},
+                    "option '" + option + "' of a " + shape + ": found " + found + "; expected " + expected);
+}
+
 Vec2 point_of(const Options& options, std::string_view name) {
   const NumberTable& at = options.table(name);
   return {at(0, 0), at(0, 1)};

@@ -18,6 +18,9 @@ OptionSpec point_option(std::string name, std::string description);
 /// At least `least` points.
 OptionSpec points_option(std::string name, int least, std::string description);
 OptionSpec positive_length_option(std::string name, std::string description);
+/// Throws an OptionError that says what a shape's option was found to be.
+[[noreturn]] void refuse_option(const std::string& shape, const std::string& option, const std::string& found,
+                                const std::string& expected);
 Vec2 point_of(const Options& options, std::string_view name);
 
 }  // namespace tendril

@@ -27,7 +27,7 @@ inline Symmetric2 distance_hessian(const SurfacePoint& s) {
   return {s.curvature * tau.x * tau.x, s.curvature * tau.x * tau.y, s.curvature * tau.y * tau.y};
 }
 
-/// Second derivative of c . n(P): the third derivative of the distance contracted with c (architecture.md section 2).
+/// Second derivative of c . n(P): the third derivative of the distance contracted with c.
 inline Symmetric2 normal_hessian(const SurfacePoint& s, Vec2 c) {
   const Vec2 n = s.normal;
   const Vec2 tau = turned(n);

@@ -17,13 +17,13 @@ namespace {
 
 /// Orders of the Legendre functions per piece: the first one searches, each other one is tried until the markers stay
 /// where they are (units of L).
-constexpr int first_order = 8;
+constexpr int first_fit_order = 8;
 constexpr int orders[] = {12, 18, 26};
-constexpr double order_tolerance = 1e-7;
+constexpr double order_settled = 1e-7;
 /// A fit has converged when the next step is this small, in standard deviations of the measured numbers: while starts
 /// are still compared, and at the end.
-constexpr double search_accuracy = 1e-2;
-constexpr double final_accuracy = 1e-5;
+constexpr double coarse_accuracy = 1e-2;
+constexpr double calibrated_accuracy = 1e-5;
 constexpr int most_search_steps = 40;
 constexpr int most_steps = 100;
 /// Starts that end within this part of the best sum of squares have found the same.
@@ -65,7 +65,7 @@ Found search(const CalibrationInput& in, CalibrationFit& fit, int starts, const 
   for (int i = 0; i < std::max(1, starts) && !deadline.over() && best.agreed < enough_agreed; ++i) {
     FittedPoint point = fit.at(start_values(in.problem, i), in.fitted, nullptr);
     ++best.starts;
-    CalibrationFit::Result result = fit.fit(std::move(point), in.fitted, search_accuracy, most_search_steps);
+    CalibrationFit::Result result = fit.fit(std::move(point), in.fitted, coarse_accuracy, most_search_steps);
     if (!result.point.found) continue;
     const double sum = result.point.sum;
     const double least = best.result.point.sum;
@@ -83,7 +83,7 @@ Found search(const CalibrationInput& in, CalibrationFit& fit, int starts, const 
 struct Refined {
   std::unique_ptr<CalibrationFit> fit;
   CalibrationFit::Result result;
-  int order = first_order;
+  int order = first_fit_order;
   double change = infinity;
 };
 
@@ -94,7 +94,7 @@ Refined refine(const CalibrationInput& in, CalibrationFit::Result found, const D
     auto fit = std::make_unique<CalibrationFit>(in.problem, order, in.turn, deadline);
     FittedPoint start = fit->at(out.result.point.values, in.fitted, nullptr);
     if (start.found) start.weights = out.result.point.weights;
-    CalibrationFit::Result next = fit->fit(std::move(start), in.fitted, final_accuracy, most_steps);
+    CalibrationFit::Result next = fit->fit(std::move(start), in.fitted, calibrated_accuracy, most_steps);
     solves += fit->solves();
     if (!next.point.found) return out;
     out.change = 0.0;
@@ -106,7 +106,7 @@ Refined refine(const CalibrationInput& in, CalibrationFit::Result found, const D
     out.result = std::move(next);
     out.fit = std::move(fit);
     out.order = order;
-    if (out.change <= order_tolerance || deadline.over()) break;
+    if (out.change <= order_settled || deadline.over()) break;
   }
   return out;
 }
@@ -152,7 +152,7 @@ void cross_validate(const CalibrationInput& in, const CalibrationSpec& spec, Ref
     }
     FittedPoint point = refined.fit->at(start, others, &refined.result.point);
     const CalibrationFit::Result result =
-        refined.fit->fit(std::move(point), others, search_accuracy, most_search_steps);
+        refined.fit->fit(std::move(point), others, coarse_accuracy, most_search_steps);
     if (!result.point.found) continue;
     const FittedPoint predicted = refined.fit->at(result.point.values, left_out, nullptr);
     report_predictions(in, predicted, left_out, others, out);
@@ -190,9 +190,9 @@ std::string hint_of_axes(const CalibrationInput& in, const Refined& refined, con
         m.position = in.problem.rod.base + axes.seen(m.position - in.problem.rod.base);
       }
     }
-    CalibrationFit fit(turned_axes, first_order, in.turn, deadline);
+    CalibrationFit fit(turned_axes, first_fit_order, in.turn, deadline);
     FittedPoint start = fit.at(start_values(in.problem, 0), in.fitted, nullptr);
-    const CalibrationFit::Result result = fit.fit(std::move(start), in.fitted, search_accuracy, most_search_steps);
+    const CalibrationFit::Result result = fit.fit(std::move(start), in.fitted, coarse_accuracy, most_search_steps);
     if (result.point.found && rms(result.point) < far_better * here) {
       return std::string("; as if ") + axes.name + " the points are explained far better: are their axes right?";
     }
@@ -238,7 +238,7 @@ Calibration calibrate(const Scene& scene, const CalibrationSpec& spec, const Pla
     return out;
   };
 
-  CalibrationFit coarse(in.problem, first_order, in.turn, deadline);
+  CalibrationFit coarse(in.problem, first_fit_order, in.turn, deadline);
   Found found = search(in, coarse, spec.starts, deadline);
   out.starts = found.starts;
   out.starts_agreed = found.agreed;

@@ -16,8 +16,6 @@ constexpr double largest_error = 0.1;
 /// Loads beyond those that were fitted by less than this part of their range are rounding.
 constexpr double range_tolerance = 1e-9;
 
-std::string text(double value) { return shown(value, 4); }
-
 /// Unknowns in terms of which the points are asked what they determine: unknowns = basis * asked. A factor counts
 /// against itself. Of a law of a moment it is not its powers that matter but its values, at evenly spaced inputs,
 /// against the largest one.
@@ -83,7 +81,7 @@ std::string combination(const Asked& of, const Eigen::VectorXd& direction) {
     if (count++ == 0) sign = direction[i] < 0.0 ? -1.0 : 1.0;
     const double share = sign * direction[i];
     last = "the " + of.names[static_cast<std::size_t>(i)];
-    out += (out.empty() ? "" : share < 0.0 ? " less " : " with ") + text(std::abs(share)) + " of " + last;
+    out += (out.empty() ? "" : share < 0.0 ? " less " : " with ") + shown(std::abs(share), 4) + " of " + last;
   }
   if (count == 1) return last;
   return "a change of " + out +
@@ -113,8 +111,8 @@ std::string beyond(const CalibrationInput& in, int shape, const std::vector<Rang
     const Range& range = ranges[k];
     const double rounding = range_tolerance * std::max({std::abs(range.low), std::abs(range.high), 1e-300});
     if (known.value >= range.low - rounding && known.value <= range.high + rounding) continue;
-    out += (out.empty() ? "" : ", ") + known.name + " " + text(known.value) + " " + known.unit + " (fitted " +
-           text(range.low) + " to " + text(range.high) + ")";
+    out += (out.empty() ? "" : ", ") + known.name + " " + shown(known.value, 4) + " " + known.unit + " (fitted " +
+           shown(range.low, 4) + " to " + shown(range.high, 4) + ")";
   }
   return out;
 }
@@ -254,7 +252,8 @@ void report_shapes(const CalibrationInput& in, const CalibrationSpec& spec, Cali
   const std::vector<Range> ranges = ranges_of(in, in.fitted);
   for (std::size_t k = 0; k < ranges.size(); ++k) {
     const CalibrationInput::Known& known = in.known.front()[k];
-    out.ranges.push_back(known.name + " " + text(ranges[k].low) + " to " + text(ranges[k].high) + " " + known.unit);
+    out.ranges.push_back(known.name + " " + shown(ranges[k].low, 4) + " to " + shown(ranges[k].high, 4) + " " +
+                         known.unit);
   }
   const std::vector<ActuatorKind>& kinds = spec.recordings.front().input_kinds;
   for (std::size_t a = 0; a < kinds.size(); ++a) out.inputs.push_back({kinds[a], ranges[a].low, ranges[a].high});

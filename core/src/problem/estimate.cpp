@@ -17,15 +17,15 @@ constexpr double equally_good = 9.0;
 constexpr int most_refining_steps = 200;
 
 /// Repeats the best fit with more functions per piece until its points stay.
-struct Refined {
+struct RefinedFit {
   std::unique_ptr<LoadedRod> rod;
   ShapeFit fit;
   double change = infinity;
 };
 
-Refined refine(const EstimateInput& in, const LoadedRod& coarse, const ShapeFit& fit, double turn,
-               const Deadline& deadline, int& solves) {
-  Refined out;
+RefinedFit refine(const EstimateInput& in, const LoadedRod& coarse, const ShapeFit& fit, double turn,
+                  const Deadline& deadline, int& solves) {
+  RefinedFit out;
   out.fit = fit;
   const LoadedRod* source = &coarse;
   for (const int order : finer_orders) {
@@ -58,7 +58,7 @@ const ShapeFit* rival_of(const std::vector<ShapeFit>& fits, const Eigen::MatrixX
   return nullptr;
 }
 
-void report_contacts(const EstimateInput& in, const Refined& refined, const std::vector<ShapeFit>& fits,
+void report_contacts(const EstimateInput& in, const RefinedFit& refined, const std::vector<ShapeFit>& fits,
                      Estimate& out) {
   const ShapeFit& fit = refined.fit;
   const int contacts = fit.contacts();
@@ -156,7 +156,7 @@ void conclude(const EstimateInput& in, const ShapeFit& fit, Estimate& out) {
 }
 
 /// What the points say with the number of contacts that they support.
-void report_fit(const EstimateInput& in, const Refined& refined, const std::vector<ShapeFit>& fits, Estimate& out) {
+void report_fit(const EstimateInput& in, const RefinedFit& refined, const std::vector<ShapeFit>& fits, Estimate& out) {
   const ShapeFit& fit = refined.fit;
   out.order = refined.rod->order();
   out.model_error = refined.change * in.scale.length;
@@ -228,7 +228,7 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
     return finish();
   }
 
-  Refined refined = refine(in, rod, chosen->fits.front(), turn, deadline, out.solves);
+  RefinedFit refined = refine(in, rod, chosen->fits.front(), turn, deadline, out.solves);
   if (deadline.over()) return finish();
   if (!refined.rod) {
     const std::string why = misfit(in.measured, in.scale.length, refined.fit.residual, refined.fit.contacts());

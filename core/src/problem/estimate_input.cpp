@@ -118,11 +118,11 @@ MeasuredShape EstimateInput::shape_of(const Scene& scene) {
   Eigen::Index i = 0;
   for (const MeasuredPoint& p : points) {
     const double s = p.arc_length / scale.length;
-    // A part in 1e9 is the rounding of units.
-    if (!(s > 0.0 && s <= 1.0 + 1e-9)) {
-      throw SceneError("measurement", "a measured point is at arc length " + shown(p.arc_length, 3) +
+    // A part in 1e5 is the rounding of six digits, as tables have them, in another unit than the rod's.
+    if (!(s > 0.0 && s <= 1.0 + 1e-5)) {
+      throw SceneError("measurement", "a measured point is at arc length " + shown(p.arc_length, 6) +
                                           " m, expected at least 0 and at most the rod's length, " +
-                                          shown(scale.length, 3) + " m: " +
+                                          shown(scale.length, 6) + " m: " +
                                           (s > 1.0 && points.back().arc_length > 10.0 * scale.length &&
                                                    1e-3 * points.back().arc_length <= 1.05 * scale.length
                                                ? "are the points in mm? A plain number is in m"

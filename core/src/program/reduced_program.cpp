@@ -16,8 +16,8 @@ constexpr double contraction = 0.5;  ///< a correction larger than this of the o
 constexpr double farthest = 0.5;     ///< first correction, relative to 1 + the largest variable
 /// Of a step along the branch, each variable relative to 1 + itself.
 constexpr double longest_step = 0.5;
-constexpr double straightness = 0.5;  ///< what the correction may be of the step
-constexpr double settling = 1e-7;     ///< ... and besides: the start is given to this
+constexpr double largest_correction = 0.5;  ///< what the correction may be of the step
+constexpr double settling = 1e-7;           ///< ... and besides: the start is given to this
 /// A way to other moments is cut into halves as often as this before the branch counts as ended.
 constexpr double shortest_way = 1e-4;
 constexpr double anchor_spacing = 0.5;  ///< of the grid of moments (EI/L)
@@ -198,7 +198,8 @@ bool ReducedProgram::follow(const Anchor& from, ConstVectorRef u) {
     // the determinant of the equations keeps its sign.
     const double pointed = distance(at_.x, predicted_);
     x_ = predicted_;
-    bool found = pointed <= longest_step && correct() && distance(predicted_, x_) <= straightness * pointed + settling;
+    bool found =
+        pointed <= longest_step && correct() && distance(predicted_, x_) <= largest_correction * pointed + settling;
     if (found) {
       find_slopes();
       found = sign_ == from.sign;

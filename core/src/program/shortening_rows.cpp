@@ -1,4 +1,4 @@
-// What tendons are shorter by (model.md section 11), over the size of their largest offsets, less what is held.
+// What tendons are shorter by (model.md section 10), over the size of their largest offsets, less what is held.
 
 #include "program/row_block.hpp"
 

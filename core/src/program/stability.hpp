@@ -15,7 +15,7 @@ namespace tendril {
 /// first evaluation with one number of pressing contacts. What a contact that sticks leaves free does not slide,
 /// either. Where contacts slip, which push otherwise than along their normals, there is no energy: the margin is the
 /// smallest real part of the eigenvalues of a pencil that is not symmetric (model.md section 11), and has no gradient
-/// here. Taut tendons that are held by their length (model.md section 6) leave free only what does not lengthen them.
+/// here. Taut tendons that are held by their length (model.md section 10) leave free only what does not lengthen them.
 class Stability {
  public:
   /// For programs on the chain of `program`, with its variables.

@@ -149,7 +149,7 @@ class TENDRIL_API Places {
   /// work on the virtual displacements. With `ss` the former act on places alone.
   void second_pull_back(const Forces& forces, const Forces* virtual_forces, SecondPart out);
 
-  /// The elastic energy: of bending, V_c (model.md section 3), and of the stretch, V_e (section 12).
+  /// The elastic energy: of bending, V_c (model.md section 3), and of the stretch, V_e (section 14).
   double energy() const;
   /// out += factor * dV; without a place for it not by the arc lengths.
   void add_energy_row(double factor, RowPart out) const;

@@ -9,7 +9,7 @@ namespace tendril {
 namespace {
 
 /// Legendre coefficients of a function of the basis below this share of the largest one are rounding.
-constexpr double rounding = 1e-13;
+constexpr double negligible = 1e-13;
 
 /// Everything in the integrals but the tangent and the basis is constant over a piece, or linear.
 bool is_even(const Chain& chain) {
@@ -28,7 +28,7 @@ RuleError::RuleError(const Chain& chain) : functions_(chain.functions()) {
   const int n = tables.per_interval();
   const Eigen::MatrixXd series = tables.transform() * chain.table().by_function;
   // A function with coefficients up to the last one that the nodes can tell is not known to be a polynomial.
-  const double least = rounding * series.cwiseAbs().maxCoeff();
+  const double least = negligible * series.cwiseAbs().maxCoeff();
   if (n < 3 || series.bottomRows(2).cwiseAbs().maxCoeff() > least) return;
   known_ = true;
   for (const double size : sizes) {

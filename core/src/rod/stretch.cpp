@@ -1,4 +1,4 @@
-// How a rod stretches (model.md section 12): P' = (1 + eps) t, V_e = 1/2 int EA eps^2 ds. The angle turns all beyond a
+// How a rod stretches (model.md section 14): P' = (1 + eps) t, V_e = 1/2 int EA eps^2 ds. The angle turns all beyond a
 // node, the stretch moves it along the tangent there; a second derivative by two coordinates of the stretch is 0.
 
 #include <algorithm>

@@ -25,7 +25,7 @@ struct ScannedRest {
   std::vector<std::size_t> neighbours{};  ///< equilibria at nodes beside, to which the rod goes without a jump
 };
 
-/// Stable equilibria over the box of moments (model.md section 17).
+/// Stable equilibria over the box of moments (docs/search.md).
 struct EquilibriumScan {
   std::vector<ScannedRest> met;
   std::vector<double> steps;  ///< EI/L, between nodes, one per actuator that can be chosen

@@ -15,7 +15,7 @@ constexpr double moving = 1e-9;    ///< a rate along the path that is more than 
 /// What a contact may be outside of its cone where the path begins: more, and its coefficient is another one now.
 constexpr double other_cone = 1e-6;
 /// Right behind where sliding ceases, along a step: what it slides back by until then is of the second order.
-constexpr double bracket = 1e-8;
+constexpr double slip_bracket = 1e-8;
 constexpr int most_changes = 256;
 
 }  // namespace
@@ -67,7 +67,7 @@ bool Tracker::add_stick(const Step& step, const Eigen::VectorXd& tangent, int k,
   e.z = step.z;
   double low = 0.0;
   double high = step.tau;
-  while (high - low > bracket) {
+  while (high - low > slip_bracket) {
     const double middle = 0.5 * (low + high);
     const std::optional<Eigen::VectorXd> z = corrected(step, tangent, middle);
     if (!z) return false;

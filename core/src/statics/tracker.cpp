@@ -8,7 +8,7 @@
 namespace tendril {
 namespace {
 
-constexpr double longest_step = 0.15;  ///< along the path, in the metric of bending energy and load
+constexpr double longest_path_step = 0.15;  ///< along the path, in the metric of bending energy and load
 constexpr double shortest_step = 1e-8;
 constexpr double deviation = 0.25;            ///< of the corrected from the predicted point, per step length
 constexpr double beyond_bifurcation = 1e-3;   ///< load fraction; see Snap
@@ -17,7 +17,7 @@ constexpr double vanishing_convexity = 1e-2;  ///< d_ss (per L) at a turn of the
 constexpr double pinched_length = 1e-4;       ///< between opposite contacts (L)
 constexpr double pinching_force = 1e4;        ///< of each; a moment of one over the length above (EI/L^2)
 constexpr double overdrawn_slack = 1e-6;      ///< of a tendon that is about to be taut
-constexpr int most_steps = 20000;
+constexpr int most_path_steps = 20000;
 constexpr int most_snaps = 50;
 
 }  // namespace
@@ -28,7 +28,7 @@ bool Tracker::follow() {
       trouble_ = "stopped";
       return false;
     }
-    if (++steps_ > most_steps || static_cast<int>(snaps_.size()) > most_snaps) {
+    if (++steps_ > most_path_steps || static_cast<int>(snaps_.size()) > most_snaps) {
       trouble_ = "the path does not end";
       return false;
     }
@@ -104,7 +104,7 @@ bool Tracker::advance() {
     if (found->empty()) {
       now_.z = step->z;
       now_.statics->anchor(now_.z);
-      length_ = std::min(longest_step, 1.5 * length);
+      length_ = std::min(longest_path_step, 1.5 * length);
       return true;
     }
     Event& first =
