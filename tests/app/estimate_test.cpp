@@ -270,11 +270,36 @@ TEST(EstimatedSequence, OfNumberedFramesWithMomentsOfTheScene) {
   EXPECT_TRUE(contains_text(run.out, "1 of the 60 rows of p.csv"));
 }
 
+// A camera that begins a new file: the same frames in two files are the same sequence.
+TEST(SequenceFiles, OneAfterTheOtherAreOneSequence) {
+  const TemporaryDirectory directory;
+  std::istringstream lines(read_file(scene_path("sequence.csv")));
+  std::string head, first, second;
+  while (std::getline(lines, head) && head.front() == '#') continue;
+  for (std::string line; std::getline(lines, line);) (std::stod(line) < 0.5 ? first : second) += line + '\n';
+  directory.write("first.csv", head + '\n' + first);
+  directory.write("second.csv", head + '\n' + second);
+  const auto planned = [&](const std::string& files) {
+    return tendril(
+        {"plan", directory.write("s.toml", scene_with("sequence.toml", "file = \"sequence.csv\"", files)), "--json"});
+  };
+  const CommandRun both = planned("files = [\"first.csv\", \"second.csv\"]");
+  EXPECT_EQ(both.exit_code, 0) << both.err;
+  const json whole = json_of({"plan", scene_path("sequence.toml")});
+  EXPECT_EQ(json::parse(both.out)["frames"], whole["frames"]);
+  expect_refused(planned("files = [\"second.csv\", \"first.csv\"]"), "first.csv:2:1: found time 0 s after time");
+  expect_refused(planned("files = [\"first.csv\", \"first.csv\"]"), "expected an ascending time, from file to file");
+  expect_refused(planned("file = \"first.csv\"\nfiles = [\"second.csv\"]"), "found 'files' beside 'file'");
+  directory.write("second.csv", "s,x,y\n0.05,0.05,0\n0.1,0.1,0\n");
+  expect_refused(planned("files = [\"first.csv\", \"second.csv\"]"),
+                 "second.csv: found a single shape after a file with times");
+}
+
 TEST(BadSequence, IsRefusedWhereItStands) {
   const std::string head = "time [s], moment_1 [N mm], s [mm], x [mm], y [mm]\n";
   const std::string first = "0.1, 1, 50, 50, 0\n0.1, 1, 100, 100, 0\n";
   expect_refused(plan_sequence(head + first + "0.05, 1, 50, 50, 0\n"),
-                 "p.csv:4:1: found time 0.05 s after time 0.1 s in line 2, expected an ascending time");
+                 "p.csv:4:1: found time 0.05 s after time 0.1 s at ");
   expect_refused(plan_sequence(head + first + first), "p.csv:4:1: found a point at the same arc length once more");
   expect_refused(plan_sequence(head + first + ", 1, 50, 50, 0\n"), "p.csv:4:1: found a row without its time");
   expect_refused(plan_sequence(head + "0.1, 1, 50, 50, 0\n0.1, 2, 100, 100, 0\n"),

@@ -47,9 +47,13 @@ class Simulator {
   /// `state`: force and place of each contact in turn.
   Eigen::VectorXd points(const Eigen::VectorXd& state) {
     std::vector<NormalForce> forces;
-    for (Eigen::Index i = 0; i < state.size(); i += 2) {
-      forces.push_back({state[i] / scale_.force(), state[i + 1] / scale_.length});
-    }
+    for (Eigen::Index i = 0; i < state.size(); i += 2) forces.push_back({state[i], state[i + 1]});
+    return points(std::move(forces));
+  }
+
+  /// N and m.
+  Eigen::VectorXd points(std::vector<NormalForce> forces) {
+    for (NormalForce& f : forces) f = {f.force / scale_.force(), f.arc_length / scale_.length, f.lean};
     const LoadedRod::Shape free = rod_.solve({}, [](double) { return 0.5; });
     const LoadedRod::Shape shape = rod_.solve(forces, last_.converged ? last_ : free);
     EXPECT_TRUE(shape.converged);
@@ -327,10 +331,44 @@ TEST(Sequence, WhatCannotBeFollowedIsRefused) {
   spec.frames.pop_back();
   spec.place_rate = 0.0;
   EXPECT_TRUE(contains_text(refusal(scene, spec), "measurement.place_rate"));
-  spec.place_rate.reset();
-  Scene rough = scene;
-  rough.contact.friction = 0.3;
-  EXPECT_TRUE(contains_text(refusal(rough, spec), "contact.friction"));
+}
+
+// What pushes off its normal looks like another force at another place; the range under friction holds the right ones.
+TEST(Sequence, UnderFrictionTheRangeHoldsTheTruth) {
+  const Truth arm = test::braced_arm();
+  constexpr double coefficient = 0.3;
+  Simulator simulator(arm);
+  SequenceSpec spec;
+  std::vector<NormalForce> right;
+  for (int k = 0; k < 6; ++k) {
+    // It slips one way, turns, and slips the other way.
+    right.push_back({0.06 + 1e-3 * k, 0.058, coefficient * (0.9 - 0.36 * k)});
+    spec.frames.push_back(frame_of(k, simulator.points({right.back()}), 0.1, {}));
+  }
+  Scene rough = scene_of(arm, 2e-5, 1);
+  rough.contact.friction = coefficient;
+  const SequenceEstimate result = estimate_sequence(rough, spec);
+  EXPECT_TRUE(contains_text(result.assumed, "friction of up to 0.3")) << result.assumed;
+  ASSERT_EQ(result.frames.size(), right.size());
+  const auto holds = [](Interval range, double value, double rounding) {
+    EXPECT_LE(range.low, value + rounding);
+    EXPECT_GE(range.high, value - rounding);
+    EXPECT_LT(range.low, range.high);
+  };
+  int misled = 0;
+  for (std::size_t k = 0; k < right.size(); ++k) {
+    ASSERT_EQ(result.frames[k].contacts.size(), 1U);
+    const EstimatedContact& c = result.frames[k].contacts[0].all;
+    ASSERT_TRUE(c.friction);
+    EXPECT_TRUE(c.friction->whole);
+    // A state between two that were fitted is off by the curvature of what is in between.
+    holds(c.friction->ratio, right[k].lean, 0.0);
+    holds(c.friction->force, right[k].force, 1e-3 * right[k].force);
+    holds(c.friction->arc_length, right[k].arc_length, 1e-5);
+    if (std::abs(c.force - right[k].force) > 3.0 * c.force_error) ++misled;
+  }
+  // Without the range the numbers would be believed.
+  EXPECT_GE(misled, 3);
 }
 
 }  // namespace

@@ -24,12 +24,7 @@ Json contact_json(const EstimatedContact& contact) {
   json["correlation"] = number(contact.correlation);
   if (const std::optional<EstimatedFriction>& f = contact.friction) {
     json["tangential_force"] = value(contact.tangential_force);
-    const auto interval = [](Interval i) { return numbers({i.low, i.high}); };
-    json["friction_range"] = {{"ratio", interval(f->ratio)},
-                              {"force", interval(f->force)},
-                              {"tangential_force", interval(f->tangential_force)},
-                              {"arc_length", interval(f->arc_length)},
-                              {"whole", f->whole}};
+    json["friction_range"] = friction_json(*f);
   }
   json["at_tip"] = contact.at_tip;
   json["identifiable"] = known;
@@ -74,7 +69,6 @@ std::string contacts_text(const Estimate& estimate, const DisplayUnits& units) {
 std::string friction_text(const Estimate& estimate, const DisplayUnits& units) {
   Grid grid;
   grid.row({"contact", "tangential / normal", "force", "tangential force", "arc length"});
-  const auto interval = [](Interval i, const auto& text) { return text(i.low) + " to " + text(i.high); };
   const auto forces = [](double v) { return force(v); };
   const auto ratios = [](double v) { return shown(v, 3); };
   const auto lengths = [&](double v) { return units.lengths(v); };
@@ -82,8 +76,8 @@ std::string friction_text(const Estimate& estimate, const DisplayUnits& units) {
   for (std::size_t k = 0; k < estimate.contacts.size(); ++k) {
     const std::optional<EstimatedFriction>& f = estimate.contacts[k].friction;
     if (!f) return "";
-    grid.row({std::to_string(k + 1), interval(f->ratio, ratios), interval(f->force, forces),
-              interval(f->tangential_force, forces), interval(f->arc_length, lengths)});
+    grid.row({std::to_string(k + 1), interval_text(f->ratio, ratios), interval_text(f->force, forces),
+              interval_text(f->tangential_force, forces), interval_text(f->arc_length, lengths)});
     if (!f->whole) cut = "not every state within the cone was fitted\n";
   }
   return estimate.contacts.empty()

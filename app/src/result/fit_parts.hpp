@@ -9,6 +9,7 @@
 #include "result/result_object.hpp"
 #include "system/tables.hpp"
 #include "tendril/coordinate_model.hpp"
+#include "tendril/estimate.hpp"
 
 /// What is told alike of all that is fitted to measured points. `Fit`: Estimate or SequenceEstimate.
 namespace tendril::app {
@@ -45,6 +46,21 @@ void add_fit(Json& json, const Scene& scene, const Fit& fit, const std::vector<M
   json["measured"] = Json::array();
   for (const MeasuredPoint& p : points) json["measured"].push_back(numbers({p.position.x, p.position.y}));
   json["versions"] = versions_json();
+}
+
+inline Json friction_json(const EstimatedFriction& friction) {
+  const auto interval = [](Interval i) { return numbers({i.low, i.high}); };
+  return {{"ratio", interval(friction.ratio)},
+          {"force", interval(friction.force)},
+          {"tangential_force", interval(friction.tangential_force)},
+          {"arc_length", interval(friction.arc_length)},
+          {"whole", friction.whole}};
+}
+
+/// An interval, its ends written by `text`.
+template <class Text>
+std::string interval_text(Interval i, const Text& text) {
+  return text(i.low) + " to " + text(i.high);
 }
 
 /// Title, status, and why it is none better.

@@ -30,6 +30,7 @@ Json contact_json(const FollowedContact& contact) {
   json["at_tip"] = c.at_tip;
   json["identifiable"] = c.identifiable;
   json["reason"] = c.reason;
+  if (c.friction) json["friction_range"] = friction_json(*c.friction);
   json["so_far"] = known_json(contact.so_far);
   return json;
 }
@@ -93,9 +94,23 @@ std::string contacts_text(const SequenceEstimate& estimate, const DisplayUnits& 
 
 std::string frames_text(const SequenceEstimate& estimate, const DisplayUnits& units) {
   const std::size_t step = (estimate.frames.size() + most_rows - 1) / most_rows;
+  const auto lengths = [&](double v) { return units.lengths(v); };
+  const auto rubs = [](const EstimatedFrame& f) {
+    return std::any_of(f.contacts.begin(), f.contacts.end(), [](const FollowedContact& c) { return c.all.friction; });
+  };
+  const bool rough = std::any_of(estimate.frames.begin(), estimate.frames.end(), rubs);
   Grid grid;
-  grid.row({estimate.timed ? "time" : "frame", "contact", "force", "error", "arc length", "error", "residuals",
-            "made or broken"});
+  const auto add_row = [&](std::vector<std::string> cells, const std::optional<EstimatedFriction>& friction) {
+    if (!rough) cells.resize(8);
+    if (friction) {
+      cells[8] = interval_text(friction->force, [](double v) { return force(v); });
+      cells[9] = interval_text(friction->arc_length, lengths);
+    }
+    grid.row(cells);
+  };
+  add_row({estimate.timed ? "time" : "frame", "contact", "force", "error", "arc length", "error", "residuals",
+           "made or broken", "force under friction", "arc length under it"},
+          {});
   for (std::size_t i = 0; i < estimate.frames.size(); ++i) {
     const EstimatedFrame& frame = estimate.frames[i];
     const bool changes = i > 0 && (!frame.made.empty() || !frame.broken.empty());
@@ -106,18 +121,19 @@ std::string frames_text(const SequenceEstimate& estimate, const DisplayUnits& un
     if (frame.status != EstimateStatus::solved)
       change += (change.empty() ? "" : ", ") + std::string(to_string(frame.status));
     const std::string rms = units.lengths(frame.residual_rms);
-    if (frame.contacts.empty()) grid.row({when(estimate, frame.time), "none", "", "", "", "", rms, change});
+    if (frame.contacts.empty()) add_row({when(estimate, frame.time), "none", "", "", "", "", rms, change, "", ""}, {});
     for (std::size_t k = 0; k < frame.contacts.size(); ++k) {
       const EstimatedContact& c = frame.contacts[k].all;
-      grid.row({k == 0 ? when(estimate, frame.time) : "",
-                std::to_string(frame.contacts[k].number) + (c.at_tip ? " (tip)" : ""), force(c.force),
-                force(c.force_error), units.lengths(c.arc_length), units.lengths(c.arc_length_error), k == 0 ? rms : "",
-                k == 0 ? change : ""});
+      add_row({k == 0 ? when(estimate, frame.time) : "",
+               std::to_string(frame.contacts[k].number) + (c.at_tip ? " (tip)" : ""), force(c.force),
+               force(c.force_error), units.lengths(c.arc_length), units.lengths(c.arc_length_error), k == 0 ? rms : "",
+               k == 0 ? change : "", "", ""},
+              c.friction);
     }
   }
   const std::string some =
       step > 1 ? fmt::format("one frame in {}, and those with a change; all are in the JSON\n", step) : "";
-  return '\n' + grid.text("") + some;
+  return '\n' + grid.text("") + (rough ? "under friction: whatever it does, each frame's points alone\n" : "") + some;
 }
 
 }  // namespace

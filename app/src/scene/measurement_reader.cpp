@@ -76,40 +76,12 @@ bool is_complete(const std::vector<double>& row) {
 /// What was read at once.
 struct FrameReadings {
   double time = 0.0;            ///< or its number
-  int line = 0;                 ///< of its first row
+  std::string place{};          ///< file and line of its first row
   std::vector<double> moments;  ///< of each actuator, where the file has them; NaN: not yet
   Readings points;
 };
 
 constexpr std::size_t s_column = 0, x_column = 1, y_column = 2, time_column = 3, frame_column = 4, first_moment = 5;
-
-/// A file with one shape, or with one after the other.
-class MeasuredFile {
- public:
-  MeasuredFile(const Context& context, const MeasurementDraft& draft, Scene& scene);
-
-  std::vector<FrameReadings> frames;
-  bool timed = false;  ///< times of frames are in s; else numbers
-
- private:
-  double value(std::size_t row, std::size_t column) const;
-  bool has(std::size_t column) const {
-    return std::find(file_.form.begin(), file_.form.end(), column) != file_.form.end();
-  }
-  std::string name(double time) const { return timed ? "time " + shown(time) + " s" : "frame " + shown(time); }
-  void take(std::size_t row, bool sequence);
-  bool begin_frame(std::size_t row);
-  void take_moments(std::size_t row);
-  void require_once(std::size_t row, const std::vector<double>& point) const;
-  void require_moments() const;
-  [[noreturn]] void fail(int line, const std::string& message) const {
-    throw InputError(fmt::format("{}:{}:1: {}", path_, line, message));
-  }
-
-  std::string path_;
-  TableFile file_;
-  std::vector<std::size_t> moment_columns_;
-};
 
 TableFileSpec columns_of(const RodSpec& rod, double pixel) {
   TableFileSpec spec;
@@ -131,41 +103,100 @@ TableFileSpec columns_of(const RodSpec& rod, double pixel) {
   return spec;
 }
 
-MeasuredFile::MeasuredFile(const Context& context, const MeasurementDraft& draft, Scene& scene) {
-  const std::filesystem::path path = std::filesystem::path(context.document.file()).parent_path() / draft.file;
-  path_ = path.string();
-  const TableFileSpec spec = columns_of(scene.rod, draft.scale.value_or(0.0));
-  file_ = read_table_file(path, spec, context.units);
-  for (const std::string& unread : file_.unread) {
-    scene.left_out.push_back({"column \"" + unread + "\" of " + draft.file,
-                              "an estimate reads s, x and y, and of a sequence its time or frame and the moments"});
+/// Files with one shape, or with one after the other.
+class MeasuredFiles {
+ public:
+  MeasuredFiles(const Context& context, const MeasurementDraft& draft, Scene& scene)
+      : context_(context), draft_(draft), scene_(scene), spec_(columns_of(scene.rod, draft.scale.value_or(0.0))) {}
+  void read(const std::string& name);
+
+  std::vector<FrameReadings> frames;
+  bool timed = false;  ///< times of frames are in s; else numbers
+
+ private:
+  double value(std::size_t row, std::size_t column) const;
+  bool has(std::size_t column) const {
+    return std::find(file_.form.begin(), file_.form.end(), column) != file_.form.end();
   }
-  const std::size_t actuators = scene.rod.actuators.size();
+  std::string name(double time) const { return timed ? "time " + shown(time) + " s" : "frame " + shown(time); }
+  void take(std::size_t row, bool sequence);
+  bool begin_frame(std::size_t row);
+  void take_moments(std::size_t row);
+  void require_once(std::size_t row, const std::vector<double>& point) const;
+  void require_same_kind(bool sequence) const;
+  void require_moments() const;
+  std::string place(std::size_t row) const { return fmt::format("{}:{}:1", path_, file_.lines[row]); }
+  [[noreturn]] void fail(std::size_t row, const std::string& message) const {
+    throw InputError(place(row) + ": " + message);
+  }
+
+  const Context& context_;
+  const MeasurementDraft& draft_;
+  Scene& scene_;
+  TableFileSpec spec_;
+  std::string path_;
+  TableFile file_;
+  std::vector<std::size_t> moment_columns_;
+  bool sequence_ = false;          ///< of the last file
+  std::size_t first_of_file_ = 0;  ///< among the frames
+  std::size_t rows_ = 0;           ///< of all files
+};
+
+void MeasuredFiles::read(const std::string& name) {
+  const std::filesystem::path path = std::filesystem::path(context_.document.file()).parent_path() / name;
+  path_ = path.string();
+  file_ = read_table_file(path, spec_, context_.units);
+  for (const std::string& unread : file_.unread) {
+    scene_.left_out.push_back({"column \"" + unread + "\" of " + name,
+                               "an estimate reads s, x and y, and of a sequence its time or frame and the moments"});
+  }
+  const std::size_t actuators = scene_.rod.actuators.size();
+  moment_columns_.clear();
   for (std::size_t a = 0; a < actuators; ++a) {
     if (has(first_moment + a)) moment_columns_.push_back(first_moment + a);
   }
-  if (!moment_columns_.empty() && (moment_columns_.size() < actuators || !draft.moments.empty())) {
-    throw InputError(fmt::format("{}: found the column {} {}", path_, spec.columns[moment_columns_.front()].name,
+  if (!moment_columns_.empty() && (moment_columns_.size() < actuators || !draft_.moments.empty())) {
+    throw InputError(fmt::format("{}: found the column {} {}", path_, spec_.columns[moment_columns_.front()].name,
                                  moment_columns_.size() < actuators
                                      ? fmt::format("alone, expected one for each of the {} actuators", actuators)
                                      : "beside 'moments' in [measurement], expected either of them"));
   }
-  timed = has(time_column);
-  if (timed && has(frame_column)) {
-    scene.left_out.push_back({"column \"frame\" of " + draft.file, "the times tell the frames apart"});
+  if (has(time_column) && has(frame_column)) {
+    scene_.left_out.push_back({"column \"frame\" of " + name, "the times tell the frames apart"});
   }
-  const bool sequence = timed || has(frame_column);
+  const bool sequence = has(time_column) || has(frame_column);
+  require_same_kind(sequence);
+  sequence_ = sequence;
+  timed = has(time_column);
+  first_of_file_ = frames.size();
+  rows_ += file_.rows.size();
+  if (rows_ > most_sequence_points)
+    throw InputError(fmt::format("{}: found {} rows with those of the files before, expected at most {}", path_, rows_,
+                                 most_sequence_points));
   if (!sequence) frames.emplace_back();
   for (std::size_t row = 0; row < file_.rows.size(); ++row) take(row, sequence);
   require_moments();
 }
 
-double MeasuredFile::value(std::size_t row, std::size_t column) const {
+/// As the files before have them.
+void MeasuredFiles::require_same_kind(bool sequence) const {
+  if (frames.empty() || (sequence && sequence_ && timed == has(time_column))) return;
+  throw InputError(fmt::format(
+      "{}: found {} after a file with {}, expected a column 'time', or 'frame', in each of several files", path_,
+      !sequence          ? "a single shape"
+      : has(time_column) ? "times"
+                         : "numbers of frames",
+      !sequence_ ? "a single shape"
+      : timed    ? "times"
+                 : "numbers of frames"));
+}
+
+double MeasuredFiles::value(std::size_t row, std::size_t column) const {
   const auto at = std::find(file_.form.begin(), file_.form.end(), column) - file_.form.begin();
   return file_.rows[row][static_cast<std::size_t>(at)];
 }
 
-void MeasuredFile::take(std::size_t row, bool sequence) {
+void MeasuredFiles::take(std::size_t row, bool sequence) {
   if (sequence && !begin_frame(row)) return;
   std::vector<double> point;
   for (std::size_t i = 0; i < file_.form.size(); ++i) {
@@ -173,7 +204,7 @@ void MeasuredFile::take(std::size_t row, bool sequence) {
   }
   FrameReadings& frame = frames.back();
   if (frame.points.rows.size() == most_measured_points) {
-    fail(file_.lines[row], fmt::format("found more than {} points, expected at most as many", most_measured_points));
+    fail(row, fmt::format("found more than {} points, expected at most as many", most_measured_points));
   }
   if (sequence) require_once(row, point);
   take_moments(row);
@@ -182,56 +213,57 @@ void MeasuredFile::take(std::size_t row, bool sequence) {
 }
 
 /// False: the row is of no frame.
-bool MeasuredFile::begin_frame(std::size_t row) {
+bool MeasuredFiles::begin_frame(std::size_t row) {
   if (file_.blank[row]) return false;
   const double time = value(row, timed ? time_column : frame_column);
   const char* column = timed ? "time" : "frame";
-  if (std::isnan(time)) fail(file_.lines[row], fmt::format("found a row without its {}, expected one in each", column));
-  if (!frames.empty() && time == frames.back().time) return true;
-  if (!frames.empty() && time < frames.back().time) {
-    fail(file_.lines[row], fmt::format("found {} after {} in line {}, expected an ascending {} and the rows of a frame "
-                                       "together",
-                                       name(time), name(frames.back().time), frames.back().line, column));
+  if (std::isnan(time)) fail(row, fmt::format("found a row without its {}, expected one in each", column));
+  const bool begins = frames.size() == first_of_file_;
+  if (!begins && time == frames.back().time) return true;
+  if (!frames.empty() && time <= frames.back().time) {
+    fail(row, fmt::format("found {} after {} at {}, expected an ascending {}, from file to file as well, and the rows "
+                          "of a frame together",
+                          name(time), name(frames.back().time), frames.back().place, column));
   }
-  frames.push_back({time, file_.lines[row], {}, {}});
+  frames.push_back({time, place(row), {}, {}});
   return true;
 }
 
-void MeasuredFile::require_once(std::size_t row, const std::vector<double>& point) const {
+void MeasuredFiles::require_once(std::size_t row, const std::vector<double>& point) const {
   if (!is_complete(point)) return;
   const FrameReadings& frame = frames.back();
   const std::size_t compared = point.size() == 3 ? 1 : 2;
   for (const std::vector<double>& other : frame.points.rows) {
     if (!std::equal(point.begin(), point.begin() + static_cast<std::ptrdiff_t>(compared), other.begin())) continue;
-    fail(file_.lines[row],
-         fmt::format("found a point at the same {} once more in the frame of {}, expected each frame "
-                     "once with a {} of its own",
-                     compared == 1 ? "arc length" : "place", name(frame.time), timed ? "time" : "number"));
+    fail(row, fmt::format("found a point at the same {} once more in the frame of {}, expected each frame "
+                          "once with a {} of its own",
+                          compared == 1 ? "arc length" : "place", name(frame.time), timed ? "time" : "number"));
   }
 }
 
-void MeasuredFile::take_moments(std::size_t row) {
+void MeasuredFiles::take_moments(std::size_t row) {
   FrameReadings& frame = frames.back();
-  if (frame.line == 0) frame.line = file_.lines[row];
+  if (frame.place.empty()) frame.place = place(row);
   frame.moments.resize(moment_columns_.size(), std::nan(""));
   for (std::size_t a = 0; a < moment_columns_.size(); ++a) {
     const double moment = value(row, moment_columns_[a]);
     if (std::isnan(moment)) continue;
     if (!std::isnan(frame.moments[a]) && frame.moments[a] != moment) {
-      fail(file_.lines[row], fmt::format("found moment_{} = {} N m, but {} N m before in the same frame, expected one "
-                                         "value for each frame",
-                                         a + 1, shown(moment), shown(frame.moments[a])));
+      fail(row, fmt::format("found moment_{} = {} N m, but {} N m before in the same frame, expected one "
+                            "value for each frame",
+                            a + 1, shown(moment), shown(frame.moments[a])));
     }
     frame.moments[a] = moment;
   }
 }
 
-void MeasuredFile::require_moments() const {
+void MeasuredFiles::require_moments() const {
   for (const FrameReadings& frame : frames) {
     for (std::size_t a = 0; a < frame.moments.size(); ++a) {
       if (std::isnan(frame.moments[a])) {
-        fail(frame.line,
-             fmt::format("found no moment_{} in the frame that begins here, expected one in each frame", a + 1));
+        throw InputError(
+            frame.place +
+            fmt::format(": found no moment_{} in the frame that begins here, expected one in each frame", a + 1));
       }
     }
   }
@@ -327,8 +359,10 @@ bool same_points(const MeasuredFrame& a, const MeasuredFrame& b) {
 /// Shapes of the file, of which at least one is there; those of a sequence in which nothing was seen are left out.
 std::vector<MeasuredFrame> read_frames(const Context& context, const MeasurementDraft& draft, Scene& scene,
                                        Unread& unread, bool& timed) {
-  MeasuredFile file(context, draft, scene);
+  MeasuredFiles file(context, draft, scene);
+  for (const std::string& name : draft.all_files()) file.read(name);
   timed = file.timed;
+  const std::string names = fmt::format("{}", fmt::join(draft.all_files(), ", "));
   std::size_t empty = 0;
   std::size_t same = 0;
   std::vector<MeasuredFrame> frames;
@@ -343,12 +377,12 @@ std::vector<MeasuredFrame> read_frames(const Context& context, const Measurement
     if (!frames.empty() && same_points(frames.back(), frame)) ++same;
     frames.push_back(std::move(frame));
   }
-  if (empty > 0) scene.left_out.push_back({fmt::format("{} frames of {}", empty, draft.file), "they hold no point"});
+  if (empty > 0) scene.left_out.push_back({fmt::format("{} frames of {}", empty, names), "they hold no point"});
   if (same > 0) {
     scene.warnings.push_back(
         fmt::format("{} of the {} frames of {} have the points of the frame before to the last "
                     "digit: are frames there twice?",
-                    same, frames.size(), draft.file));
+                    same, frames.size(), names));
   }
   if (frames.empty()) frames.emplace_back();
   return frames;
@@ -371,6 +405,10 @@ Table<MeasurementDraft> measurement_table() {
                "CSV file with the points instead, beside the scene; columns x, y or s, x, y. With a column time or "
                "frame it is a sequence of shapes, and may have the moment of each actuator then: moment_1, ...",
                [](T& t, const std::string& v) { t.file = v; }),
+       texts<T>("files",
+                "Such files of a sequence instead, in the order in which they were recorded: times, or numbers of "
+                "frames, go on from one to the next.",
+                {}, [](T& t, const std::vector<std::string>& v) { t.files = v; }),
        quantity<T>("scale", dimension::length, positive, "none: numbers are in m",
                    "Length of one pixel; lengths without a unit in 'points', 'file' and 'origin' are pixels then.",
                    [](T& t, double v) { t.scale = v; }),
@@ -402,14 +440,20 @@ MeasurementSpec finish_measurement(const Context& context, const MeasurementDraf
     }
     return spec;
   }
-  if (!draft.file.empty() && !draft.rows.empty()) {
-    document.fail(document.find("measurement.file"), "found 'file' beside 'points', expected either of them");
-  }
+  const auto refuse = [&](const char* key, bool given, const char* other, bool beside) {
+    if (!given || !beside) return;
+    document.fail(document.find(std::string("measurement.") + key),
+                  fmt::format("found '{}' beside '{}', expected either of them", key, other));
+  };
+  refuse("file", !draft.file.empty(), "points", !draft.rows.empty());
+  refuse("files", !draft.files.empty(), "points", !draft.rows.empty());
+  refuse("files", !draft.files.empty(), "file", !draft.file.empty());
   spec.noise = draft.noise.value_or(0.0);
   spec.moments = draft.moments;
   Unread unread;
   bool single = true;
-  if (draft.file.empty()) {
+  const std::vector<std::string> files = draft.all_files();
+  if (files.empty()) {
     Readings readings = listed(draft);
     spec.equal_spacing = has_equal_spacing(readings);
     spec.points = points_of(draft, std::move(readings), scene.rod, unread);
@@ -422,7 +466,7 @@ MeasurementSpec finish_measurement(const Context& context, const MeasurementDraf
     if (!frames.front().moments.empty()) spec.moments = std::move(frames.front().moments);
   }
   if (unread.lost > 0) {
-    scene.left_out.push_back({fmt::format("{} of the {} rows of {}", unread.lost, unread.rows, draft.file),
+    scene.left_out.push_back({fmt::format("{} of the {} rows of {}", unread.lost, unread.rows, fmt::join(files, ", ")),
                               "they hold no point: a value is empty or not a number"});
   }
   if (unread.from_tip) scene.warnings.push_back("the measured points are read from the tip to the base");
@@ -444,7 +488,7 @@ std::optional<SequenceSpec> read_sequence(const Document& document, const Units&
   if (const Node* table = document.root().find("measurement")) {
     read_table(context, *table, "measurement", measurement_table(), draft);
   }
-  if (scene.problem != ProblemKind::estimate || draft.file.empty()) return std::nullopt;
+  if (scene.problem != ProblemKind::estimate || draft.all_files().empty()) return std::nullopt;
   Scene told = scene;
   Unread unread;
   SequenceSpec spec;

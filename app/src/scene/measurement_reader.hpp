@@ -26,11 +26,15 @@ struct MeasuredLength {
 struct MeasurementDraft {
   std::vector<std::vector<MeasuredLength>> rows;  ///< s, x, y or x, y each
   std::string file;
-  std::optional<double> scale;  ///< m, of a pixel
+  std::vector<std::string> files;  ///< instead, one after the other
+  std::optional<double> scale;     ///< m, of a pixel
   std::array<MeasuredLength, 2> origin{};
   bool y_down = false;
   std::optional<double> noise, force_rate, place_rate;
   std::vector<double> moments;
+
+  /// One of them, or all.
+  std::vector<std::string> all_files() const { return file.empty() ? files : std::vector{file}; }
 };
 
 /// Keys of [measurement].
@@ -41,7 +45,7 @@ Table<MeasurementDraft> measurement_table();
 /// measurement.
 MeasurementSpec finish_measurement(const Context& context, const MeasurementDraft& draft, Scene& scene);
 
-/// All frames of the file of `scene`, which is that of the document; nothing: it has a single shape. Throws InputError
+/// All frames of the files of `scene`, which is that of the document; nothing: it has a single shape. Throws InputError
 /// where read_scene() does.
 std::optional<SequenceSpec> read_sequence(const Document& document, const Units& units, const Scene& scene);
 

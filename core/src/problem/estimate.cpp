@@ -5,15 +5,12 @@
 
 #include "base/deadline.hpp"
 #include "estimate/contact_levels.hpp"
-#include "estimate/friction_cone.hpp"
 #include "estimate/significance.hpp"
 #include "problem/estimate_parts.hpp"
 
 namespace tendril {
 namespace {
 
-/// Another local minimum within this much of chi-square (three standard deviations) explains the data as well.
-constexpr double equally_good = 9.0;
 constexpr int most_refining_steps = 200;
 
 /// Repeats the best fit with more functions per piece until its points stay.
@@ -86,33 +83,6 @@ void report_contacts(const EstimateInput& in, const RefinedFit& refined, const s
     }
     c.identifiable = c.reason.empty();
     out.contacts.push_back(std::move(c));
-  }
-}
-
-/// What each contact may be over the states of friction that explain the points as well as the best of them does.
-void report_friction(const EstimateInput& in, const ConeFits& cone, Estimate& out) {
-  const int contacts = cone.fits.front().contacts();
-  if (contacts == 0) return;
-  if (in.friction == 0.0) {
-    out.assumed = "no friction: each force is along the rod's normal ([contact] friction gives the range under it)";
-    return;
-  }
-  out.assumed = "friction of up to " + shown(in.friction) + " times the normal force, in an unknown state";
-  const double most = cone.best.sum + equally_good * in.measured.variance(cone.best.sum, contacts);
-  const std::vector<const ShapeFit*> allowed = cone.allowed(most);
-  for (int k = 0; k < contacts; ++k) {
-    EstimatedFriction of;
-    of.whole = cone.whole;
-    of.ratio = of.force = of.tangential_force = of.arc_length = {infinity, -infinity};
-    const auto add = [](Interval& to, double value) { to = {std::min(to.low, value), std::max(to.high, value)}; };
-    for (const ShapeFit* fit : allowed) {
-      const NormalForce& f = fit->shape.forces[static_cast<std::size_t>(k)];
-      add(of.ratio, f.force < 0.0 ? -f.lean : f.lean);
-      add(of.force, std::abs(f.force) * in.scale.force());
-      add(of.tangential_force, f.lean * f.force * in.scale.force());
-      add(of.arc_length, f.arc_length * in.scale.length);
-    }
-    out.contacts[static_cast<std::size_t>(k)].friction = of;
   }
 }
 
@@ -247,7 +217,10 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
     refined.fit = cone.best;
   }
   report_fit(in, refined, chosen->fits, out);
-  report_friction(in, cone, out);
+  if (!out.contacts.empty()) out.assumed = assumption(in.friction);
+  for (int k = 0; in.friction > 0.0 && k < cone.best.contacts(); ++k) {
+    out.contacts[static_cast<std::size_t>(k)].friction = friction_of(in, in.measured, cone, k);
+  }
   conclude(in, refined.fit, out);
   return finish();
 }

@@ -156,11 +156,6 @@ EstimateInput::EstimateInput(const Scene& scene, const SequenceSpec& spec) {
   scale = scale_of(scene);
   rod = make_rod(scene, scale);
   take_contacts(scene);
-  if (friction > 0.0) {
-    throw SceneError("contact.friction",
-                     "found friction where a sequence of frames is followed, expected none: it is followed without; a "
-                     "single shape tells the range under friction");
-  }
   if (spec.frames.empty()) throw SceneError("measurement", "there is no frame, expected at least one");
   const auto require_rate = [](const std::string& key, const std::optional<double>& rate) {
     if (rate && !(*rate > 0.0 && std::isfinite(*rate))) throw SceneError(key, "a rate must be greater than 0");

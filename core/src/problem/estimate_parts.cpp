@@ -1,5 +1,6 @@
 #include "problem/estimate_parts.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "estimate/significance.hpp"
@@ -69,6 +70,29 @@ EstimatedContact contact_of(const Scale& scale, const NormalForce& force, const 
   }
   c.identifiable = c.reason.empty();
   return c;
+}
+
+std::string assumption(double friction) {
+  return friction == 0.0
+             ? "no friction: each force is along the rod's normal ([contact] friction gives the range under "
+               "it)"
+             : "friction of up to " + shown(friction) + " times the normal force, in an unknown state";
+}
+
+EstimatedFriction friction_of(const EstimateInput& in, const MeasuredShape& measured, const ConeFits& cone, int k) {
+  const double most = cone.best.sum + equally_good * measured.variance(cone.best.sum, cone.best.contacts());
+  EstimatedFriction of;
+  of.whole = cone.whole;
+  of.ratio = of.force = of.tangential_force = of.arc_length = {infinity, -infinity};
+  const auto add = [](Interval& to, double value) { to = {std::min(to.low, value), std::max(to.high, value)}; };
+  for (const ShapeFit* fit : cone.allowed(most)) {
+    const NormalForce& f = fit->shape.forces[static_cast<std::size_t>(k)];
+    add(of.ratio, f.force < 0.0 ? -f.lean : f.lean);
+    add(of.force, std::abs(f.force) * in.scale.force());
+    add(of.tangential_force, f.lean * f.force * in.scale.force());
+    add(of.arc_length, f.arc_length * in.scale.length);
+  }
+  return of;
 }
 
 std::vector<BackbonePoint> backbone_of(const Scale& scale, const LoadedRod& rod, const LoadedRod::Shape& shape) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "estimate/friction_cone.hpp"
 #include "problem/estimate_input.hpp"
 #include "tendril/estimate.hpp"
 
@@ -23,6 +24,17 @@ std::string doubt_of_noise(double chi_square, int degrees);
 /// A contact in SI units; `covariance` of force and place, too. `at`: of the rod there.
 EstimatedContact contact_of(const Scale& scale, const NormalForce& force, const LoadedRod::Point& at,
                             const Eigen::Matrix2d& covariance);
+
+/// What an estimate takes for granted about friction of its contacts, in a line.
+std::string assumption(double friction);
+
+/// What contact `k` of fits may be over the states of friction that explain the points as well as the best of them
+/// does.
+EstimatedFriction friction_of(const EstimateInput& in, const MeasuredShape& measured, const ConeFits& cone, int k);
+
+/// Another local minimum, or another state of friction, within this much of chi-square (three standard deviations)
+/// explains the data as well.
+inline constexpr double equally_good = 9.0;
 
 /// The shape in SI units.
 std::vector<BackbonePoint> backbone_of(const Scale& scale, const LoadedRod& rod, const LoadedRod::Shape& shape);

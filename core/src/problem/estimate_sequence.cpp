@@ -18,6 +18,7 @@ constexpr double least_noise = 1e-9;
 constexpr double model_share = 1e-3;
 /// So many frames, spread over the sequence, tell how far it is.
 constexpr std::size_t checked_frames = 8;
+constexpr int most_steps_of_a_fit = 200;
 
 /// A sequence on its way.
 struct Sequence {
@@ -164,6 +165,22 @@ void report_contacts(const Sequence& q, const TrackedFrame& tracked, const Conta
   }
 }
 
+/// What the contacts of a frame may be, whatever the state of their friction, as its points alone have them: that state
+/// may be another one in each frame, and is no noise that others would even out.
+void report_friction(const Sequence& q, std::size_t i, EstimatedFrame& out) {
+  const TrackedFrame& tracked = q.tracked[i];
+  if (q.in.friction == 0.0 || tracked.fit.contacts() == 0) return;
+  const MeasuredShape& measured = q.frames[i].shape;
+  q.rod->set_moments(q.frames[i].moments);
+  const ShapeFit alone =
+      fit_shape(*q.rod, measured, tracked.fit.shape, final_accuracy, most_steps_of_a_fit, q.deadline);
+  if (!alone.converged) return;
+  const ConeFits cone = fit_cone(*q.rod, measured, alone, q.in.friction, final_accuracy, q.deadline);
+  for (int k = 0; k < alone.contacts(); ++k) {
+    out.contacts[static_cast<std::size_t>(k)].all.friction = friction_of(q.in, measured, cone, k);
+  }
+}
+
 EstimatedFrame frame_of(const Sequence& q, std::size_t i, std::string& trouble) {
   const TrackedFrame& tracked = q.tracked[i];
   EstimatedFrame out;
@@ -210,7 +227,10 @@ void report_frames(const Sequence& q, SequenceEstimate& out) {
   for (std::size_t i = 0; i < q.tracked.size(); ++i) {
     std::string trouble;
     EstimatedFrame frame = frame_of(q, i, trouble);
-    if (q.tracked[i].found) report_contacts(q, q.tracked[i], so_far[i], all[i], frame);
+    if (q.tracked[i].found) {
+      report_contacts(q, q.tracked[i], so_far[i], all[i], frame);
+      report_friction(q, i, frame);
+    }
     if (!trouble.empty() && ++troubled == 1) {
       out.status = frame.status;
       out.message = name_of(frame, out.timed) + ": " + trouble + q.in.hint(q.in.frames[i].shape, q.frames[i].moments);
@@ -272,7 +292,7 @@ SequenceEstimate estimate_sequence(const Scene& scene, const SequenceSpec& spec,
   out.force_rate = q.rates.force * in.scale.force();
   out.place_rate = q.rates.place * in.scale.length;
   out.rates_estimated = !q.force_rate || !q.place_rate;
-  out.assumed = "no friction: each force is along the rod's normal";
+  out.assumed = assumption(in.friction);
   // What was followed until the time was over stands, if there is a noise to measure it by.
   if (!q.tracked.empty() && q.noise > 0.0) {
     report_frames(q, out);
