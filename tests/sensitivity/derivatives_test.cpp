@@ -104,6 +104,14 @@ std::vector<double> by_key(const Session& session, const Sensitivity& all, const
   return out;
 }
 
+double margin_by_key(const Session& session, const Sensitivity& all, const std::string& key, double unit) {
+  double out = 0.0;
+  for (const Spread::Part& part : spread_of(session.document(), session.scene(), key).parts) {
+    out += unit * part.rate * all.find(part.key)->margin;
+  }
+  return out;
+}
+
 void expect_same(const Sensitivity& all, const std::vector<double>& exact, const std::vector<double>& differences,
                  double value, const std::string& key) {
   ASSERT_EQ(exact.size(), differences.size()) << key;
@@ -148,10 +156,16 @@ TEST_P(Derivatives, UnderHeldMomentsAreThoseOfExecutions) {
   for (const std::string& key : c.keys) {
     if (key.starts_with("target") || key.starts_with("objective") || key.ends_with("limit")) continue;
     const std::string text = written_value(session.document(), key);
-    const std::vector<double> differences = by_differences(text, [&](const std::string& other) {
+    std::vector<double> differences = by_differences(text, [&](const std::string& other) {
       Session again(arguments_of(arm, changed(c.settings, key, other)));
-      return quantities(again.execute(plan.moments, executed).result, false);
+      const Plan there = again.execute(plan.moments, executed).result;
+      std::vector<double> values = quantities(there, false);
+      values.push_back(there.certificate.stability);
+      return values;
     });
+    const double margin = margin_by_key(session, all, key, unit_of(text));
+    EXPECT_NEAR(margin, differences.back(), 1e-6 * (std::abs(margin) + std::abs(all.margin / std::stod(text)))) << key;
+    differences.pop_back();
     const std::vector<double> exact = by_key(session, all, key, unit_of(text));
     expect_same(all, exact, differences, std::stod(text), key);
     // The plan's own basis is coarser.

@@ -48,7 +48,13 @@ TEST(ErrorBars, AgreeWithMonteCarloOfExecutions) {
   std::normal_distribution<double> normal;
   Scene scene = session.scene();
   const auto obstacles = session.make_obstacles();
+  const auto values_of = [](const Plan& there) {
+    std::vector<double> values = quantities(there, false);
+    values.push_back(there.certificate.stability);
+    return values;
+  };
   const std::size_t count = bars[0].deviations.size();
+  const std::vector<double> exact = values_of(reached);
   std::vector<double> sum(count), squares(count);
   Session other(arguments_of(arm, {}));
   for (int i = 0; i < draws; ++i) {
@@ -57,10 +63,10 @@ TEST(ErrorBars, AgreeWithMonteCarloOfExecutions) {
     drawn.rod.segments[0].linear_density += 2e-3 * normal(random);
     drawn.obstacles[0].options["radius"] = RawValue{8e-3 + 1e-4 * normal(random)};
     other.use(drawn);
-    const std::vector<double> values = quantities(other.execute(plan.moments, reached).result, false);
+    const std::vector<double> values = values_of(other.execute(plan.moments, reached).result);
     ASSERT_EQ(values.size(), count);
     for (std::size_t k = 0; k < count; ++k) {
-      const double off = values[k] - quantities(reached, false)[k];
+      const double off = values[k] - exact[k];
       sum[k] += off;
       squares[k] += off * off;
     }
@@ -131,6 +137,45 @@ TEST(ErrorBars, OfAPressuresLawMoveTheMoment) {
     EXPECT_NEAR(bars.deviations[i].value, std::abs(0.1 * plan.moments[0] * by_moment[i]),
                 1e-9 * bars.deviations[i].value);
   }
+}
+
+TEST(ErrorBars, OfAContactThatMayComeOffSaySo) {
+  const auto warning_of = [](const std::string& error) {
+    Session session(arguments_of(arm, {{"obstacle[0].radius", "8 mm +- " + error}}));
+    session.plan(std::nullopt);
+    return session.run_info().uncertainties.at(0).warning;
+  };
+  EXPECT_EQ(warning_of("0.1 mm"), "");
+  const std::string far = warning_of("5 mm");
+  EXPECT_NE(far.find("contacts[0].force is"), std::string::npos) << far;
+  EXPECT_NE(far.find("the contact may come off, and these numbers"), std::string::npos) << far;
+}
+
+// A straight column under its own weight keeps its shape, whatever its stiffness, until it buckles: the margin alone
+// tells.
+TEST(ErrorBars, OfAColumnShortlyBeforeItBucklesAreToldNotToHold) {
+  const std::string column = R"(
+problem = "execute"
+gravity = [0, "-9.81 m/s^2"]
+[rod]
+length = "100 mm"
+bending_stiffness = "1e-4 N m^2 +- 5 %"
+linear_density = "70 g/m"
+base = {angle = "90 deg"}
+)";
+  const auto bars_of = [&](const Settings& settings) {
+    Session session(arguments_of(column, settings));
+    const Plan plan = session.execute(std::vector<double>{}, std::nullopt).result;
+    EXPECT_EQ(plan.status, PlanStatus::solved) << plan.message;
+    return std::pair(plan.certificate.stability, session.run_info().uncertainties.at(0));
+  };
+  const auto [margin, bars] = bars_of({});
+  // The margin is 1 less what goes with weight by stiffness.
+  EXPECT_EQ(bars.deviations.back().name, "stability");
+  EXPECT_NEAR(bars.deviations.back().value, 0.05 * (1.0 - margin), 1e-6);
+  EXPECT_LT(margin, 3.0 * bars.deviations.back().value);
+  EXPECT_NE(bars.warning.find("snap"), std::string::npos) << bars.trouble;
+  EXPECT_EQ(bars_of({{"rod.linear_density", "20 g/m"}}).second.warning, "");
 }
 
 // A heavy upright rod shortly before it snaps through: the linear error bars are told to fail.

@@ -23,7 +23,10 @@ std::vector<double> ending_in(const Uncertainty& uncertainty, std::string_view e
 double value_of(const Uncertainty& uncertainty, std::string_view name) { return ending_in(uncertainty, name).front(); }
 
 std::string quantity_text(const DisplayUnits& units, const ResultQuantity& q) {
-  return q.unit == "m" ? units.lengths(q.value) : q.unit == "rad" ? angle(q.value) : force(q.value);
+  return q.unit == "m"     ? units.lengths(q.value)
+         : q.unit == "rad" ? angle(q.value)
+         : q.unit.empty()  ? shown(q.value, 3)
+                           : force(q.value);
 }
 
 }  // namespace
@@ -40,6 +43,7 @@ Json uncertainty_json(const Uncertainty& uncertainty) {
                  {"angle", number(value_of(uncertainty, "tip.angle"))}};
   json["forces"] = numbers(ending_in(uncertainty, ".force"));
   json["arc_lengths"] = numbers(ending_in(uncertainty, ".arc_length"));
+  json["stability"] = number(value_of(uncertainty, "stability"));
   json["shares"] = Json::object();
   for (const Uncertainty::Share& share : uncertainty.shares) json["shares"][share.key] = number(share.tip);
   Json::array_t shape;

@@ -35,7 +35,7 @@ struct TENDRIL_API Sensitivity {
     std::string trouble{};        ///< why there are none; empty: there are
     std::vector<double> rates{};  ///< of the quantities, in SI of both
     std::vector<Vec2> shape{};    ///< of the points of the backbone at `arc_lengths`
-    double margin = 0.0;          ///< of the margin of stability, as far as the shape changes it
+    double margin = 0.0;          ///< of the margin of stability, where moments are held
   };
 
   SensitivityKind kind = SensitivityKind::replanned;  ///< what stays where the number is another one

@@ -28,7 +28,7 @@ struct Uncertainty {
   std::string trouble{};                         ///< why there is none; empty: there is
   /// Why the numbers below should not be relied on: a state that may be lost within them. Empty: nothing is known.
   std::string warning{};
-  std::vector<ResultQuantity> deviations{};  ///< standard deviations of what a sensitivity tells
+  std::vector<ResultQuantity> deviations{};  ///< of what a sensitivity tells, then of the margin
   /// What comes of one input, with its part in what it shares with others that go along with it.
   struct Share {
     std::string key;             ///< of the input

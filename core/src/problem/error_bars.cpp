@@ -12,15 +12,14 @@ constexpr double safe_deviations = 3.0;
 
 /// A number's column times what moves it.
 struct Moved {
-  std::vector<double> rates;
+  std::vector<double> rates;  ///< of the quantities, and of the margin of stability last
   std::vector<Vec2> shape;
-  double margin = 0.0;
   std::string trouble;
 };
 
 Moved moved_by(const Sensitivity& sensitivity, const Spread& spread) {
   Moved out;
-  out.rates.resize(sensitivity.quantities.size());
+  out.rates.resize(sensitivity.quantities.size() + 1);
   out.shape.resize(sensitivity.arc_lengths.size());
   for (const Spread::Part& part : spread.parts) {
     const Sensitivity::Column* column = sensitivity.find(part.key);
@@ -30,9 +29,9 @@ Moved moved_by(const Sensitivity& sensitivity, const Spread& spread) {
       return out;
     }
     const double by = part.rate * spread.deviation;
-    for (std::size_t i = 0; i < out.rates.size(); ++i) out.rates[i] += by * column->rates[i];
+    for (std::size_t i = 0; i < column->rates.size(); ++i) out.rates[i] += by * column->rates[i];
     for (std::size_t i = 0; i < out.shape.size(); ++i) out.shape[i] += by * column->shape[i];
-    out.margin += by * column->margin;
+    out.rates.back() += by * column->margin;
   }
   return out;
 }
@@ -47,7 +46,6 @@ std::vector<Moved> together(const std::vector<Moved>& moved, const std::vector<S
       const double part = found->second;
       for (std::size_t i = 0; i < out[k].rates.size(); ++i) out[k].rates[i] += part * moved[j].rates[i];
       for (std::size_t i = 0; i < out[k].shape.size(); ++i) out[k].shape[i] += part * moved[j].shape[i];
-      out[k].margin += part * moved[j].margin;
     }
   }
   return out;
@@ -68,19 +66,25 @@ Uncertainty uncertainty_of(const Sensitivity& sensitivity, const std::vector<Spr
     out.trouble = moved.back().trouble;
     if (!out.trouble.empty()) return out;
   }
-  std::vector<double> variance(sensitivity.quantities.size());
-  double margin = 0.0;
+  std::vector<ResultQuantity> quantities = sensitivity.quantities;
+  quantities.push_back({"stability", "", sensitivity.margin});
+  std::vector<double> variance(quantities.size());
   const std::vector<Moved> with = together(moved, spreads);
   for (std::size_t k = 0; k < moved.size(); ++k) {
     for (std::size_t i = 0; i < variance.size(); ++i) variance[i] += moved[k].rates[i] * with[k].rates[i];
-    margin += moved[k].margin * with[k].margin;
   }
   // Inputs that cancel one another leave rounding.
-  margin = std::max(0.0, margin);
   for (double& v : variance) v = std::max(0.0, v);
   for (std::size_t i = 0; i < variance.size(); ++i) {
-    const ResultQuantity& q = sensitivity.quantities[i];
+    const ResultQuantity& q = quantities[i];
     out.deviations.push_back({q.name, q.unit, std::sqrt(variance[i])});
+    if (!(safe_deviations * out.deviations.back().value >= q.value)) continue;
+    const bool margin = i + 1 == variance.size();
+    if (!margin && !q.name.ends_with(".force")) continue;
+    out.warning += (out.warning.empty() ? "" : "; ") + (margin ? "the margin of stability" : q.name) + " is " +
+                   shown(q.value, 3) + (margin ? "" : " N") + " +- " + shown(out.deviations.back().value, 3) +
+                   (margin ? ": the robot may snap to another state" : ": the contact may come off") +
+                   ", and these numbers hold only as long as it does not";
   }
   for (std::size_t k = 0; k < moved.size(); ++k) {
     const auto part = [&](std::size_t i) { return moved[k].rates[i] * with[k].rates[i]; };
@@ -100,10 +104,6 @@ Uncertainty uncertainty_of(const Sensitivity& sensitivity, const std::vector<Spr
       point.yy += moved[k].shape[i].y * with[k].shape[i].y;
     }
     out.shape.push_back(point);
-  }
-  if (safe_deviations * std::sqrt(margin) >= sensitivity.margin) {
-    out.warning = "the margin of stability is " + shown(sensitivity.margin, 3) + " +- " + shown(std::sqrt(margin), 3) +
-                  ": the robot may snap to another state, and these numbers hold only as long as it does not";
   }
   return out;
 }

@@ -56,7 +56,8 @@ class Differentiator {
       : p_(point),
         at_(point.program.layout()),
         places_(point.rod, point.program.chain(), at_.arc_lengths),
-        multipliers_(Eigen::VectorXd::Zero(point.program.row_count())) {
+        multipliers_(Eigen::VectorXd::Zero(point.program.row_count())),
+        stability_(point.program) {
     tip_ = places_.add_tip();
     for (int i = 1; i < shape_points; ++i) {
       shape_.push_back(places_.add_fixed(static_cast<double>(i) / shape_points));
@@ -98,6 +99,7 @@ class Differentiator {
   Eigen::MatrixXd hessian_;
   std::optional<Equations> equations_;
   std::unique_ptr<MotionRates> moving_;
+  Stability stability_;
   Eigen::VectorXd margin_slope_;
   double margin_ = infinity;
   bool replanned_ = false;
@@ -117,10 +119,13 @@ std::string Differentiator::hold() {
   if (equations_->size() > 0 && !(equations_->factor().rcond() > singular_below)) {
     return "the equilibrium is at a fold: it has no derivative";
   }
-  Stability stability(p_.program);
   margin_slope_.setZero(p_.program.variable_count());
-  margin_ = p_.program.has_friction() ? stability.margin(p_.program, p_.x)
-                                      : stability.margin(p_.program, p_.x, margin_slope_);
+  if (p_.program.has_friction()) {
+    margin_ = stability_.margin(p_.program, p_.x);
+    return "";
+  }
+  margin_ = stability_.margin(p_.program, p_.x, margin_slope_);
+  multipliers_ = stability_.multipliers();
   return "";
 }
 
@@ -184,10 +189,18 @@ void Differentiator::add_rod_rates(const SceneChange& change, ProgramRates& rate
     spec.rod = &rod;
     PoseProgram changed(spec);
     rates.rows += factor * changed.constraints(p_.x);
-    if (!replanned_) return;
+    if (!replanned_ && !std::isfinite(margin_)) return;
     rates.slope.noalias() += factor * (changed.jacobian(p_.x).transpose() * multipliers_);
-    rates.slope += factor * changed.gradient(p_.x);
-    rates.cost += factor * changed.cost(p_.x);
+    if (replanned_) {
+      rates.slope += factor * changed.gradient(p_.x);
+      rates.cost += factor * changed.cost(p_.x);
+      return;
+    }
+    for (int k = 0; k < at_.forces; ++k) {
+      if (p_.program.spec().contacts[static_cast<std::size_t>(k)].at_tip) continue;
+      rates.convexities[k] += factor * (changed.contact_convexity(k) - p_.program.contact_convexity(k));
+    }
+    rates.energy += factor * (stability_.energy(changed) - stability_.energy(p_.program));
   };
   if (terms_see_it) {
     add(1.0, 0.5 / change.step);
@@ -196,7 +209,6 @@ void Differentiator::add_rod_rates(const SceneChange& change, ProgramRates& rate
   }
   add(1.0, 1.0 / change.step);
   rates.rows -= (1.0 / change.step) * p_.program.constraints(p_.x);
-  if (!replanned_) return;
   rates.slope.noalias() -= (1.0 / change.step) * (p_.program.jacobian(p_.x).transpose() * multipliers_);
 }
 
@@ -236,6 +248,7 @@ std::string Differentiator::find_rates(const SceneChange& change, ProgramRates& 
   rates.slope.setZero(p_.program.variable_count());
   rates.rows.setZero(p_.program.row_count());
   rates.cost = 0.0;
+  rates.convexities.setZero(replanned_ ? 0 : at_.forces);
   if (change.moves) {
     if (!moving_) moving_ = std::make_unique<MotionRates>(p_.program.spec(), p_.x, multipliers_);
     if (std::string why = moving_->add(change.motion, rates); !why.empty()) return why;
@@ -359,7 +372,7 @@ Sensitivity::Column Differentiator::column(const SceneEntry& entry) {
     if (s >= 0) out.rates.push_back(si(dimension::length, p_.x[s], rate[s]));
   }
   for (const int p : shape_) out.shape.push_back(place(p));
-  if (std::isfinite(margin_)) out.margin = margin_slope_.dot(rate);
+  if (std::isfinite(margin_)) out.margin = margin_slope_.dot(rate) + stability_.rate(rates);
   if (!replanned_) return out;
   for (std::size_t a = 0; a < p_.rod.actuators.size(); ++a) {
     const int v = p_.program.moment_variable(static_cast<int>(a));

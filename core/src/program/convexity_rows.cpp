@@ -65,27 +65,46 @@ double convexity(const PoseState& state, int contact, const Places::Side& side) 
   return side.bend() * dot(turned(c.tangent), c.surface.normal) + c.surface.curvature * along * along - c.radius.bend;
 }
 
-void convexity_gradient(const PoseState& state, int contact, const Places::Side& side, VectorRef gradient) {
-  const auto k = static_cast<std::size_t>(contact);
-  const PoseProgram::ContactState& c = state.contacts[k];
-  const Vec2 normal_out = c.surface.normal;
-  const Vec2 tau = turned(normal_out);
+namespace {
+
+/// By the point's motion across and along the obstacle, and by its angle: dn = k tau (tau . dP), dk = -k^2 (n . dP) +
+/// k_tau (tau . dP).
+struct ConvexityBy {
+  Vec2 point{};
+  double angle = 0.0;
+};
+
+ConvexityBy convexity_by(const PoseProgram::ContactState& c, const Places::Side& side) {
+  const Vec2 tau = turned(c.surface.normal);
   const Vec2 normal = turned(c.tangent);
   const double curvature = c.surface.curvature;
-  const double turn = dot(normal, normal_out);
   const double along = dot(tau, c.tangent);
-  const double slope = dot(c.tangent, normal_out);
-
-  // By the point's motion across and along the obstacle, and by its angle: dn = k tau (tau . dP), dk = -k^2 (n . dP) +
-  // k_tau (tau . dP).
+  const double slope = dot(c.tangent, c.surface.normal);
   const double by_across = -curvature * curvature * along * along;
   const double by_along = side.bend() * curvature * dot(normal, tau) + c.surface.curvature_rate * along * along -
                           2.0 * curvature * curvature * along * slope;
-  const double by_angle = -side.bend() * slope + 2.0 * curvature * along * dot(tau, normal);
-  gradient = state.contact_row(contact, by_across * normal_out + by_along * tau).transpose();
-  gradient += by_angle * state.base.row(state.base.index.contacts[k].point.angle).transpose();
+  return {by_across * c.surface.normal + by_along * tau,
+          -side.bend() * slope + 2.0 * curvature * along * dot(tau, normal)};
+}
+
+}  // namespace
+
+void convexity_gradient(const PoseState& state, int contact, const Places::Side& side, VectorRef gradient) {
+  const auto k = static_cast<std::size_t>(contact);
+  const PoseProgram::ContactState& c = state.contacts[k];
+  const ConvexityBy by = convexity_by(c, side);
+  gradient = state.contact_row(contact, by.point).transpose();
+  gradient += by.angle * state.base.row(state.base.index.contacts[k].point.angle).transpose();
+  const double turn = dot(turned(c.tangent), c.surface.normal);
   state.places.add_bend_row(state.contact_places[k], side, turn, state.part(gradient.data()));
   state.add_slope_along(contact, -c.radius.jerk, gradient);
+}
+
+double convexity_rate(const PoseState& state, int contact, Vec2 velocity, double turn, double stretch) {
+  const PoseProgram::ContactState& c = state.contacts[static_cast<std::size_t>(contact)];
+  const ConvexityBy by = convexity_by(c, convex_side(state, contact));
+  const double along = dot(turned(c.surface.normal), c.tangent);
+  return dot(by.point, velocity) + by.angle * turn + stretch * c.surface.curvature * along * along;
 }
 
 }  // namespace tendril

@@ -147,6 +147,8 @@ void MotionRates::Data::add_contacts(const ProgramMotion& motion, ProgramRates& 
     rates[dx + 1] = by.turn * displacement.x;
     const Vec2 works = -by.turn * c.force * turned(c.push);
     out.slope += works.x * state.base.row(dx).transpose() + works.y * state.base.row(dx + 1).transpose();
+    if (out.convexities.size() > 0 && !state.spec.contacts[i].at_tip)
+      out.convexities[k] += convexity_rate(state, k, velocity, by.turn, by.stretch);
   }
   pull_back(rows.hessian * rates, out.slope);
 }

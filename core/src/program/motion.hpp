@@ -39,9 +39,11 @@ struct ProgramMotion {
 
 /// Partial derivatives of a program by a number at a point and multipliers that are held.
 struct ProgramRates {
-  Eigen::VectorXd slope;  ///< of the gradient of  f + multipliers . c, by variables
-  Eigen::VectorXd rows;   ///< of c
-  double cost = 0.0;      ///< of f
+  Eigen::VectorXd slope;          ///< of the gradient of  f + multipliers . c, by variables
+  Eigen::VectorXd rows;           ///< of c
+  double cost = 0.0;              ///< of f
+  Eigen::VectorXd convexities{};  ///< of d_ss of contacts; empty: not asked for
+  double energy = 0.0;            ///< of the elastic energy of some displacement
 };
 
 /// How the programs of one spec change where bodies move: at one point of them, with one set of multipliers. Not of

@@ -64,6 +64,9 @@ Anchor anchor(const PoseState& state, int contact);
 double convexity(const PoseState& state, int contact, const Places::Side& side);
 /// Its derivatives by all variables.
 void convexity_gradient(const PoseState& state, int contact, const Places::Side& side, VectorRef gradient);
+/// Of d_ss where the rod moves against the contact's obstacle at this velocity and this turn, and is stretched away
+/// from it as Motion::stretch.
+double convexity_rate(const PoseState& state, int contact, Vec2 velocity, double turn, double stretch);
 /// The side of contact k with the larger d_ss.
 Places::Side convex_side(const PoseState& state, int contact);
 

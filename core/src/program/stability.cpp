@@ -288,7 +288,8 @@ void Stability::sum_gradient(PoseProgram& program, ConstVectorRef x, double eige
   const PoseProgram::Layout& at = program.layout();
   const Chain& chain = program.chain();
   const int n = at.coordinates;
-  multipliers_.setZero(program.row_count());
+  eigenvalue_ = eigenvalue;
+  by_convexity_.setZero(at.forces);
   multipliers_.head(n) = -direction_;
   gradient.setZero();
   for (std::size_t i = 0; i < touching_.size(); ++i) {
@@ -301,7 +302,8 @@ void Stability::sum_gradient(PoseProgram& program, ConstVectorRef x, double eige
     multipliers_[at.first_closest + k] = 2.0 * force / convexity * slide;
     const double square = slide * slide / convexity;
     gradient[program.force_variable(k)] += square;
-    gradient -= force * square / convexity * convexity_;
+    by_convexity_[k] = -force * square / convexity;
+    gradient += by_convexity_[k] * convexity_;
   }
   const MatrixView second = program.hessian(x, 0.0, multipliers_);
   gradient.noalias() += second.leftCols(n) * direction_;
@@ -321,6 +323,7 @@ void Stability::sum_gradient(PoseProgram& program, ConstVectorRef x, double eige
 
 double Stability::margin(PoseProgram& program, ConstVectorRef x, VectorRef gradient) {
   const double eigenvalue = margin(program, x);
+  multipliers_.setZero(program.row_count());
   if (!std::isfinite(eigenvalue)) {
     gradient.setZero();
     return eigenvalue;
@@ -330,6 +333,22 @@ double Stability::margin(PoseProgram& program, ConstVectorRef x, VectorRef gradi
   find_direction(program);
   sum_gradient(program, x, eigenvalue, gradient);
   return eigenvalue;
+}
+
+double Stability::rate(const ProgramRates& rates) const {
+  if (multipliers_.isZero(0.0)) return 0.0;
+  return rates.slope.head(direction_.size()).dot(direction_) + by_convexity_.dot(rates.convexities) -
+         eigenvalue_ * rates.energy;
+}
+
+double Stability::energy(const PoseProgram& program) const {
+  const int functions = program.chain().functions();
+  double sum = 0.0;
+  for (int j = 0; j < program.chain().piece_count(); ++j) {
+    const auto [inverse, factor] = program.sections().unit(j);
+    sum += (inverse.partialPivLu().solve(direction_.segment(j * functions, functions)) / factor).squaredNorm();
+  }
+  return sum;
 }
 
 }  // namespace tendril

@@ -6,6 +6,7 @@
 #include <Eigen/QR>
 #include <vector>
 
+#include "program/motion.hpp"
 #include "program/pose_program.hpp"
 
 namespace tendril {
@@ -36,6 +37,13 @@ class Stability {
   int held_lengths() const { return static_cast<int>(taut_.size()); }
   /// The margin, and d mu / dx: variable_count() entries, exact where the smallest eigenvalue is simple.
   double margin(PoseProgram& program, ConstVectorRef x, VectorRef gradient);
+  /// How the last margin changes beside that, at a point that is held, where the program is another one. `rates`: with
+  /// `slope` at multipliers(); its `energy` of energy().
+  double rate(const ProgramRates& rates) const;
+  /// Of the program's rows, from the last margin with its gradient; 0: it has none.
+  const Eigen::VectorXd& multipliers() const { return multipliers_; }
+  /// Twice the elastic energy that the last margin's eigenvector has in a program; 1 in its own.
+  double energy(const PoseProgram& program) const;
 
  private:
   /// h in coordinates in which the bending energy is the unit matrix.
@@ -67,6 +75,8 @@ class Stability {
   Eigen::VectorXd vector_, next_, direction_;  ///< eigenvector: reduced, and in coordinates
   Eigen::VectorXd holding_;                    ///< multipliers of the rows that contacts hold
   Eigen::VectorXd multipliers_, convexity_;
+  Eigen::VectorXd by_convexity_;  ///< rate of the margin by d_ss of each contact
+  double eigenvalue_ = 0.0;
   Eigen::HouseholderQR<Eigen::MatrixXd> qr_;
   Eigen::Tridiagonalization<Eigen::MatrixXd> tridiagonal_{2};
   Eigen::VectorXd diagonal_, beside_;  ///< of the tridiagonal matrix
