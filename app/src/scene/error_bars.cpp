@@ -5,11 +5,14 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
 
+#include "scene/common_units.hpp"
+#include "system/delimited_text.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/scene_reader.hpp"
 
@@ -75,6 +78,14 @@ struct Written {
   Dimension dimension{};
 };
 
+/// What stands behind the number of "8 mm +- 0.2 mm", but its error bar.
+std::string_view unit_of(std::string_view text) {
+  if (const auto parts = split_error_bar(text)) text = parts->first;
+  double value = 0.0;
+  const char* begin = std::from_chars(text.data(), text.data() + text.size(), value).ptr;
+  return trimmed_text(text.substr(static_cast<std::size_t>(begin - text.data())));
+}
+
 /// Nothing where it is no number.
 std::optional<Written> read_number(const Node& node) {
   if (const auto* integer = std::get_if<std::int64_t>(&node.value)) return Written{static_cast<double>(*integer)};
@@ -82,7 +93,15 @@ std::optional<Written> read_number(const Node& node) {
   const auto* text = std::get_if<std::string>(&node.value);
   if (text == nullptr) return std::nullopt;
   const Units units;
-  for (const Dimension& dimension : dimensions) {
+  // The usual units first: the others are in a database that takes longer to read than a pose to plan.
+  std::array<Dimension, dimensions.size()> ordered = dimensions;
+  const std::string_view unit = unit_of(*text);
+  std::stable_partition(ordered.begin(), ordered.end(), [&](const Dimension& dimension) {
+    return std::any_of(common_units.begin(), common_units.end(), [&](const CommonUnit& usual) {
+      return usual.unit == unit && usual.dimension == dimension.unit;
+    });
+  });
+  for (const Dimension& dimension : ordered) {
     try {
       return Written{units.read(*text, dimension), dimension};
     } catch (const QuantityError&) {
