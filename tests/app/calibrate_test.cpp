@@ -122,12 +122,37 @@ TEST(Calibrate, LawsAreWrittenAndWhatLiesBeyondThemIsTold) {
   }
 }
 
+TEST(Calibrate, FrictionIsRefusedWithItsReason) {
+  expect_refused(calibrate({}, "name = \"stiffness\"", "name = \"friction\""),
+                 "found \"friction\", which no shape tells");
+}
+
 TEST(Calibrate, TellsWhereInTheFilesSomethingIsWrong) {
   expect_refused(calibrate({}, "x [mm]", "x [kg]"), "calibrate.csv:2:");
   expect_refused(calibrate({}, "name = \"stiffness\"", "name = \"stifness\""), "did you mean 'stiffness'?");
   expect_refused(calibrate({}, "files = [\"calibrate.csv\"]", "files = [\"nowhere.csv\"]"), "nowhere.csv");
   expect_refused(calibrate({}, "pressure [kPa]", "nothing"), "found what 0 actuators was told");
   expect_refused(tendril({"calibrate", scene_path("brace.toml")}), "the scene has no [calibrate]");
+}
+
+TEST(Calibrate, AsksAboutUnitsThatDifferBetweenFiles) {
+  const TemporaryDirectory directory;
+  const std::string points = read_file(scene_path("calibrate.csv"));
+  directory.write("calibrate.csv", points);
+  const std::string scene = directory.write(
+      "s.toml", scene_with("calibrate.toml", "[\"calibrate.csv\"]", "[\"calibrate.csv\", \"more.csv\"]"));
+  const auto warnings = [&](const std::string& more) {
+    directory.write("more.csv", more);
+    return json::parse(tendril({"calibrate", scene, "--json"}).out, nullptr, false)["warnings"].dump();
+  };
+  EXPECT_FALSE(contains_text(warnings("case,pressure [bar],x [cm],y [cm]\nmore,1,9,3\n"), "unit"));
+  EXPECT_TRUE(
+      contains_text(warnings("case,pressure,x [cm],y [cm]\nmore,1,9,3\n"),
+                    "the column pressure_1 of more.csv has no unit, and is read in Pa, that of calibrate.csv has "
+                    "one: is it in the unit that is meant?"));
+  directory.write("calibrate.csv", "case,pressure,x [cm],y [cm]\na,1e5,9,3\nb,2e5,8,4\nc,3e5,7,5\n");
+  EXPECT_TRUE(contains_text(warnings("case,pressure,x [cm],y [cm]\nmore,250,9,3\n"),
+                            "the column pressure_1 of more.csv reaches 250 Pa, that of calibrate.csv 3e+05 Pa"));
 }
 
 TEST(Calibrate, TellsWhatItDidNotRead) {

@@ -91,7 +91,7 @@ TEST(Refused, ArePointsInOtherUnits) {
   expect_refused(spec, "further than the rod reaches there: is it in mm? A plain number is in m");
   spec = good();
   for (CalibrationMarker& m : spec.recordings[1].markers) m.arc_length *= 1000.0;
-  expect_refused(spec, "expected at least 0 and at most the rod's length, 0.1 m");
+  expect_refused(spec, "expected at least 0 and at most the rod's length, 0.1 m: is it in mm? A plain number is in m");
 }
 
 TEST(Refused, ArePointsOutOfOrder) {
@@ -136,6 +136,7 @@ TEST(AskedAbout, AreAxesThatAreSwapped) {
   }
   const Calibration result = calibrate(MeasuredArm{}.scene(), spec);
   EXPECT_TRUE(contains_text(result.message, "as if x and y are swapped")) << result.message;
+  EXPECT_NE(result.message.front(), ';');
 }
 
 TEST(AskedAbout, AreRecordingsThatAreTheSame) {

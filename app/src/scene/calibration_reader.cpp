@@ -49,34 +49,45 @@ Table<UnknownDraft> unknown_table() {
   using T = UnknownDraft;
   std::vector<std::string> names;
   for (const CalibrationUnknown u : all_unknowns) names.emplace_back(to_string(u));
-  return {
-      {text<T>(
-           "name", "",
-           "What is looked for: a factor on the bending stiffness, on the axial stiffness, on both (modulus) or on the "
-           "density, a rest curvature, a moment or an axial force per power of what an actuator is told, or a "
-           "coordinate of the base.",
-           [names](T& t, const std::string& v) {
-             t.spec.kind = all_unknowns[std::find(names.begin(), names.end(), v) - names.begin()];
-           },
-           names, Need::required),
-       integer<T>("segment", 1, "all of a stiffness", "Of which segment, counted from the base.",
-                  [](T& t, int v) { t.spec.segment = v; }),
-       integer<T>("actuator", 1, "1", "Of which actuator.", [](T& t, int v) { t.spec.actuator = v; }),
-       integer<T>("degree", 1, "1", "Of a moment or a force as a polynomial of the input, without a constant.",
-                  [](T& t, int v) { t.spec.degree = v; }),
-       text<T>(
-           "per", "all", "Whether each group or recording has a base of its own.",
-           [](T& t, const std::string& v) {
-             const auto at = std::find(scope_names.begin(), scope_names.end(), v) - scope_names.begin();
-             t.spec.per = static_cast<CalibrationScope>(at);
-           },
-           scope_names),
-       kept("start", "Where the search begins, of a polynomial its first power; else the scene's own value.",
-            &T::start),
-       kept("min", "Its smallest value, likewise.", &T::minimum),
-       kept("max", "Its largest value, likewise.", &T::maximum),
-       kept("prior", "What is believed of it without the measurements.", &T::prior),
-       kept("prior_error", "Standard deviation of that.", &T::prior_error)}};
+  Key<T> name = text<T>(
+      "name", "",
+      "What is looked for: a factor on the bending stiffness, on the axial stiffness, on both (modulus) or on the "
+      "density, a rest curvature, a moment or an axial force per power of what an actuator is told, or a "
+      "coordinate of the base.",
+      [names](T& t, const std::string& v) {
+        t.spec.kind = all_unknowns[std::find(names.begin(), names.end(), v) - names.begin()];
+      },
+      names, Need::required);
+  name.read = [read = name.read](const Context& context, const Node& node, T& t) {
+    const auto* word = std::get_if<std::string>(&node.value);
+    if (word != nullptr && *word == "friction") {
+      context.document.fail(
+          node.position,
+          "found \"friction\", which no shape tells: what touches the rod may push off its normal by any share up to "
+          "the coefficient, and a shape shows at most that share. Expected it to be measured on a slope, and given as "
+          "'friction' in [contact]; problem = \"estimate\" tells what the shapes allow under it");
+    }
+    read(context, node, t);
+  };
+  return {{name,
+           integer<T>("segment", 1, "all of a stiffness", "Of which segment, counted from the base.",
+                      [](T& t, int v) { t.spec.segment = v; }),
+           integer<T>("actuator", 1, "1", "Of which actuator.", [](T& t, int v) { t.spec.actuator = v; }),
+           integer<T>("degree", 1, "1", "Of a moment or a force as a polynomial of the input, without a constant.",
+                      [](T& t, int v) { t.spec.degree = v; }),
+           text<T>(
+               "per", "all", "Whether each group or recording has a base of its own.",
+               [](T& t, const std::string& v) {
+                 const auto at = std::find(scope_names.begin(), scope_names.end(), v) - scope_names.begin();
+                 t.spec.per = static_cast<CalibrationScope>(at);
+               },
+               scope_names),
+           kept("start", "Where the search begins, of a polynomial its first power; else the scene's own value.",
+                &T::start),
+           kept("min", "Its smallest value, likewise.", &T::minimum),
+           kept("max", "Its largest value, likewise.", &T::maximum),
+           kept("prior", "What is believed of it without the measurements.", &T::prior),
+           kept("prior_error", "Standard deviation of that.", &T::prior_error)}};
 }
 
 /// A column and where its value goes.
@@ -169,6 +180,7 @@ class Recordings {
   std::vector<Recording> take();
 
  private:
+  void compare_units(const TableFile& file, const std::string& name);
   void take_row(const TableFile& file, std::size_t row, const std::string& name, bool check);
   Recording& called(const std::string& name, const std::string& place);
 
@@ -178,6 +190,13 @@ class Recordings {
   std::vector<Recording> list_;
   std::map<std::string, std::size_t> index_;
   std::map<std::string, std::map<std::size_t, double>> known_;  // of a recording, as told first
+  /// A column as the first file has it that has it.
+  struct Seen {
+    std::string file;
+    bool with_unit = false;
+    double largest = 0.0;
+  };
+  std::map<std::size_t, Seen> seen_;
 };
 
 void Recordings::read(const std::string& name, bool check) {
@@ -191,7 +210,38 @@ void Recordings::read(const std::string& name, bool check) {
   for (const std::string& unread : file.unread) {
     scene_.left_out.push_back({"column \"" + unread + "\" of " + name, "a calibration has no use for it"});
   }
+  compare_units(file, name);
   for (std::size_t row = 0; row < file.rows.size(); ++row) take_row(file, row, name, check);
+}
+
+/// Asks about columns that may be in other units than those of the files before.
+void Recordings::compare_units(const TableFile& file, const std::string& name) {
+  constexpr double far_apart = 100.0;  // no unit and its thousandth are nearer
+  for (std::size_t i = 0; i < file.form.size(); ++i) {
+    const ColumnSpec& column = columns_[file.form[i]].spec;
+    if (column.dimension.unit.empty()) continue;
+    Seen own{name, file.with_unit[i]};
+    for (const std::vector<double>& row : file.rows) {
+      if (std::isfinite(row[i])) own.largest = std::max(own.largest, std::abs(row[i]));
+    }
+    const auto [at, fresh] = seen_.emplace(file.form[i], own);
+    const Seen& first = at->second;
+    if (fresh) continue;
+    const auto ask = [&](const std::string& what) {
+      scene_.warnings.push_back(
+          fmt::format("the column {} of {} {}: is it in the unit that is meant?", column.name, name, what));
+    };
+    const double ratio = own.largest / first.largest;
+    if (own.with_unit != first.with_unit) {
+      ask(fmt::format("{} unit, and is read in {}, that of {} {}", own.with_unit ? "has a" : "has no",
+                      own.with_unit ? "it" : std::string(column.dimension.unit), first.file,
+                      first.with_unit ? "has one" : "has none"));
+    } else if (!own.with_unit && own.largest > 0.0 && first.largest > 0.0 &&
+               !(ratio < far_apart && ratio > 1.0 / far_apart)) {
+      ask(fmt::format("reaches {:.3g} {}, that of {} {:.3g} {}, both without a unit", own.largest,
+                      column.dimension.unit, first.file, first.largest, column.dimension.unit));
+    }
+  }
 }
 
 Recording& Recordings::called(const std::string& name, const std::string& place) {

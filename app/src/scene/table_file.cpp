@@ -36,6 +36,7 @@ class Reader {
   struct Named {
     std::size_t column;
     double factor;
+    bool with_unit = true;
   };
 
   [[noreturn]] void fail(const TextLine& line, const TextCell& cell, const std::string& message) const {
@@ -188,7 +189,7 @@ std::optional<Reader::Named> Reader::with_bracket(const TextLine& line, const Te
          "found the column " + quoted_text(text) + ", expected its unit in brackets, such as " + example(*column));
   }
   const std::string_view unit = trimmed_text(text.substr(bracket + 1, text.size() - bracket - 2));
-  if (unit.empty()) return Named{*column, plain_factor(*column)};
+  if (unit.empty()) return Named{*column, plain_factor(*column), false};
   const Dimension& dimension = spec_.columns[*column].dimension;
   if (const auto size = factor(unit, dimension)) return Named{*column, *size};
   if (is_pixel(unit)) {
@@ -207,7 +208,7 @@ std::optional<Reader::Named> Reader::named(const TextLine& line, const TextCell&
   if (const auto bracket = text.find_first_of("[("); bracket != std::string_view::npos) {
     return with_bracket(line, cell, bracket);
   }
-  if (const auto column = column_called(text)) return Named{*column, plain_factor(*column)};
+  if (const auto column = column_called(text)) return Named{*column, plain_factor(*column), false};
   // "x_mm", "x/mm", "x mm", "x in mm".
   for (auto at = text.find_first_of(" _/,"); at != std::string_view::npos; at = text.find_first_of(" _/,", at + 1)) {
     const auto column = column_called(text.substr(0, at));
@@ -254,12 +255,14 @@ void Reader::take_names(const TextLine& line, std::vector<TextCell> cells) {
              example(spec_.example));
   }
   factors_.assign(file_.form.size(), 1.0);
+  file_.with_unit.assign(file_.form.size(), false);
   for (const auto& one : found) {
     column_of_.push_back(-1);
     if (!one) continue;
     const auto at = std::find(file_.form.begin(), file_.form.end(), one->column) - file_.form.begin();
     column_of_.back() = static_cast<int>(at);
     factors_[static_cast<std::size_t>(at)] = one->factor;
+    file_.with_unit[static_cast<std::size_t>(at)] = one->with_unit;
   }
 }
 
@@ -280,6 +283,7 @@ bool Reader::take_units(const std::vector<TextCell>& cells) {
     factors[at] = *size;
   }
   factors_ = factors;
+  file_.with_unit.assign(file_.form.size(), true);
   return true;
 }
 
@@ -297,6 +301,7 @@ void Reader::take_columns_by_count() {
   for (std::size_t i = 0; i < count; ++i) {
     column_of_.push_back(static_cast<int>(i));
     factors_.push_back(plain_factor(file_.form[i]));
+    file_.with_unit.push_back(false);
   }
 }
 

@@ -34,6 +34,7 @@ struct TableFileSpec {
 /// The numbers of such a file.
 struct TableFile {
   std::vector<std::size_t> form;                ///< columns that it has
+  std::vector<bool> with_unit;                  ///< for each of them whether the file says its unit
   std::vector<std::vector<double>> rows;        ///< SI, in the order of `form`; NaN: nothing was written there
   std::vector<std::vector<std::string>> texts;  ///< likewise, of columns of words; empty where there are none
   std::vector<int> lines;                       ///< of the file, for each row

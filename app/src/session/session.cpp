@@ -248,11 +248,15 @@ Estimate Session::estimate() {
 }
 
 Calibration Session::calibrate() {
+  const auto known = static_cast<std::ptrdiff_t>(scene_.warnings.size());
   const CalibrationSpec spec = read_calibration(document_, *units_, scene_);
   const auto guard = guarded();
   PlanControl control;
   control.stop = &stop();
-  return located("", [&] { return tendril::calibrate(scene_, spec, control); });
+  Calibration result = located("", [&] { return tendril::calibrate(scene_, spec, control); });
+  // What is to be asked about the files comes first.
+  result.warnings.insert(result.warnings.begin(), scene_.warnings.begin() + known, scene_.warnings.end());
+  return result;
 }
 
 std::string Session::calibrated_rod(const Calibration& calibration) const {

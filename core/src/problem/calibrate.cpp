@@ -160,13 +160,13 @@ void cross_validate(const CalibrationInput& in, const CalibrationSpec& spec, Ref
 }
 
 /// A fit of shapes that are seen with other axes, if it explains so much more that the axes must be wrong.
-std::string hint_of_axes(const CalibrationInput& in, const Refined& refined, const Deadline& deadline) {
+std::string hint_of_axes(const CalibrationInput& in, const FittedPoint& found, const Deadline& deadline) {
   constexpr double misfit = 0.03;  // rms in L from which axes are doubted
   constexpr double far_better = 0.25;
   const auto rms = [&](const FittedPoint& p) {
     return std::sqrt(p.sum / std::max(1, CalibrationFit::count(in.problem, in.fitted)));
   };
-  const double here = rms(refined.result.point);
+  const double here = rms(found);
   if (!(here > misfit)) return "";
   struct Axes {
     const char* name;
@@ -194,7 +194,7 @@ std::string hint_of_axes(const CalibrationInput& in, const Refined& refined, con
     FittedPoint start = fit.at(start_values(in.problem, 0), in.fitted, nullptr);
     const CalibrationFit::Result result = fit.fit(std::move(start), in.fitted, coarse_accuracy, most_search_steps);
     if (result.point.found && rms(result.point) < far_better * here) {
-      return std::string("; as if ") + axes.name + " the points are explained far better: are their axes right?";
+      return std::string("as if ") + axes.name + " the points are explained far better: are their axes right?";
     }
   }
   return "";
@@ -226,6 +226,7 @@ Calibration calibrate(const Scene& scene, const CalibrationSpec& spec, const Pla
   out.warnings = in.warnings;
   out.numbers = in.numbers;
   const Deadline deadline(control.stop, scene.solver.time_limit);
+  std::string hint;
   const auto finish = [&] {
     if (deadline.interrupted()) {
       out.status = CalibrationStatus::interrupted;
@@ -234,6 +235,7 @@ Calibration calibrate(const Scene& scene, const CalibrationSpec& spec, const Pla
       out.status = CalibrationStatus::time_limit;
       out.message = "the time limit of " + shown(scene.solver.time_limit, 3) + " s was reached";
     }
+    out.message += (out.message.empty() || hint.empty() ? "" : "; ") + hint;
     out.seconds = now() - begin;
     return out;
   };
@@ -247,6 +249,8 @@ Calibration calibrate(const Scene& scene, const CalibrationSpec& spec, const Pla
     out.message = "from no start had every recording a stable equilibrium: are the loads and their units right?";
     return finish();
   }
+  // Shapes with wrong axes have no number that fits: what follows may take all the time.
+  hint = hint_of_axes(in, found.result.point, deadline);
   Refined refined = refine(in, std::move(found.result), deadline, out.solves);
   if (!refined.fit) {
     out.message = "the fit did not converge with more functions per piece";
@@ -267,7 +271,6 @@ Calibration calibrate(const Scene& scene, const CalibrationSpec& spec, const Pla
     out.status = CalibrationStatus::not_identifiable;
     out.message = "the points do not determine " + out.undetermined.front();
   }
-  out.message += hint_of_axes(in, refined, deadline);
   return finish();
 }
 

@@ -222,7 +222,10 @@ void CalibrationInput::add_markers(const Recording& r, SeenShape& shape) {
     // A part in 1e9 is the rounding of units.
     if (!(seen.arc_length >= 0.0 && seen.arc_length <= 1.0 + 1e-9)) {
       fail(r, "found a point at arc length " + text(m.arc_length) + " m, expected at least 0 and at most the rod's " +
-                  "length, " + text(scale.length) + " m: are its unit and the rod's length right?");
+                  "length, " + text(scale.length) + " m: " +
+                  (seen.arc_length > 20.0 && 1e-3 * seen.arc_length <= 1.0 + reach_tolerance
+                       ? "is it in mm? A plain number is in m"
+                       : "are its unit and the rod's length right?"));
     }
     if (!(m.arc_length > before)) {
       fail(r, "found a point at arc length " + text(m.arc_length) + " m behind one at " + text(before) +
