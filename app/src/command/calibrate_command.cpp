@@ -40,6 +40,7 @@ ShapePanel panel_of(const Scene& scene, const Calibration& calibration, bool che
 BarPanel bars_of(const Calibration& calibration) {
   BarPanel bars;
   bars.title = "distance of tips from where they were measured";
+  bars.axis = "distance";
   bars.quantities = {{"mean", "% of L"}, {"median", "% of L"}, {"largest", "% of L"}};
   const auto add = [&](const char* name, const char* color, const TipErrors& tips) {
     if (tips.count == 0) return;

@@ -141,7 +141,7 @@ class Script {
       text_ += fmt::format("set xrange [-0.6:{:.6g}]\nset yrange [0:{:.6g}]\n",
                            static_cast<double>(panel.quantities.size()) - 0.4, highest > 0.0 ? 1.18 * highest : 1.0);
       text_ += "set xtics (" + tics + ") scale 0 font ',12'\nunset xlabel\nset style fill solid 0.85 noborder\n";
-      text_ += i == 0 ? "set ylabel 'mean and standard deviation' noenhanced offset 1,0\n" : "unset ylabel\n";
+      text_ += i == 0 ? "set ylabel '" + panel.axis + "' noenhanced offset 1,0\n" : "unset ylabel\n";
       heading(panel.title);
       std::string parts;
       const double width = 0.76 / static_cast<double>(panel.series.size());

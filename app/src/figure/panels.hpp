@@ -39,6 +39,7 @@ struct BarPanel {
     std::vector<double> values, deviations;  ///< one for each quantity
   };
   std::string title;
+  std::string axis = "mean and standard deviation";
   struct Quantity {
     std::string name, unit;
   };

@@ -190,7 +190,7 @@ TipErrors tip_errors(std::vector<double> errors) {
   if (errors.empty()) return out;
   std::sort(errors.begin(), errors.end());
   for (const double e : errors) out.mean += e / static_cast<double>(errors.size());
-  out.median = errors[errors.size() / 2];
+  out.median = 0.5 * (errors[(errors.size() - 1) / 2] + errors[errors.size() / 2]);
   out.largest = errors.back();
   return out;
 }
