@@ -203,6 +203,19 @@ TEST(OutlineFile, CurvesOfADrawingLieInsideOfItsSides) {
   }
 }
 
+// Its two halves have the same area, one to the left and one to the right. What crosses itself is refused by the shape.
+TEST(OutlineFile, ALineOfADrawingThatCrossesItselfIsNotPassedOver) {
+  for (const char* rule : {"nonzero", "evenodd"}) {
+    const Read r("part.svg",
+                 fmt::format("<svg><rect width=\"2\" height=\"2\"/><path d=\"M0 9\"/><path d=\"M1 9L3 8z\"/>"
+                             "<path fill-rule=\"{}\" d=\"M9 0L14 5V0L9 5z\"/></svg>",
+                             rule));
+    ASSERT_EQ(r.message, "");
+    ASSERT_EQ(r.outlines().size(), 2U);
+    EXPECT_NEAR(area(r.outlines()[1]), 0.0, 1e-15);
+  }
+}
+
 TEST(OutlineFile, WhatADrawingHoldsBesideOutlinesIsTold) {
   const Read r("part.svg", drawing);
   ASSERT_EQ(r.message, "");

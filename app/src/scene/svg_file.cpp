@@ -253,8 +253,23 @@ class SvgReader {
         for (Vec2& p : c) p = to_metres(p);
       }
     }
-    std::erase_if(lines, [](const CurvedLine& line) { return twice_area(line) == 0.0; });
+    std::erase_if(lines, is_straight);
     fill(lines, even_odd);
+  }
+
+  /// All of it lies on one straight line. One that crosses itself may have no area either, and is to be refused.
+  static bool is_straight(const CurvedLine& line) {
+    Vec2 way{};
+    for (const Cubic& c : line) {
+      for (const Vec2 p : c) {
+        if (norm(p - line.front()[0]) > norm(way)) way = p - line.front()[0];
+      }
+    }
+    const double rounding = 1e-12 * dot(way, way);
+    return std::all_of(line.begin(), line.end(), [&](const Cubic& c) {
+      return std::all_of(c.begin(), c.end(),
+                         [&](Vec2 p) { return std::abs(cross(way, p - line.front()[0])) <= rounding; });
+    });
   }
 
   CurvedLine polygon(const std::string& points) const {
