@@ -4,12 +4,11 @@
 
 #include <cmath>
 
+#include "common/statistics.hpp"
 #include "search/parameters.hpp"
 
 namespace tendril::bench {
 namespace {
-
-constexpr double same_objective = 1e-6;  ///< relative
 
 /// A campaign against another one on the same cases.
 struct Difference {
@@ -30,7 +29,7 @@ Difference compared(const std::vector<CampaignCase>& before, const std::vector<C
     if (a.met && (!b.met || (plan_before && !plan_after))) ++d.lost;
     if (b.met && (!a.met || (plan_after && !plan_before))) ++d.won;
     if (!plan_before || !plan_after) continue;
-    const double margin = same_objective * (1.0 + std::abs(a.objective));
+    const double margin = margin_of(a.objective);
     if (b.objective > a.objective + margin) ++d.dearer;
     if (b.objective < a.objective - margin) ++d.cheaper;
   }

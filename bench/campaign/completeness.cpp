@@ -17,8 +17,7 @@
 namespace tendril::bench {
 namespace {
 
-constexpr double same_objective = 1e-6;  ///< relative, and of 1e-6 where the objective is smaller
-constexpr double widest_start = 6.4;     ///< rad, of the tip of a shape to execute from
+constexpr double widest_start = 6.4;  ///< rad, of the tip of a shape to execute from
 
 /// Fast plans from where executions come to rest.
 void look_for_better(plugins::Registry& registry, const CompletenessSetup& setup, Scene scene,
@@ -52,8 +51,7 @@ void look_for_better(plugins::Registry& registry, const CompletenessSetup& setup
     const Plan plan = problem.plan(control);
     if (plan.status == PlanStatus::solved) found.best = std::min(found.best, plan.objective);
   }
-  const double size = std::max(std::abs(found.objective), same_objective);
-  found.found_more = found.best < found.objective - same_objective * size;
+  found.found_more = found.best < found.objective - margin_of(found.objective);
 }
 
 }  // namespace

@@ -6,12 +6,10 @@
 #include <cmath>
 #include <map>
 
+#include "common/statistics.hpp"
+
 namespace tendril::bench {
 namespace {
-
-constexpr double same_objective = 1e-6;  ///< relative, and of 1e-6 where the objective is smaller
-
-double margin_of(double objective) { return same_objective * std::max(std::abs(objective), same_objective); }
 
 bool widen_limits(Scene& scene) {
   bool changed = false;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace tendril::bench {
 
 /// An arithmetic sequence of lengths, "91 mm:99 mm:5": first, last, count.
 std::vector<double> read_lengths(const std::string& text, const QuantityReader& read);
+
+inline constexpr double pi = std::numbers::pi;
 
 /// Uniform numbers from a seed, the same on every platform.
 class Uniform {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "common/scene_text.hpp"
 #include "extremes/groups.hpp"
@@ -13,8 +12,6 @@ namespace tendril::bench {
 namespace {
 
 using namespace scene_text;
-
-constexpr double pi = std::numbers::pi;
 
 /// Two halves with curvatures of their own.
 Vec2 two_arcs(double first, double second) {

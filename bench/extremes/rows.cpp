@@ -15,9 +15,9 @@ namespace tendril::bench {
 namespace {
 
 /// The rows of cases, with every model and every backend.
-class Rows {
+class CaseRows {
  public:
-  Rows(plugins::Registry& registry, const Extent& extent, std::vector<LeftOut>& left_out)
+  CaseRows(plugins::Registry& registry, const Extent& extent, std::vector<LeftOut>& left_out)
       : registry_(registry),
         extent_(extent),
         judge_(registry, extent),
@@ -128,7 +128,7 @@ class Rows {
 
 std::vector<ExtremeRow> extreme_rows(plugins::Registry& registry, const Extent& extent,
                                      std::vector<LeftOut>& left_out) {
-  Rows rows(registry, extent, left_out);
+  CaseRows rows(registry, extent, left_out);
   for (const ExtremeCase& c : extreme_cases(extent.held_out)) {
     if (extent.stopped()) break;
     if (extent.quick && !c.quick) continue;

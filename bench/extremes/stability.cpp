@@ -6,7 +6,6 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <numbers>
 
 #include "certificate/certifier.hpp"
 #include "common/workload.hpp"
@@ -19,7 +18,6 @@ namespace tendril::bench {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
 /// From so many smooth functions on one piece on, the critical loads are exact to `critical_digits`.
 constexpr int resolving_functions = 8;
 constexpr double critical_digits = 1e-6;

@@ -17,9 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Times within this factor are not told apart, as in the ranking itself.
-constexpr double same_class = 1.5;
-
 /// A table of a report, its columns by name.
 class Rows {
  public:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "common/statistics.hpp"
 #include "tendril/tolerances.hpp"
 
 namespace tendril::bench {
@@ -15,10 +16,8 @@ namespace {
 /// speak of the model and not of the rod.
 constexpr double goal = tolerance::penetration;
 
-/// Times within this factor are one class; in it the smallest model counts, which is the same at every repetition.
-constexpr double same_class = 1.5;
-
-/// Out of the models within `error` on all scenes; null: there is none. `choices` by time.
+/// Out of the models within `error` on all scenes; null: there is none. `choices` by time. In a class of times the
+/// smallest model counts, which is the same at every repetition.
 const ModelChoice* best_model(const std::vector<ModelChoice>& choices, double error) {
   const ModelChoice* fastest = nullptr;
   const ModelChoice* best = nullptr;

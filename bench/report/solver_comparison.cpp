@@ -23,11 +23,9 @@ constexpr double seconds_shift = 1e-3;
 constexpr double evaluations_shift = 10.0;
 /// s. Plans that take longer are timed once: their time is known well enough, and most of the bench's would go there.
 constexpr double long_plan = 0.05;
-/// Means within this factor of a class's fastest are the same class: the spread of a busy machine.
-constexpr double same_class = 1.5;
 
 /// Plans of one program that end at the same minimum differ by rounding; a second minimum differs by far more.
-bool equally_good(double objective, double best) { return objective <= best + 1e-6 * std::max(best, 1e-6); }
+bool equally_good(double objective, double best) { return objective <= best + margin_of(best); }
 
 Scene variant(const SolverComparisonSetup& setup, const SolverProgram& program, const Contestant& contestant) {
   const BenchScene& bench = setup.scenes[program.scene];

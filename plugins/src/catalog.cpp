@@ -3,12 +3,12 @@
 #include <dlfcn.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <set>
 #include <system_error>
 #include <utility>
 
+#include "kinds.hpp"
 #include "tendril/options.hpp"
 #include "tendril/plugins/error.hpp"
 #include "trust.hpp"
@@ -21,8 +21,6 @@ namespace {
 
 constexpr std::string_view prefix = "tendril-";
 constexpr std::string_view suffix = ".so";
-constexpr std::array kinds{ComponentKind::coordinates, ComponentKind::objective, ComponentKind::obstacle,
-                           ComponentKind::solver};
 
 bool is_plugin_name(std::string_view name) {
   const auto lower = [](char c) { return c >= 'a' && c <= 'z'; };

@@ -1,14 +1,15 @@
 #include "tendril/plugins/registry.hpp"
 
 #include <algorithm>
-#include <array>
+
+#include "kinds.hpp"
 
 namespace tendril::plugins {
 
 namespace {
 
 /// Takes what a program registers.
-class Collector : public Registrar {
+class AllRegistered : public Registrar {
  public:
   void add(CoordinateComponent component) override { all.emplace_back(std::move(component)); }
   void add(ObjectiveComponent component) override { all.emplace_back(std::move(component)); }
@@ -17,21 +18,17 @@ class Collector : public Registrar {
   std::vector<AnyComponent> all;
 };
 
-/// In the order of AnyComponent.
-constexpr std::array kinds{ComponentKind::coordinates, ComponentKind::objective, ComponentKind::obstacle,
-                           ComponentKind::solver};
-
 }  // namespace
 
 Registry::Registry(Catalog catalog, const ComponentSource& provide) : catalog_(std::move(catalog)) {
-  Collector shapes;
+  AllRegistered shapes;
   register_builtin_obstacles(shapes);
   for (AnyComponent& shape : shapes.all) {
     auto& component = std::get<ObstacleComponent>(shape);
     std::string name = component.name;
     builtin_obstacles_.insert_or_assign(std::move(name), std::move(component));
   }
-  Collector own;
+  AllRegistered own;
   if (provide) provide(own);
   for (AnyComponent& component : own.all) {
     const ComponentKind kind = kinds[component.index()];
