@@ -48,8 +48,8 @@ INSTANTIATE_TEST_SUITE_P(
         Setting{"brace.toml", "contact.frictoin=0.3",
                 "found the key 'frictoin', which [contact] does not have; did you"},
         Setting{"brace.toml", "obstacle.0.friction=30", "the coefficient of friction is 30, expected 0 to 10"},
-        Setting{"brace.toml", "contact.friction_state=\"any\"", "found \"any\" without friction, expected 'friction'"},
-        Setting{"sequence.toml", "contact.friction=0.3", "found friction where a sequence of frames is followed"}));
+        Setting{"brace.toml", "contact.friction_state=\"any\"",
+                "found \"any\" without friction, expected 'friction'"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Grippers, RefusedSetting,
