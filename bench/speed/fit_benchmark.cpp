@@ -62,7 +62,8 @@ void calibration(benchmark::State& state) {
     const double pressure = 5e3 * (1 + i % 20);
     recording.inputs = {pressure};
     recording.input_kinds = {ActuatorKind::pressure};
-    recording.tip_force = {0.0, -2e-3 * (i / 20)};
+    const int weights = i / 20;
+    recording.tip_force = {0.0, -2e-3 * weights};
     Scene loaded = truth;
     loaded.tip_load.force = recording.tip_force;
     for (const MeasuredPoint& p : seen(loaded, 4e-8 * pressure, {}, bits)) {
