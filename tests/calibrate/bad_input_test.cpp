@@ -94,6 +94,17 @@ TEST(Refused, ArePointsInOtherUnits) {
   expect_refused(spec, "expected at least 0 and at most the rod's length, 0.1 m: is it in mm? A plain number is in m");
 }
 
+TEST(Accepted, IsATipWhoseArcLengthWasRoundedInInches) {
+  CalibrationSpec spec = good();
+  for (Recording& r : spec.recordings) r.markers.back().arc_length = 3.93701 * 0.0254;
+  const Calibration found = calibrate(MeasuredArm{}.scene(), spec);
+  ASSERT_EQ(found.numbers.size(), 1u);
+  EXPECT_EQ(found.status, CalibrationStatus::solved) << found.message;
+  EXPECT_DOUBLE_EQ(found.numbers[0].value, calibrate(MeasuredArm{}.scene(), good()).numbers[0].value);
+  for (Recording& r : spec.recordings) r.markers.back().arc_length = 1.001 * 0.1;
+  expect_refused(spec, "expected at least 0 and at most the rod's length");
+}
+
 TEST(Refused, ArePointsOutOfOrder) {
   CalibrationSpec spec = good();
   std::swap(spec.recordings[0].markers[1].arc_length, spec.recordings[0].markers[2].arc_length);

@@ -40,6 +40,10 @@ struct ShapeFit {
   int contacts() const { return static_cast<int>(shape.forces.size()); }
 };
 
+/// Share of the length by which a measured point may lie beyond the tip and counts as there: the rounding of six
+/// digits, as tables have them, in another unit than the rod's.
+inline constexpr double beyond_tip = 1e-5;
+
 /// A fit has converged when the next step is this small, in standard deviations of what is estimated: while places are
 /// still compared, and at the end.
 inline constexpr double search_accuracy = 1e-2;

@@ -219,8 +219,7 @@ void CalibrationInput::add_markers(const Recording& r, SeenShape& shape) {
   for (const CalibrationMarker& m : r.markers) {
     SeenMarker seen;
     seen.arc_length = m.arc_length / scale.length;
-    // A part in 1e9 is the rounding of units.
-    if (!(seen.arc_length >= 0.0 && seen.arc_length <= 1.0 + 1e-9)) {
+    if (!(seen.arc_length >= 0.0 && seen.arc_length <= 1.0 + beyond_tip)) {
       fail(r, "found a point at arc length " + text(m.arc_length) + " m, expected at least 0 and at most the rod's " +
                   "length, " + text(scale.length) + " m: " +
                   (seen.arc_length > 20.0 && 1e-3 * seen.arc_length <= 1.0 + reach_tolerance

@@ -118,8 +118,7 @@ MeasuredShape EstimateInput::shape_of(const Scene& scene) {
   Eigen::Index i = 0;
   for (const MeasuredPoint& p : points) {
     const double s = p.arc_length / scale.length;
-    // A part in 1e5 is the rounding of six digits, as tables have them, in another unit than the rod's.
-    if (!(s > 0.0 && s <= 1.0 + 1e-5)) {
+    if (!(s > 0.0 && s <= 1.0 + beyond_tip)) {
       throw SceneError("measurement", "a measured point is at arc length " + shown(p.arc_length, 6) +
                                           " m, expected at least 0 and at most the rod's length, " +
                                           shown(scale.length, 6) + " m: " +
