@@ -35,13 +35,14 @@ class Deadline {
 /// So many looks, one per step of what is allowed them.
 class Allowance {
  public:
-  Allowance(const Deadline& deadline, int looks) : deadline_(deadline), left_(looks) {}
+  Allowance(const Deadline& deadline, int looks) : deadline_(deadline), all_(looks), left_(looks) {}
   /// Takes one; whether there was none, or the search is over.
   bool spent() { return --left_ < 0 || deadline_.over(); }
-  int left() const { return std::max(left_, 0); }
+  int taken() const { return all_ - std::max(left_, 0); }
 
  private:
   const Deadline& deadline_;
+  int all_;
   int left_;
 };
 

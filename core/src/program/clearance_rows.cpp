@@ -42,6 +42,10 @@ class ClearanceRows : public RowBlock {
       c.radius = c.carried && !d_.measures(c.obstacle) ? Rod::Jet{} : d_.places.radius(c.place);
       values[i] = c.surface.distance - c.radius.value;
       if (!derivatives) continue;
+      if (values[i] > d_.spec.checked_from) {
+        rows.row(i).setZero();
+        continue;
+      }
       fill(c, c.surface.normal, row_.data());
       const int reach = d_.places.reach(c.place);
       double* out = &rows(i, 0);

@@ -115,6 +115,7 @@ struct PoseProgramSpec {
   bool split = true;                       ///< whether each interior contact has a knot of its own
   std::vector<ContactSetup> contacts;      ///< interior ones in order along the rod, then those at the tip
   std::vector<CheckPoint> checks;          ///< points kept outside of obstacles by a row each
+  double checked_from = infinity;          ///< gap (L) above which the row of a check point is given no derivatives
   int nodes = 0;                           ///< Gauss nodes per smooth interval of a piece
   double min_force = 0.0;                  ///< of every contact, units of EI0/L^2
   double max_force = infinity;             ///< of every contact, units of EI0/L^2

@@ -30,7 +30,9 @@ bool stays_beside(const Task& task, const PoseProgram& program, const Eigen::Vec
 
 }  // namespace
 
-std::optional<Rest> Planner::executed(const std::vector<double>& moments, Allowance& allowance) const {
+std::optional<Rest> Planner::executed(const std::vector<double>& moments, int looks) {
+  constexpr int fewest_coordinates = 48;  // of the executor
+  CountedLooks allowance(steps_.tally, steps_.deadline(), looks, std::max(fewest_coordinates, d_.coordinate_count({})));
   const auto stop = [&allowance] { return allowance.spent(); };
   // A start through the middle of an obstacle leads nowhere: the rod is bent out of the way.
   for (const double bent : {0.0, 1.0, -1.0, 2.0, -2.0}) {
@@ -48,9 +50,11 @@ std::optional<Rest> Planner::executed(const std::vector<double>& moments, Allowa
   return std::nullopt;
 }
 
-std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from,
-                                          Allowance& allowance) const {
-  if (d_.coordinate_count({}) > search_parameters().few_values) return executed(moments, allowance);
+std::optional<Rest> Planner::come_to_rest(const std::vector<double>& moments, const StartShape& from) {
+  const int looks = search_parameters().looks_at_a_rest;
+  const int coordinates = d_.coordinate_count({});
+  if (coordinates > search_parameters().few_values) return executed(moments, looks);
+  CountedLooks allowance(steps_.tally, steps_.deadline(), looks, coordinates);
   const std::vector<double> moves = d_.rod.starts();
   const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false, false, moves, moves});
   const Descent down =
@@ -82,8 +86,12 @@ std::optional<std::vector<ContactSetup>> Planner::contacts_of_rest(const Rest& r
 
 void Planner::solve_reduced(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
   if (must_stop() || !ReducedProgram::applies(program)) return;
+  const EvaluationCounts before = program.counts();
   ReducedProgram reduced(program, x);
   const OptimalityReport r = solve(state, reduced, reduced.start());
+  // Each evaluation by the moments takes several of all variables.
+  steps_.tally.add_outside(program, before);
+  steps_.tally.add_outside(reduced.followed(), {});
   if (r.x.size() != reduced.start().size() || !r.x.allFinite()) return;
   if (const Eigen::VectorXd& reached = reduced.full(r.x); reached.allFinite()) x = reached;
 }
@@ -273,8 +281,7 @@ void Planner::start_from_rests() {
   for (std::size_t i = 0; i < enough; ++i) {
     for (const StartShape& shape : from) {
       if (must_stop() || steps_.tally.work > most_work) return;
-      Allowance allowance(steps_.deadline(), search_parameters().looks_at_a_rest);
-      const std::optional<Rest> rest = come_to_rest(samples[i], shape, allowance);
+      const std::optional<Rest> rest = come_to_rest(samples[i], shape);
       // No contact where one is asked for, or more of them than there may be: such rests say little.
       useless = rest && contacts_of_rest(*rest) ? 0 : useless + 1;
       if (useless > search_parameters().useless_rests) return;

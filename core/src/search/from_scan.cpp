@@ -45,11 +45,11 @@ double Planner::cost_of(const Rest& rest) const {
   return program.cost(program.start_from(shape));
 }
 
-std::vector<Rest> Planner::rests_of_arcs() const {
+std::vector<Rest> Planner::rests_of_arcs() {
   std::vector<std::vector<double>> inputs = sampled_moments();
   inputs.resize(std::min(inputs.size(), search_parameters().inputs_let_go));
   const std::vector<double> moves = d_.rod.starts();
-  Allowance allowance(steps_.deadline(), search_parameters().looks_at_arcs);
+  CountedLooks allowance(steps_.tally, steps_.deadline(), search_parameters().looks_at_arcs, d_.coordinate_count({}));
   std::vector<Rest> rests;
   for (const std::vector<double>& moments : inputs) {
     const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false, false, moves, moves});
@@ -63,7 +63,7 @@ std::vector<Rest> Planner::rests_of_arcs() const {
 
 bool Planner::is_off_target() const {
   if (winner_ < 0) return true;
-  const double there = search_parameters().there;
+  const double there = search_parameters().off_target;
   // As far as the objective tells what that costs.
   if (d_.least_cost(there) > d_.least_cost()) return best_objective() > d_.least_cost(there);
   const Backbone& backbone = backbone_of_best();

@@ -91,8 +91,7 @@ void Planner::settle(const std::vector<std::size_t>& order) {
   // A coarse model rests elsewhere than the rod, unless it has a knot where the rod touches.
   const std::vector<double> least = moments_of(nullptr);
   const auto execution = [this](const std::vector<double>& moments) {
-    Allowance allowance(steps_.deadline(), search_parameters().looks_at_unstable);
-    return executed(moments, allowance);
+    return executed(moments, search_parameters().looks_at_unstable);
   };
   std::optional<Rest> of_least;
   if (winner_ < 0 && !must_stop()) of_least = execution(least);
@@ -125,8 +124,7 @@ void Planner::hold_stable(const std::vector<Rest>& rests, const std::vector<std:
   bool first = true;
   for (const std::vector<double>& moments : sampled_moments()) {
     if (must_stop()) return;
-    Allowance allowance(steps_.deadline(), search_parameters().looks_at_a_rest);
-    const std::optional<Rest> rest = come_to_rest(moments, d_.scene_start(), allowance);
+    const std::optional<Rest> rest = come_to_rest(moments, d_.scene_start());
     if (!rest) continue;
     consider_rest(*rest);
     // Every mode is worth the shape of the rod without moments; the others start those whose contacts they have.

@@ -73,6 +73,7 @@
   X(bool, hang, true, "under large loads shapes that hang are starts")                                               \
   X(bool, scan, true, "a thorough search looks at all equilibria over the box of one or two moments")                \
   X(bool, let_go, true, "where the plan is off its target arcs that are let go are starts")                          \
+  X(double, off_target, 0.1, "distance to the target (rad, L) from which on they are")                               \
   X(int, arcs_let_go, 33, "arcs that are let go, over all turns")                                                    \
   X(int, looks_at_arcs, 20000, "steps of all of them")                                                               \
   X(std::size_t, dearer_let_go, 2,                                                                                   \

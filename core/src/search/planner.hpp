@@ -106,8 +106,8 @@ class Planner {
   /// Where the plan is off its target: where arcs come to rest are starts.
   void let_go();
   const Backbone& backbone_of_best() const;  ///< of the best plan, of which there is one
-  bool is_off_target() const;                ///< by 2 % of the length, or in what that costs
-  std::vector<Rest> rests_of_arcs() const;   ///< where arcs of every turn come to rest under sampled moments
+  bool is_off_target() const;                ///< so far that arcs are let go, or by what that costs
+  std::vector<Rest> rests_of_arcs();         ///< where arcs of every turn come to rest under sampled moments
   std::vector<StartShape> scanned_shapes() const;
   Rest rest_at(const ModeState& state) const;  ///< of a plan
   /// What the plan costs that a rest is, as far as the coordinates can show it; infinity: a plan may not be so.
@@ -132,11 +132,10 @@ class Planner {
   std::vector<std::vector<double>> sampled_moments() const;
   /// What the rod does under these moments (EI/L), in the executor's own coordinates. Nothing: it cannot be told in so
   /// many looks.
-  std::optional<Rest> executed(const std::vector<double>& moments, Allowance& allowance) const;
+  std::optional<Rest> executed(const std::vector<double>& moments, int looks);
   /// Downhill from a shape in the coordinates of the plan, which are few, or the same as executed() where they are
   /// many: these bend as the executor's do.
-  std::optional<Rest> come_to_rest(const std::vector<double>& moments, const StartShape& from,
-                                   Allowance& allowance) const;
+  std::optional<Rest> come_to_rest(const std::vector<double>& moments, const StartShape& from);
   /// Of the floor of a valley. Nothing where the rod is held between obstacles that leave no room.
   std::optional<Rest> settled(const Descent& down, const std::vector<double>& moments) const;
   /// The contacts that press, in order along the rod; nothing where a plan may not have so many, or none.

@@ -16,10 +16,13 @@ constexpr double at_limit = 1e-9;  ///< a variable this near to its limit stands
 /// Of many variables the linear algebra costs most.
 constexpr double cheap_algebra = 60.0;
 
+double work_of(double evaluations, double n) {
+  return evaluations * n * (1.0 + n * n / (cheap_algebra * cheap_algebra));
+}
+
 double work_of(const NonlinearProgram& program, const EvaluationCounts& asked) {
   const auto evaluations = static_cast<double>(asked.values + asked.first_derivatives + 2 * asked.hessians);
-  const double n = program.variable_count();
-  return evaluations * n * (1.0 + n * n / (cheap_algebra * cheap_algebra));
+  return work_of(evaluations, program.variable_count());
 }
 
 /// The variables that are at a limit at x.
@@ -47,6 +50,12 @@ void Tally::add_outside(const NonlinearProgram& program, const EvaluationCounts&
                                after.hessians - before.hessians, after.seconds - before.seconds};
   outside_solver += asked;
   work += work_of(program, asked);
+}
+
+void Tally::add_looks(int looks, int coordinates) {
+  // Each has its derivatives, a Hessian among them, and a value to see what it brought.
+  constexpr double evaluations_of_a_look = 5.0;
+  work += work_of(evaluations_of_a_look * looks, coordinates);
 }
 
 std::string refusal_message(const std::string& solver, const OptimalityReport& last) {

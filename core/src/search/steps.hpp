@@ -41,9 +41,26 @@ struct Tally {
   void add_inside(const NonlinearProgram& program, const EvaluationCounts& asked);
   /// Counts what a program was asked otherwise since `before`.
   void add_outside(const NonlinearProgram& program, const EvaluationCounts& before);
+  /// Counts steps of a rod of so many coordinates, each with its derivatives.
+  void add_looks(int looks, int coordinates);
   /// A solver that did nothing is no part of any plan, whatever restoration and Newton's method make of the start
   /// alone.
   bool solver_did_nothing() const { return solves > 0 && useless_solves == solves; }
+};
+
+/// So many looks, each a step downhill or along a path of loads in so many coordinates; their work counts in the end.
+class CountedLooks : public Allowance {
+ public:
+  /// `tally` must outlive this.
+  CountedLooks(Tally& tally, const Deadline& deadline, int looks, int coordinates)
+      : Allowance(deadline, looks), tally_(tally), coordinates_(coordinates) {}
+  ~CountedLooks() { tally_.add_looks(taken(), coordinates_); }
+  CountedLooks(const CountedLooks&) = delete;
+  CountedLooks& operator=(const CountedLooks&) = delete;
+
+ private:
+  Tally& tally_;
+  int coordinates_;
 };
 
 /// What a plan says of a solver that did nothing.

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "tendril/tolerances.hpp"
 
@@ -15,6 +16,7 @@ constexpr int pieces_per_rod = 8;                              ///< at least, of
 constexpr int checks_per_rod = 160;                            ///< at least, per obstacle
 constexpr int coarse_order = 6;                                ///< functions per stretch, where arcs are let go
 constexpr double coarse_stiffness = 1e3, coarse_step = 1.0;    ///< there
+constexpr double coarse_end = 0.01;                            ///< there: a step so short is the last one
 constexpr int coarse_checks = 40;                              ///< there
 constexpr int first_stride = 4;                                ///< of the arcs that are let go whatever the others do
 constexpr double same_floor = 0.05;                            ///< two are one, in the metric of the bending energy
@@ -25,6 +27,7 @@ constexpr double flat = 1e-9;           ///< gradient in that metric at which a 
 constexpr double downward = -1e-7;      ///< a lower eigenvalue is a way down
 constexpr double rigid_enough = 1e-10;  ///< depth of a check point (L) below which multipliers hold it
 constexpr double lying = 1e-5;          ///< distance (L) that a rod which lies along an obstacle does not exceed
+constexpr double near_enough = 0.05;    ///< gap (L) that no penalty or multiplier presses at
 constexpr int most_rounds = 40;         ///< of multipliers
 
 class Valley {
@@ -202,6 +205,7 @@ class Valley {
     s.rod = &path_.rod();
     s.model = basis_.get();
     s.obstacles = path_.obstacles();
+    s.checked_from = near_enough;
     s.nodes = suggested_nodes(basis_->function_count(), 4.0);
     const Chain chain(path_.rod(), *basis_, {}, 1);
     for (int o = 0; o < static_cast<int>(s.obstacles.size()); ++o) {
@@ -245,24 +249,35 @@ Eigen::VectorXd trust_step(const Eigen::VectorXd& slopes, const Eigen::VectorXd&
   return (-slopes.array() / (bends.array() + high)).matrix();
 }
 
-/// One stiffness: steps of a trust-region Newton method until the valley's floor. Why not, or null.
-const char* minimize(Valley& valley, double stiffness, double& radius, double longest,
+/// One stiffness: steps of a trust-region Newton method until the valley's floor, or until a step down to it is no
+/// longer than `near`. Why not, or null.
+const char* minimize(Valley& valley, double stiffness, double& radius, double longest, double near,
                      const std::function<bool()>& must_stop, Eigen::VectorXd& gradient) {
   Eigen::MatrixXd hessian;
+  Eigen::LLT<Eigen::MatrixXd> factor;
   for (int step = 0; step < most_steps; ++step) {
     if (must_stop()) return "stopped";
     valley.derivatives(stiffness, gradient, hessian);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(hessian);
-    if (eigen.info() != Eigen::Success || !gradient.allFinite()) return "the energy is not finite";
-    const Eigen::VectorXd slopes = eigen.eigenvectors().transpose() * gradient;
-    if (gradient.norm() <= flat * (1.0 + std::sqrt(stiffness) * 1e-3) && eigen.eigenvalues()[0] > downward) {
-      return nullptr;
-    }
+    if (!gradient.allFinite() || !hessian.allFinite()) return "the energy is not finite";
+    const bool convex = factor.compute(hessian).info() == Eigen::Success;
+    Eigen::VectorXd down;
+    if (convex) down = -factor.solve(gradient);
+    // Modes are needed only where the model is not convex, or its minimum too far.
+    std::optional<Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>> modes;
+    const auto bends = [&]() -> const Eigen::VectorXd& {
+      if (!modes) modes.emplace(hessian);
+      return modes->eigenvalues();
+    };
+    const bool is_flat = gradient.norm() <= flat * (1.0 + std::sqrt(stiffness) * 1e-3);
+    if ((is_flat && (convex || bends()[0] > downward)) || (convex && down.norm() <= near)) return nullptr;
     const double before = valley.energy(nullptr, stiffness);
     for (;;) {
-      const Eigen::VectorXd in_modes = trust_step(slopes, eigen.eigenvalues(), radius);
-      const double promised = -(slopes.dot(in_modes) + 0.5 * in_modes.dot(eigen.eigenvalues().cwiseProduct(in_modes)));
-      const Eigen::VectorXd moved = eigen.eigenvectors() * in_modes;
+      Eigen::VectorXd moved = down;
+      if (!convex || down.norm() > radius) {
+        const Eigen::VectorXd& along = bends();
+        moved = modes->eigenvectors() * trust_step(modes->eigenvectors().transpose() * gradient, along, radius);
+      }
+      const double promised = -(gradient.dot(moved) + 0.5 * moved.dot(hessian * moved));
       const double gained = before - valley.energy(&moved, stiffness);
       // Below the rounding of the energy the model is better than the difference.
       const bool rounding = promised <= 1e-13 * (1.0 + std::abs(before));
@@ -287,7 +302,7 @@ Descent go_down(Valley& valley, const std::function<bool()>& must_stop, bool rig
   double radius = 0.1;
   result.stiffness = first_stiffness;
   for (int round = 0; round < most_rounds;) {
-    if (const char* reason = minimize(valley, result.stiffness, radius, longest_step, must_stop, gradient)) {
+    if (const char* reason = minimize(valley, result.stiffness, radius, longest_step, 0.0, must_stop, gradient)) {
       result.reason = reason;
       return result;
     }
@@ -333,7 +348,7 @@ std::vector<Descent> descend_from_arcs(const LoadPath& path, double load, double
     valley.start(Curvature([bent](double) { return bent; }));
     Eigen::VectorXd gradient;
     double radius = coarse_step;
-    if (minimize(valley, coarse_stiffness, radius, coarse_step, must_stop, gradient) != nullptr) return;
+    if (minimize(valley, coarse_stiffness, radius, coarse_step, coarse_end, must_stop, gradient) != nullptr) return;
     const auto same = [&](const Eigen::VectorXd& floor) { return valley.distance(floor) < same_floor; };
     const auto found = std::find_if(floors.begin(), floors.end(), same);
     below[static_cast<std::size_t>(arc)] = static_cast<int>(found - floors.begin());
