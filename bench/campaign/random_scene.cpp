@@ -14,7 +14,7 @@
 namespace tendril::bench {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Numbers from one seed. The distributions of the standard library differ between its makers; these do not.
 class Dice {

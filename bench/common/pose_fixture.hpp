@@ -29,14 +29,14 @@ class BracedPose : public ObjectiveBase<BracedPose> {
 };
 
 /// A toothed wheel where the circle is: its teeth reach as far as that.
-inline Part wheel(Vec2 center, double radius, int corners) {
+inline tendril::Part wheel(Vec2 center, double radius, int corners) {
   ClosedLine line;
   for (int i = 0; i < corners; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / corners;
     const double reach = (i % 2 == 0 ? 0.95 : 0.9) * radius;
     line.push_back(center + reach * Vec2{std::cos(angle), std::sin(angle)});
   }
-  return Part({line}, 0.05 * radius);
+  return tendril::Part({line}, 0.05 * radius);
 }
 
 inline constexpr std::int64_t tapered = 1, stretching = 2, toothed = 3, crowded = 4;
@@ -92,7 +92,7 @@ struct PoseFixture {
 
   LegendreBasis basis;
   Circle circle{{0.6, 0.0}, 0.08};
-  Part teeth = wheel({0.6, 0.0}, 0.08, 200);
+  tendril::Part teeth = wheel({0.6, 0.0}, 0.08, 200);
   std::deque<Circle> crowd;
   BracedPose pose;
   Rod rod;

@@ -9,7 +9,7 @@ namespace tendril::bench {
 
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
 template <class X>
 Line fit_logarithm(const std::vector<double>& x, const std::vector<double>& y, X transformed) {
@@ -26,7 +26,7 @@ Line fit_logarithm(const std::vector<double>& x, const std::vector<double>& y, X
 }  // namespace
 
 double quantile(std::vector<double> values, double p) {
-  if (values.empty()) return none;
+  if (values.empty()) return undefined;
   std::sort(values.begin(), values.end());
   const double place = p * static_cast<double>(values.size() - 1);
   const auto below = static_cast<std::size_t>(place);
@@ -48,7 +48,7 @@ Quartiles quartiles(const std::vector<double>& values) {
 }
 
 Line fit_line(const std::vector<double>& x, const std::vector<double>& y) {
-  Line line{none, none, none, static_cast<int>(x.size())};
+  Line line{undefined, undefined, undefined, static_cast<int>(x.size())};
   if (x.size() < 2) return line;
   const auto n = static_cast<double>(x.size());
   const double mean_x = std::accumulate(x.begin(), x.end(), 0.0) / n;
@@ -69,7 +69,7 @@ Line fit_line(const std::vector<double>& x, const std::vector<double>& y) {
 }
 
 Line fit_power(const std::vector<double>& x, const std::vector<double>& y) {
-  return fit_logarithm(x, y, [](double v) { return v > 0.0 ? std::log10(v) : none; });
+  return fit_logarithm(x, y, [](double v) { return v > 0.0 ? std::log10(v) : undefined; });
 }
 
 Line fit_exponential(const std::vector<double>& x, const std::vector<double>& y) {
@@ -77,7 +77,7 @@ Line fit_exponential(const std::vector<double>& x, const std::vector<double>& y)
 }
 
 double shifted_geometric_mean(const std::vector<double>& values, double shift) {
-  if (values.empty()) return none;
+  if (values.empty()) return undefined;
   double sum = 0.0;
   for (const double v : values) sum += std::log(v + shift);
   return std::exp(sum / static_cast<double>(values.size())) - shift;
@@ -98,7 +98,7 @@ std::vector<std::vector<double>> performance_ratios(const std::vector<std::vecto
 }
 
 double share_within(const std::vector<double>& ratios, double factor) {
-  if (ratios.empty()) return none;
+  if (ratios.empty()) return undefined;
   const auto within = std::count_if(ratios.begin(), ratios.end(), [&](double r) { return r <= factor; });
   return static_cast<double>(within) / static_cast<double>(ratios.size());
 }

@@ -14,7 +14,7 @@ namespace tendril::bench {
 
 namespace {
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
 
 /// Errors below this many times the reference's own bound say nothing of the model.
 constexpr double above_floor = 10.0;
@@ -57,13 +57,13 @@ std::string judge(const Plan& plan, const Plan& fine, double length, AccuracyPoi
   const PlannedContact* exact = active_contact(fine);
   if ((contact == nullptr) != (exact == nullptr)) return "carried out, its moment ends with other contacts";
   point.tip = distance(plan, fine) / length;
-  point.place = contact != nullptr ? std::abs(contact->arc_length - exact->arc_length) / length : none;
-  point.force = contact != nullptr ? std::abs(contact->force / exact->force - 1.0) : none;
+  point.place = contact != nullptr ? std::abs(contact->arc_length - exact->arc_length) / length : undefined;
+  point.force = contact != nullptr ? std::abs(contact->force / exact->force - 1.0) : undefined;
   return "";
 }
 
 double differences(plugins::Registry& registry, const Scene& scene, const Plan& plan, double length) {
-  double largest = none;
+  double largest = undefined;
   for (const std::string& solver : registry.names(ComponentKind::solver)) {
     if (solver == scene.solver.plugin) continue;
     Scene other = scene;
@@ -154,7 +154,7 @@ Accuracy measure_accuracy(plugins::Registry& registry, const AccuracySetup& setu
         point.iterations = first.iterations;
         point.evaluations = first.evaluations;
         point.solvers_differ =
-            point.coordinates <= setup.compared ? differences(registry, scene, first.plan, length) : none;
+            point.coordinates <= setup.compared ? differences(registry, scene, first.plan, length) : undefined;
         accuracy.points.push_back(point);
         runs.push_back({scene, {}, {}});
       }

@@ -11,12 +11,12 @@ namespace tendril::bench {
 
 namespace {
 
-using Cost = std::vector<std::vector<double>>;
+using Costs = std::vector<std::vector<double>>;
 
 /// cost[contestant][program], infinity where it failed.
 template <class Value>
-Cost costs(const SolverComparisonSetup& setup, const SolverComparison& comparison, Value value) {
-  Cost cost(setup.contestants.size(), std::vector<double>(comparison.programs.size(), infinity));
+Costs costs(const SolverComparisonSetup& setup, const SolverComparison& comparison, Value value) {
+  Costs cost(setup.contestants.size(), std::vector<double>(comparison.programs.size(), infinity));
   for (const SolverRun& run : comparison.runs) {
     if (run.certified() && run.evaluations <= setup.evaluation_limit) cost[run.contestant][run.program] = value(run);
   }
@@ -42,7 +42,7 @@ bool takes_part(const SolverComparisonSetup& setup, std::size_t c, Field field) 
 
 /// Solvers have a colour each, treatments a dash; choices of options have colours of their own. The best of a program
 /// is the best of all contestants, drawn or not.
-std::vector<app::ChartSeries> profile(const SolverComparisonSetup& setup, const Cost& cost, Field field) {
+std::vector<app::ChartSeries> profile(const SolverComparisonSetup& setup, const Costs& cost, Field field) {
   const std::vector<std::vector<double>> ratios = performance_ratios(cost);
   double last = 1.0;
   for (const auto& row : ratios) {
@@ -275,7 +275,7 @@ Section solver_section(const SolverComparisonSetup& setup, const SolverCompariso
         setup.repetitions, 100.0 * median(spreads), 100.0 * quantile(spreads, 0.9),
         spreads.size() - static_cast<std::size_t>(odd), spreads.size()));
   }
-  const auto add = [&](const std::string& name, const std::string& what, const Cost& cost, Field field) {
+  const auto add = [&](const std::string& name, const std::string& what, const Costs& cost, Field field) {
     std::vector<app::ChartSeries> lines = profile(setup, cost, field);
     if (lines.empty()) return;
     const bool treatments = field == Field::treatments;

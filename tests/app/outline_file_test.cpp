@@ -19,13 +19,13 @@
 namespace tendril::app::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 using Line = std::vector<Vec2>;
 
 /// A scene with one obstacle beside a file of this name.
-struct Read {
-  Read(const std::string& name, const std::string& content, const std::string& keys = "",
-       const std::string& shape = "polygon") {
+struct Outlined {
+  Outlined(const std::string& name, const std::string& content, const std::string& keys = "",
+           const std::string& shape = "polygon") {
     directory.write(name, content);
     const std::string file =
         directory.write("s.toml", "[rod]\nlength = 1\nbending_stiffness = 1\n[[obstacle]]\nshape = \"" + shape +
@@ -102,9 +102,9 @@ double distance(const Line& line, Vec2 p) {
 }
 
 TEST(OutlineFile, ATableHoldsAPolygonWithHolesAndItsPlace) {
-  const Read r("part.csv",
-               "x [mm];y [mm];outline\n0;0;1\n30;0;1\n30;30;1\n0;30;1\n0;0;1\n10;10;2\n10;20;2\n20;20;2\n20;10;2\n",
-               R"(, position = ["1 m", 0], angle = "90 deg")");
+  const Outlined r("part.csv",
+                   "x [mm];y [mm];outline\n0;0;1\n30;0;1\n30;30;1\n0;30;1\n0;0;1\n10;10;2\n10;20;2\n20;20;2\n20;10;2\n",
+                   R"(, position = ["1 m", 0], angle = "90 deg")");
   ASSERT_EQ(r.message, "");
   const std::vector<Line> lines = r.outlines();
   ASSERT_EQ(lines.size(), 2U);
@@ -116,7 +116,7 @@ TEST(OutlineFile, ATableHoldsAPolygonWithHolesAndItsPlace) {
 }
 
 TEST(OutlineFile, ATableHoldsAChannelWithItsWidths) {
-  const Read r("pipe.csv", "x,y,width\n0,0,0.1\n1,0,0.2\n", "", "channel");
+  const Outlined r("pipe.csv", "x,y,width\n0,0,0.1\n1,0,0.2\n", "", "channel");
   ASSERT_EQ(r.message, "");
   EXPECT_EQ(r.points("points").size(), 2U);
   EXPECT_EQ(r.list("widths"), (std::vector<double>{0.1, 0.2}));
@@ -139,7 +139,7 @@ TEST(OutlineFile, WithATolerancePolygonsGrowToHaveFewerCorners) {
       table += fmt::format("{:.17g},{:.17g}\n", line.back().x, line.back().y);
     }
     const double tolerance = 0.01 * (1 + trial % 4);
-    const Read r("part.csv", table, fmt::format(", tolerance = {}", tolerance));
+    const Outlined r("part.csv", table, fmt::format(", tolerance = {}", tolerance));
     ASSERT_EQ(r.message, "");
     const Line fewer = r.outline();
     EXPECT_LT(fewer.size(), 200U);
@@ -169,7 +169,7 @@ const char* const drawing = R"svg(<?xml version="1.0"?>
 <text id="text">no outline</text>
 </svg>)svg";
 
-Read drawn(const std::string& id, const std::string& more = "") {
+Outlined drawn(const std::string& id, const std::string& more = "") {
   return {"part.svg", drawing, ", id = \"" + id + "\"" + more};
 }
 
@@ -179,7 +179,7 @@ TEST(OutlineFile, ADrawingHasItsAreaAndItsPlace) {
       {"nonzero", 100.0 - 36.0}, {"evenodd", 100.0 - 36.0 + 4.0}, {"rect", 0.25 * (200.0 - (4.0 - pi) * 9.0)},
       {"circle", 25.0 * pi},     {"ellipse", 10.0 * pi},          {"polygon", 12.5}};
   for (const auto& [id, exact] : areas) {
-    const Read r = drawn(id, ", tolerance = \"1 um\"");
+    const Outlined r = drawn(id, ", tolerance = \"1 um\"");
     ASSERT_EQ(r.message, "") << id;
     EXPECT_GE(area(r.outlines()), 1e-6 * exact * (1.0 - 1e-9)) << id;
     EXPECT_LE(area(r.outlines()), 1e-6 * exact + 1e-6 * 0.06) << id;
@@ -194,8 +194,8 @@ TEST(OutlineFile, ADrawingHasItsAreaAndItsPlace) {
 
 TEST(OutlineFile, CurvesOfADrawingLieInsideOfItsSides) {
   for (const char* id : {"curves", "arcs"}) {
-    const Read coarse = drawn(id, ", tolerance = \"0.5 mm\"");
-    const Read fine = drawn(id, ", tolerance = \"1 um\"");
+    const Outlined coarse = drawn(id, ", tolerance = \"0.5 mm\"");
+    const Outlined fine = drawn(id, ", tolerance = \"1 um\"");
     ASSERT_EQ(coarse.message + fine.message, "") << id;
     EXPECT_LT(coarse.outline().size(), 60U) << id;
     for (const Vec2 p : fine.outline()) EXPECT_LE(distance(coarse.outline(), p), 1e-6) << id;
@@ -206,10 +206,10 @@ TEST(OutlineFile, CurvesOfADrawingLieInsideOfItsSides) {
 // Its two halves have the same area, one to the left and one to the right. What crosses itself is refused by the shape.
 TEST(OutlineFile, ALineOfADrawingThatCrossesItselfIsNotPassedOver) {
   for (const char* rule : {"nonzero", "evenodd"}) {
-    const Read r("part.svg",
-                 fmt::format("<svg><rect width=\"2\" height=\"2\"/><path d=\"M0 9\"/><path d=\"M1 9L3 8z\"/>"
-                             "<path fill-rule=\"{}\" d=\"M9 0L14 5V0L9 5z\"/></svg>",
-                             rule));
+    const Outlined r("part.svg",
+                     fmt::format("<svg><rect width=\"2\" height=\"2\"/><path d=\"M0 9\"/><path d=\"M1 9L3 8z\"/>"
+                                 "<path fill-rule=\"{}\" d=\"M9 0L14 5V0L9 5z\"/></svg>",
+                                 rule));
     ASSERT_EQ(r.message, "");
     ASSERT_EQ(r.outlines().size(), 2U);
     EXPECT_NEAR(area(r.outlines()[1]), 0.0, 1e-15);
@@ -217,7 +217,7 @@ TEST(OutlineFile, ALineOfADrawingThatCrossesItselfIsNotPassedOver) {
 }
 
 TEST(OutlineFile, WhatADrawingHoldsBesideOutlinesIsTold) {
-  const Read r("part.svg", drawing);
+  const Outlined r("part.svg", drawing);
   ASSERT_EQ(r.message, "");
   ASSERT_EQ(r.scene.left_out.size(), 1U);
   EXPECT_EQ(r.scene.left_out[0].what, "1 <text> of part.svg");
@@ -267,7 +267,7 @@ TEST(OutlineFile, ABodyHasItsSections) {
     const std::vector<std::pair<const char*, Vec2>> sizes{{"z", {2, 3}}, {"x", {3, 4}}, {"y", {4, 2}}};
     for (const auto& [plane, size] : sizes) {
       for (const char* height : {"0.5 mm", "1 mm", "1.7 mm"}) {
-        const Read r("body.stl", content, fmt::format(R"(, plane = "{}", height = "{}")", plane, height));
+        const Outlined r("body.stl", content, fmt::format(R"(, plane = "{}", height = "{}")", plane, height));
         ASSERT_EQ(r.message, "");
         ASSERT_EQ(r.outlines().size(), 1U);
         EXPECT_NEAR(area(r.outlines()), 1e-6 * size.x * size.y, 1e-9 * size.x * size.y);
@@ -281,7 +281,9 @@ TEST(OutlineFile, ABodyHasItsSections) {
 }
 
 TEST(OutlineFile, RefusesWhatHoldsNoOutline) {
-  const auto refused = [](const Read& r, const std::string& reason) { EXPECT_TRUE(contains_text(r.message, reason)); };
+  const auto refused = [](const Outlined& r, const std::string& reason) {
+    EXPECT_TRUE(contains_text(r.message, reason));
+  };
   refused({"part.svg", "<svg>\n<rect x=\"9\" width=\"-2\" height=\"2\"/></svg>"},
           "part.svg:2:1: found width = \"-2\", expected a length that is not negative");
   refused({"body.stl", "solid a\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 nan 1\n"},

@@ -14,13 +14,13 @@ namespace {
 using nlohmann::json;
 using Names = std::vector<std::string>;
 
-json plan(std::vector<std::string> arguments, int exit_code = 0) {
+json plan_json(std::vector<std::string> arguments, int exit_code = 0) {
   arguments.insert(arguments.begin(), "plan");
   return json_of(std::move(arguments), exit_code);
 }
 
 TEST(Plan, OfTheBracedArmIsSolved) {
-  const json result = plan({scene_path("brace.toml")});
+  const json result = plan_json({scene_path("brace.toml")});
   EXPECT_EQ(result["schema"], 1);
   EXPECT_EQ(result["status"], "solved");
   EXPECT_EQ(result["scene"], scene_path("brace.toml"));
@@ -51,12 +51,12 @@ TEST(Plan, OfTheBracedArmIsSolved) {
 
 TEST(Plan, OfEveryScene) {
   for (const char* name : {"free.toml", "avoid.toml", "reach_10Nmm.toml"}) {
-    EXPECT_EQ(plan({scene_path(name)})["status"], "solved") << name;
+    EXPECT_EQ(plan_json({scene_path(name)})["status"], "solved") << name;
   }
 }
 
 TEST(Plan, OfATargetOutOfReachTellsItsError) {
-  const json result = plan({scene_path("free.toml"), "--set", "target.position=[0.3, 0]"});
+  const json result = plan_json({scene_path("free.toml"), "--set", "target.position=[0.3, 0]"});
   EXPECT_EQ(result["status"], "solved");
   // The rod is 0.1 m long, so 0.2 m are missing at least.
   EXPECT_GE(result["target_error"].get<double>(), 0.2);
@@ -65,9 +65,10 @@ TEST(Plan, OfATargetOutOfReachTellsItsError) {
 TEST(Plan, ThatCannotBeIsStillWritten) {
   // No actuator of 2.5 N mm presses with 1000 N.
   const TemporaryDirectory directory;
-  const json result = plan({scene_path("brace.toml"), "--set", "contact.mode=require", "--set",
-                            "contact.min_force=1000", "--set", "contact.max_force=2000", "--output", directory / "out"},
-                           1);
+  const json result =
+      plan_json({scene_path("brace.toml"), "--set", "contact.mode=require", "--set", "contact.min_force=1000", "--set",
+                 "contact.max_force=2000", "--output", directory / "out"},
+                1);
   EXPECT_NE(result["status"], "solved");
   EXPECT_NE(result["message"], "");
   EXPECT_EQ(json::parse(read_file(directory / "out/result.json"))["status"], result["status"]);
@@ -85,8 +86,8 @@ TEST(Plan, WithoutAShapeHasNoFigure) {
 
 TEST(Plan, StartsFromAnEarlierResult) {
   const TemporaryDirectory directory;
-  const json first = plan({scene_path("brace.toml"), "--output", directory / "out"});
-  const json again = plan({scene_path("brace.toml"), "--start", directory / "out/result.json"});
+  const json first = plan_json({scene_path("brace.toml"), "--output", directory / "out"});
+  const json again = plan_json({scene_path("brace.toml"), "--start", directory / "out/result.json"});
   EXPECT_EQ(again["status"], "solved");
   // The same stationary point: both are accurate to the certificate's 1e-9 times a modest condition number, in metres.
   EXPECT_NEAR(again["tip"]["x"].get<double>(), first["tip"]["x"].get<double>(), 1e-8);
@@ -94,7 +95,7 @@ TEST(Plan, StartsFromAnEarlierResult) {
 }
 
 TEST(Plan, SetsKeysOfTheScene) {
-  const json result = plan({scene_path("brace.toml"), "--order", "8", "--no-split", "--set", "title=Another"});
+  const json result = plan_json({scene_path("brace.toml"), "--order", "8", "--no-split", "--set", "title=Another"});
   EXPECT_EQ(result["title"], "Another");
   EXPECT_EQ(result["coordinates"]["order"], 8);
   EXPECT_EQ(result["coordinates"]["split_at_contact"], false);

@@ -16,7 +16,7 @@ namespace {
 
 Scene read(const std::string& text) { return read_scene(Document::parse(text, "s.toml"), std::make_shared<Units>()); }
 
-std::string message_of(const std::string& text) {
+std::string refusal_of(const std::string& text) {
   try {
     read(text);
   } catch (const InputError& error) {
@@ -280,7 +280,7 @@ void expect_refused_keys(const std::vector<KeySpec>& keys, const std::string& pa
       const std::string text = before + key.name + " = " + wrong.text + '\n' + rest(path, key);
       const int column = static_cast<int>(key.name.size()) + 4 + wrong.column;
       const std::string place = "s.toml:" + line + ':' + std::to_string(column) + ": found ";
-      const std::string message = message_of(text);
+      const std::string message = refusal_of(text);
       EXPECT_TRUE(message.starts_with(place)) << "expected " << place << "..., was: " << message << "\n" << text;
     }
     const bool is_table = key.type == KeyType::table || key.type == KeyType::tables;
@@ -301,7 +301,7 @@ TEST(SceneReader, KnowsWhatAMisspeltKeyWasMeantToBe) {
     for (const KeySpec& key : keys) {
       const std::string misspelt = key.name + key.name.back();
       const std::string text = head + misspelt + " = 1\n" + rest(path, key);
-      const std::string message = message_of(text);
+      const std::string message = refusal_of(text);
       if (!takes_options) {
         const std::string place = "s.toml:" + std::to_string(std::count(head.begin(), head.end(), '\n') + 1) +
                                   ":1: found the key '" + misspelt + "'";
@@ -320,7 +320,7 @@ TEST(SceneReader, KnowsWhatAMisspeltKeyWasMeantToBe) {
 class SceneReaderRefuses : public testing::TestWithParam<BadScene> {};
 
 TEST_P(SceneReaderRefuses, WithThePlace) {
-  const std::string message = message_of(brace_with(GetParam().old_text, GetParam().new_text));
+  const std::string message = refusal_of(brace_with(GetParam().old_text, GetParam().new_text));
   EXPECT_TRUE(contains_text(message, GetParam().message));
 }
 
@@ -411,9 +411,9 @@ INSTANTIATE_TEST_SUITE_P(
                  "s.toml:6:10: found 'length' beside [[rod.segment]]"}));
 
 TEST(SceneReader, RefusesASceneWithoutARod) {
-  EXPECT_EQ(message_of("").rfind("s.toml:1:1: the scene has no 'rod'", 0), 0U);
-  EXPECT_EQ(message_of("rod = 3").rfind("s.toml:1:7: found the number 3", 0), 0U);
-  EXPECT_EQ(message_of("rod = [1]").rfind("s.toml:1:7: found a list", 0), 0U);
+  EXPECT_EQ(refusal_of("").rfind("s.toml:1:1: the scene has no 'rod'", 0), 0U);
+  EXPECT_EQ(refusal_of("rod = 3").rfind("s.toml:1:7: found the number 3", 0), 0U);
+  EXPECT_EQ(refusal_of("rod = [1]").rfind("s.toml:1:7: found a list", 0), 0U);
 }
 
 TEST(SceneReader, ReadsQuantitiesInsideOptions) {

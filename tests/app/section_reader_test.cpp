@@ -13,7 +13,7 @@
 namespace tendril::app::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 struct Read {
   explicit Read(const std::string& rod, const std::string& table = "") {

@@ -62,14 +62,14 @@ struct Combined {
 
 /// One problem and all ways to solve it: each is planned once and certified. With the scene's own objectives each
 /// has to find what the first one found.
-struct Case {
+struct ProblemCase {
   std::string name;
   std::vector<Combined> ways;
 };
 
-std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name; }
+std::ostream& operator<<(std::ostream& os, const ProblemCase& c) { return os << c.name; }
 
-std::string name_of(const testing::TestParamInfo<Case>& info) { return info.param.name; }
+std::string name_of(const testing::TestParamInfo<ProblemCase>& info) { return info.param.name; }
 
 #ifdef __SANITIZE_ADDRESS__
 constexpr bool sanitized = true;
@@ -113,8 +113,8 @@ std::vector<Combined> affordable(std::vector<Combined> all) {
 }
 
 /// In the order of their first way.
-std::vector<Case> by_problem(const std::vector<Combined>& all) {
-  std::vector<Case> cases;
+std::vector<ProblemCase> by_problem(const std::vector<Combined>& all) {
+  std::vector<ProblemCase> cases;
   std::map<std::string, std::size_t> place;
   for (const Combined& c : all) {
     const auto [at, is_new] = place.emplace(c.problem_name(), cases.size());
@@ -189,7 +189,7 @@ Scene scene_of(const Combined& c) {
   return made;
 }
 
-class Combination : public testing::TestWithParam<Case> {};
+class Combination : public testing::TestWithParam<ProblemCase> {};
 
 TEST_P(Combination, IsSolvedByEverySolver) {
   std::optional<double> first;

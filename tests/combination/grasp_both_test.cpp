@@ -18,7 +18,7 @@ namespace {
 constexpr double same = 1e-8;
 
 /// Every backend; under sanitizers, which are slow and look for other defects, the one that scenes plan with.
-std::vector<std::string> solvers() {
+std::vector<std::string> solvers_of_pairs() {
 #ifdef __SANITIZE_ADDRESS__
   return {scene("grasp_60mm").solver.plugin};
 #else
@@ -74,7 +74,7 @@ class BothFingers : public testing::TestWithParam<std::string> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Found, BothFingers, testing::ValuesIn(solvers()),
+INSTANTIATE_TEST_SUITE_P(Found, BothFingers, testing::ValuesIn(solvers_of_pairs()),
                          [](const testing::TestParamInfo<std::string>& of) { return of.param; });
 
 TEST_P(BothFingers, AlikeWithoutGravityAreTheMirroredPlan) {

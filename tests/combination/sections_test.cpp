@@ -20,7 +20,7 @@ std::string arm(const std::string& rod, const std::string& loads, const std::str
          "plugin = \"tip_pose\"\nweight = 100\n[[objective]]\nplugin = \"actuation_effort\"\nweight = 1e-4\n";
 }
 
-struct Case {
+struct SectionCase {
   const char* name;
   std::string scene;
 };
@@ -34,7 +34,7 @@ const std::string loads =
     "[[rod.load]]\nat = \"70 mm\"\nmass = \"0.5 g\"\nforce = [\"2 mN\", \"-3 mN\"]\n[[rod.load]]\nfrom = \"20 mm\"\n"
     "to = \"90 mm\"\nforce_per_length = [0, \"-0.1 N/m\"]\n";
 
-const Case cases[] = {
+const SectionCase cases[] = {
     {"tapered, with a body", arm(round_taper, "", low_peg)},
     {"with loads", arm(even, loads, peg)},
     {"with a tapered body", arm(even + "thickness = [\"10 mm\", \"6 mm\"]\n", "", low_peg)},
@@ -42,7 +42,7 @@ const Case cases[] = {
     {"that stretches", arm(even + "axial_stiffness = \"10 N\"\n", loads, peg, "stretch_order = 12\n")}};
 
 TEST(Sections, EverySolverPlansWhatExecutionReaches) {
-  for (const Case& c : cases) {
+  for (const SectionCase& c : cases) {
     double objective = 0.0;
     for (const std::string& solver : solvers_to_combine()) {
       SCOPED_TRACE(std::string(c.name) + ", " + solver);

@@ -81,6 +81,11 @@ Problem problem(const Scene& scene, plugins::Registry& from) {
 
 Plan plan(const Scene& scene, const PlanControl& control) { return problem(scene).plan(control); }
 
+Plan plan_with(Scene scene, const std::string& solver) {
+  scene.solver.plugin = solver;
+  return plan(scene);
+}
+
 testing::AssertionResult certified(const Plan& plan) {
   if (plan.status == PlanStatus::solved && plan.certificate.valid()) return testing::AssertionSuccess();
   auto failure = testing::AssertionFailure();

@@ -30,6 +30,8 @@ Scene scene_from_text(const std::string& text, const std::vector<std::string>& o
 
 Problem problem(const Scene& scene, plugins::Registry& from = registry());
 Plan plan(const Scene& scene, const PlanControl& control = {});
+/// The same with another solver than the scene names.
+Plan plan_with(Scene scene, const std::string& solver);
 
 /// Whether the plan is solved and certified; else what it says of itself.
 testing::AssertionResult certified(const Plan& plan);

@@ -52,7 +52,7 @@ bool passes_above(const Plan& plan) {
 }
 
 /// Equal up to the rounding of two polished plans; a second minimum differs by far more.
-double same(double objective) { return 1e-6 * std::max(objective, 1e-6); }
+double tolerance_of(double objective) { return 1e-6 * std::max(objective, 1e-6); }
 
 TEST(Targets, EverySolverCertifiesEveryTargetAndTheyAgree) {
   int count = 0;
@@ -66,7 +66,7 @@ TEST(Targets, EverySolverCertifiesEveryTargetAndTheyAgree) {
       ++count;
       const auto [known, first] = objective.emplace(passes_above(found), found.objective);
       if (!first) {
-        EXPECT_NEAR(found.objective, known->second, same(known->second));
+        EXPECT_NEAR(found.objective, known->second, tolerance_of(known->second));
       }
     }
     if (objective.size() > 1) std::cout << pose << ": the solvers end on different sides of the peg\n";
@@ -113,7 +113,8 @@ TEST(Targets, FromRandomStartsNineInTenReachTheBestOfTheirSide) {
       }
     }
     for (const auto& [solver, own] : by_solver) {
-      for (const Run& run : own) reached[solver] += run.objective <= best[run.above] + same(best[run.above]) ? 1 : 0;
+      for (const Run& run : own)
+        reached[solver] += run.objective <= best[run.above] + tolerance_of(best[run.above]) ? 1 : 0;
     }
   }
   for (const auto& [solver, count] : runs) EXPECT_GE(10 * reached[solver], 9 * count) << solver;

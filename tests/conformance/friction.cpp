@@ -155,15 +155,15 @@ struct Rope : Sizes<12, 3, 9> {
 
 const std::vector<KnownMpcc>& friction() {
   static const std::vector<KnownMpcc> all{
-      problem<Slope>("slope", "sticks at the edge of its cone", {0.1, 0.0, 0.0, 0.1, 0.0}, -std::atan(Slope::mu)),
-      problem<Drag>("drag", "slips", {0.5, 0.2, 0.0, 0.4, 1.0}, std::sin(std::atan(Drag::mu))),
-      problem<Disc>("disc", "stops slipping", {1.0, 0.8, 0.4, 0.0, 0.2, 0.4}, 1.0 / (3.0 * Disc::mu)),
-      problem<PainleveRod>("painleve rod", "matrix that friction makes indefinite", {0.5, 5.0}, 2.0 / std::sqrt(3.0)),
-      problem<Springs>("springs", "contact and friction together", {0.5, 0.1, 0.0, 0.0, 0.3, 0.1, 0.9}, 0.47),
-      problem<Gripper>("gripper", "family of solutions", {2.0, 0.0, 0.5, 0.0, 0.0, 0.5, 0.0, 0.0},
-                       1.0 / (2.0 * Gripper::mu)),
-      problem<Rope>("rope", "nine pairs", {1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
-                    -std::pow(Rope::ratio(), 3)),
+      mpcc<Slope>("slope", "sticks at the edge of its cone", {0.1, 0.0, 0.0, 0.1, 0.0}, -std::atan(Slope::mu)),
+      mpcc<Drag>("drag", "slips", {0.5, 0.2, 0.0, 0.4, 1.0}, std::sin(std::atan(Drag::mu))),
+      mpcc<Disc>("disc", "stops slipping", {1.0, 0.8, 0.4, 0.0, 0.2, 0.4}, 1.0 / (3.0 * Disc::mu)),
+      mpcc<PainleveRod>("painleve rod", "matrix that friction makes indefinite", {0.5, 5.0}, 2.0 / std::sqrt(3.0)),
+      mpcc<Springs>("springs", "contact and friction together", {0.5, 0.1, 0.0, 0.0, 0.3, 0.1, 0.9}, 0.47),
+      mpcc<Gripper>("gripper", "family of solutions", {2.0, 0.0, 0.5, 0.0, 0.0, 0.5, 0.0, 0.0},
+                    1.0 / (2.0 * Gripper::mu)),
+      mpcc<Rope>("rope", "nine pairs", {1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0},
+                 -std::pow(Rope::ratio(), 3)),
   };
   return all;
 }

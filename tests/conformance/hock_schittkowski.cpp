@@ -8,7 +8,7 @@ namespace tendril::conformance {
 namespace {
 
 template <int n, int m, int r = 0>
-struct Sizes {
+struct Extent {
   int variables = n;
   int rows = m;
   int residuals = r;
@@ -20,7 +20,7 @@ void inequalities(Bounds b, Eigen::Index first = 0) {
   for (Eigen::Index i = first; i < b.row_upper.size(); ++i) b.row_upper[i] = infinity;
 }
 
-struct Hs1 : Sizes<2, 0, 2> {
+struct Hs1 : Extent<2, 0, 2> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.residuals[0] = 10.0 * (x[1] - x[0] * x[0]);
@@ -29,7 +29,7 @@ struct Hs1 : Sizes<2, 0, 2> {
   void bounds(Bounds b) const { b.lower[1] = -1.5; }
 };
 
-struct Hs3 : Sizes<2, 0> {
+struct Hs3 : Extent<2, 0> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = x[1] + 1e-5 * (x[1] - x[0]) * (x[1] - x[0]);
@@ -37,7 +37,7 @@ struct Hs3 : Sizes<2, 0> {
   void bounds(Bounds b) const { b.lower[1] = 0.0; }
 };
 
-struct Hs4 : Sizes<2, 0> {
+struct Hs4 : Extent<2, 0> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = pow(x[0] + 1.0, 3.0) / 3.0 + x[1];
@@ -45,7 +45,7 @@ struct Hs4 : Sizes<2, 0> {
   void bounds(Bounds b) const { b.lower << 1.0, 0.0; }
 };
 
-struct Hs5 : Sizes<2, 0> {
+struct Hs5 : Extent<2, 0> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     using std::sin;
@@ -57,7 +57,7 @@ struct Hs5 : Sizes<2, 0> {
   }
 };
 
-struct Hs6 : Sizes<2, 1, 1> {
+struct Hs6 : Extent<2, 1, 1> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.residuals[0] = 1.0 - x[0];
@@ -65,7 +65,7 @@ struct Hs6 : Sizes<2, 1, 1> {
   }
 };
 
-struct Hs7 : Sizes<2, 1> {
+struct Hs7 : Extent<2, 1> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     using std::log;
@@ -75,7 +75,7 @@ struct Hs7 : Sizes<2, 1> {
   }
 };
 
-struct Hs8 : Sizes<2, 2> {
+struct Hs8 : Extent<2, 2> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = -1.0;
@@ -84,7 +84,7 @@ struct Hs8 : Sizes<2, 2> {
   }
 };
 
-struct Hs9 : Sizes<2, 1> {
+struct Hs9 : Extent<2, 1> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     using std::cos;
@@ -94,7 +94,7 @@ struct Hs9 : Sizes<2, 1> {
   }
 };
 
-struct Hs10 : Sizes<2, 1> {
+struct Hs10 : Extent<2, 1> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = x[0] - x[1];
@@ -103,7 +103,7 @@ struct Hs10 : Sizes<2, 1> {
   void bounds(Bounds b) const { inequalities(b); }
 };
 
-struct Hs11 : Sizes<2, 1> {
+struct Hs11 : Extent<2, 1> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = (x[0] - 5.0) * (x[0] - 5.0) + x[1] * x[1] - 25.0;
@@ -112,7 +112,7 @@ struct Hs11 : Sizes<2, 1> {
   void bounds(Bounds b) const { inequalities(b); }
 };
 
-struct Hs12 : Sizes<2, 1> {
+struct Hs12 : Extent<2, 1> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = 0.5 * x[0] * x[0] + x[1] * x[1] - x[0] * x[1] - 7.0 * x[0] - 7.0 * x[1];
@@ -121,7 +121,7 @@ struct Hs12 : Sizes<2, 1> {
   void bounds(Bounds b) const { inequalities(b); }
 };
 
-struct Hs14 : Sizes<2, 2, 2> {
+struct Hs14 : Extent<2, 2, 2> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.residuals[0] = x[0] - 2.0;
@@ -132,7 +132,7 @@ struct Hs14 : Sizes<2, 2, 2> {
   void bounds(Bounds b) const { inequalities(b, 1); }
 };
 
-struct Hs21 : Sizes<2, 1, 2> {
+struct Hs21 : Extent<2, 1, 2> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.residuals[0] = 0.1 * x[0];
@@ -147,7 +147,7 @@ struct Hs21 : Sizes<2, 1, 2> {
   }
 };
 
-struct Hs22 : Sizes<2, 2, 2> {
+struct Hs22 : Extent<2, 2, 2> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.residuals[0] = x[0] - 2.0;
@@ -158,7 +158,7 @@ struct Hs22 : Sizes<2, 2, 2> {
   void bounds(Bounds b) const { inequalities(b); }
 };
 
-struct Hs24 : Sizes<2, 3> {
+struct Hs24 : Extent<2, 3> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     const double root = std::sqrt(3.0);
@@ -173,7 +173,7 @@ struct Hs24 : Sizes<2, 3> {
   }
 };
 
-struct Hs28 : Sizes<3, 1, 2> {
+struct Hs28 : Extent<3, 1, 2> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.residuals[0] = x[0] + x[1];
@@ -182,7 +182,7 @@ struct Hs28 : Sizes<3, 1, 2> {
   }
 };
 
-struct Hs29 : Sizes<3, 1> {
+struct Hs29 : Extent<3, 1> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = -1.0 * x[0] * x[1] * x[2];
@@ -191,7 +191,7 @@ struct Hs29 : Sizes<3, 1> {
   void bounds(Bounds b) const { inequalities(b); }
 };
 
-struct Hs30 : Sizes<3, 1, 3> {
+struct Hs30 : Extent<3, 1, 3> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     for (std::size_t i = 0; i < 3; ++i) out.residuals[i] = x[i];
@@ -204,7 +204,7 @@ struct Hs30 : Sizes<3, 1, 3> {
   }
 };
 
-struct Hs35 : Sizes<3, 1> {
+struct Hs35 : Extent<3, 1> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = 9.0 - 8.0 * x[0] - 6.0 * x[1] - 4.0 * x[2] + 2.0 * x[0] * x[0] + 2.0 * x[1] * x[1] + x[2] * x[2] +
@@ -217,7 +217,7 @@ struct Hs35 : Sizes<3, 1> {
   }
 };
 
-struct Hs36 : Sizes<3, 1> {
+struct Hs36 : Extent<3, 1> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = -1.0 * x[0] * x[1] * x[2];
@@ -231,7 +231,7 @@ struct Hs36 : Sizes<3, 1> {
 };
 
 /// The two inequalities of the collection are the two sides of one row.
-struct Hs37 : Sizes<3, 1> {
+struct Hs37 : Extent<3, 1> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = -1.0 * x[0] * x[1] * x[2];
@@ -244,7 +244,7 @@ struct Hs37 : Sizes<3, 1> {
   }
 };
 
-struct Hs38 : Sizes<4, 0, 6> {
+struct Hs38 : Extent<4, 0, 6> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.residuals[0] = 10.0 * (x[1] - x[0] * x[0]);
@@ -264,7 +264,7 @@ struct Hs38 : Sizes<4, 0, 6> {
   }
 };
 
-struct Hs39 : Sizes<4, 2> {
+struct Hs39 : Extent<4, 2> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = -1.0 * x[0];
@@ -273,7 +273,7 @@ struct Hs39 : Sizes<4, 2> {
   }
 };
 
-struct Hs40 : Sizes<4, 3> {
+struct Hs40 : Extent<4, 3> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = -1.0 * x[0] * x[1] * x[2] * x[3];
@@ -283,7 +283,7 @@ struct Hs40 : Sizes<4, 3> {
   }
 };
 
-struct Hs42 : Sizes<4, 2, 4> {
+struct Hs42 : Extent<4, 2, 4> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     for (std::size_t i = 0; i < 4; ++i) out.residuals[i] = x[i] - static_cast<double>(i + 1);
@@ -292,7 +292,7 @@ struct Hs42 : Sizes<4, 2, 4> {
   }
 };
 
-struct Hs43 : Sizes<4, 3> {
+struct Hs43 : Extent<4, 3> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     const T a = x[0] * x[0];
@@ -307,7 +307,7 @@ struct Hs43 : Sizes<4, 3> {
   void bounds(Bounds b) const { inequalities(b); }
 };
 
-struct Hs48 : Sizes<5, 2, 3> {
+struct Hs48 : Extent<5, 2, 3> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.residuals[0] = x[0] - 1.0;
@@ -318,7 +318,7 @@ struct Hs48 : Sizes<5, 2, 3> {
   }
 };
 
-struct Hs51 : Sizes<5, 3, 4> {
+struct Hs51 : Extent<5, 3, 4> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.residuals[0] = x[0] - x[1];
@@ -331,7 +331,7 @@ struct Hs51 : Sizes<5, 3, 4> {
   }
 };
 
-struct Hs71 : Sizes<4, 2> {
+struct Hs71 : Extent<4, 2> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = x[0] * x[3] * (x[0] + x[1] + x[2]) + x[2];
@@ -345,7 +345,7 @@ struct Hs71 : Sizes<4, 2> {
   }
 };
 
-struct Hs76 : Sizes<4, 3> {
+struct Hs76 : Extent<4, 3> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     out.rest = x[0] * x[0] + 0.5 * x[1] * x[1] + x[2] * x[2] + 0.5 * x[3] * x[3] - x[0] * x[2] + x[2] * x[3] - x[0] -
@@ -360,7 +360,7 @@ struct Hs76 : Sizes<4, 3> {
   }
 };
 
-struct Hs100 : Sizes<7, 4> {
+struct Hs100 : Extent<7, 4> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     const auto squared = [](const T& v) { return v * v; };
@@ -376,7 +376,7 @@ struct Hs100 : Sizes<7, 4> {
   void bounds(Bounds b) const { inequalities(b); }
 };
 
-struct Hs113 : Sizes<10, 8> {
+struct Hs113 : Extent<10, 8> {
   template <class T>
   void operator()(const T* x, Values<T>& out) const {
     const auto squared = [](const T& v) { return v * v; };
@@ -394,12 +394,6 @@ struct Hs113 : Sizes<10, 8> {
   }
   void bounds(Bounds b) const { inequalities(b); }
 };
-
-Eigen::VectorXd vector(std::initializer_list<double> values) {
-  Eigen::VectorXd v(static_cast<Eigen::Index>(values.size()));
-  std::copy(values.begin(), values.end(), v.begin());
-  return v;
-}
 
 template <class Formula>
 KnownProblem problem(std::string name, std::string features, std::initializer_list<double> start, double optimum,

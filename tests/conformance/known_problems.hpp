@@ -1,11 +1,19 @@
 #pragma once
 
+#include <algorithm>
+#include <initializer_list>
 #include <ostream>
 
 #include "formula.hpp"
 #include "tendril/solver.hpp"
 
 namespace tendril::conformance {
+
+inline Eigen::VectorXd vector(std::initializer_list<double> values) {
+  Eigen::VectorXd v(static_cast<Eigen::Index>(values.size()));
+  std::copy(values.begin(), values.end(), v.begin());
+  return v;
+}
 
 /// A program with a published answer, against which any backend's solution is checked.
 struct KnownProblem {

@@ -187,20 +187,20 @@ struct Stackelberg1 : Sizes<2, 0, 1> {
 
 const std::vector<KnownMpcc>& macmpec() {
   static const std::vector<KnownMpcc> all{
-      problem<Bard1>("bard1", "bilevel program, three pairs", {0.0, 0.0, 0.0, 0.0, 0.0}, 17.0),
-      problem<Desilva>("desilva", "bilevel program, two pairs", {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, -1.0),
-      problem<Df1>("df1", "biactive solution", {0.0, 0.0}, 0.0),
-      problem<Gauvin>("gauvin", "two pairs", {7.0, 10.0, 5.0}, 20.0),
-      problem<Jr1>("jr1", "one pair", {0.0, 0.0}, 0.5),
-      problem<Jr2>("jr2", "one pair", {0.0, 0.0}, 0.5),
-      problem<Kth1>("kth1", "biactive solution", {1.0, 1.0}, 0.0),
-      problem<Kth2>("kth2", "one pair", {1.0, 1.0}, 0.0),
-      problem<Kth3>("kth3", "two local minima", {1.0, 0.5}, 0.5),
-      problem<Nash1>("nash1", "family of solutions", {5.0, 5.0, 5.0, 5.0, 0.0, 0.0}, 0.0),
-      problem<Outrata31>("outrata31", "nonlinear equations, two pairs", {0.0, 0.0, 0.0, 0.0, 0.0}, 3.2077),
-      problem<Ralph2>("ralph2", "biactive solution, indefinite cost", {1.0, 1.0}, 0.0),
-      problem<Scholtes3>("scholtes3", "two equal minima", {0.5, 0.4}, 0.5),
-      problem<Stackelberg1>("stackelberg1", "one pair, large numbers", {0.0, 50.0}, -3266.6667),
+      mpcc<Bard1>("bard1", "bilevel program, three pairs", {0.0, 0.0, 0.0, 0.0, 0.0}, 17.0),
+      mpcc<Desilva>("desilva", "bilevel program, two pairs", {0.0, 0.0, 0.0, 0.0, 0.0, 0.0}, -1.0),
+      mpcc<Df1>("df1", "biactive solution", {0.0, 0.0}, 0.0),
+      mpcc<Gauvin>("gauvin", "two pairs", {7.0, 10.0, 5.0}, 20.0),
+      mpcc<Jr1>("jr1", "one pair", {0.0, 0.0}, 0.5),
+      mpcc<Jr2>("jr2", "one pair", {0.0, 0.0}, 0.5),
+      mpcc<Kth1>("kth1", "biactive solution", {1.0, 1.0}, 0.0),
+      mpcc<Kth2>("kth2", "one pair", {1.0, 1.0}, 0.0),
+      mpcc<Kth3>("kth3", "two local minima", {1.0, 0.5}, 0.5),
+      mpcc<Nash1>("nash1", "family of solutions", {5.0, 5.0, 5.0, 5.0, 0.0, 0.0}, 0.0),
+      mpcc<Outrata31>("outrata31", "nonlinear equations, two pairs", {0.0, 0.0, 0.0, 0.0, 0.0}, 3.2077),
+      mpcc<Ralph2>("ralph2", "biactive solution, indefinite cost", {1.0, 1.0}, 0.0),
+      mpcc<Scholtes3>("scholtes3", "two equal minima", {0.5, 0.4}, 0.5),
+      mpcc<Stackelberg1>("stackelberg1", "one pair, large numbers", {0.0, 50.0}, -3266.6667),
   };
   return all;
 }

@@ -63,7 +63,7 @@ Values<double> evaluate(ConstVectorRef x) {
 }
 
 template <class Formula>
-KnownMpcc problem(std::string name, std::string features, std::initializer_list<double> start, double optimum) {
+KnownMpcc mpcc(std::string name, std::string features, std::initializer_list<double> start, double optimum) {
   KnownMpcc p;
   p.name = std::move(name);
   p.features = std::move(features);

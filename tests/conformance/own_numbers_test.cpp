@@ -21,12 +21,6 @@ bool has_multipliers(const std::string& solver) {
   return std::find(std::begin(with_multipliers), std::end(with_multipliers), solver) != std::end(with_multipliers);
 }
 
-Eigen::VectorXd vector(std::initializer_list<double> values) {
-  Eigen::VectorXd v(static_cast<Eigen::Index>(values.size()));
-  std::copy(values.begin(), values.end(), v.begin());
-  return v;
-}
-
 /// min |x - t|^2, t = (0, 2, 0, 2, 3, 5, 1): a row at its lower side, one at its upper, a lower and an upper bound, an
 /// equation and a fixed variable; every one of them has another side that idles. Every multiplier is another number.
 struct Sides {

@@ -17,16 +17,16 @@
 namespace tendril {
 namespace {
 
-struct Case {
+struct GraspCase {
   const char* name;
   bool upper_at_tip, lower_at_tip, free_palm;
   bool rubs = false;
   bool loaded = false;
 };
 
-std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name; }
+std::ostream& operator<<(std::ostream& os, const GraspCase& c) { return os << c.name; }
 
-class GraspDerivatives : public testing::TestWithParam<Case> {
+class GraspDerivatives : public testing::TestWithParam<GraspCase> {
  protected:
   GraspDerivatives() : sample({GetParam().upper_at_tip, GetParam().lower_at_tip, GetParam().free_palm}) {
     if (GetParam().rubs) {
@@ -138,12 +138,13 @@ TEST_P(GraspDerivatives, RowsOfTheWholeAreWhatTheySay) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, GraspDerivatives,
-                         testing::Values(Case{"inside", false, false, true}, Case{"tips", true, true, true},
-                                         Case{"upper_tip", true, false, false}, Case{"lower_tip", false, true, false},
-                                         Case{"rubs", false, false, true, true},
-                                         Case{"loaded", false, true, true, false, true},
-                                         Case{"rubs_loaded", true, false, false, true, true},
-                                         Case{"rubs_loaded_inside", false, false, true, true, true}),
+                         testing::Values(GraspCase{"inside", false, false, true}, GraspCase{"tips", true, true, true},
+                                         GraspCase{"upper_tip", true, false, false},
+                                         GraspCase{"lower_tip", false, true, false},
+                                         GraspCase{"rubs", false, false, true, true},
+                                         GraspCase{"loaded", false, true, true, false, true},
+                                         GraspCase{"rubs_loaded", true, false, false, true, true},
+                                         GraspCase{"rubs_loaded_inside", false, false, true, true, true}),
                          [](const auto& each) { return std::string(each.param.name); });
 
 /// An arc of a circle as a finger of unit length.

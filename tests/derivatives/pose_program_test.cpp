@@ -62,7 +62,7 @@ class Sines : public CoordinateModel {
   std::vector<double> breaks() const override { return {0.4}; }
 };
 
-struct Case {
+struct PoseCase {
   const char* name;
   std::shared_ptr<CoordinateModel> model;
   bool split;
@@ -76,16 +76,16 @@ struct Case {
   bool moves = false;
 };
 
-std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name; }
+std::ostream& operator<<(std::ostream& os, const PoseCase& c) { return os << c.name; }
 
-class PoseDerivatives : public testing::TestWithParam<Case> {
+class PoseDerivatives : public testing::TestWithParam<PoseCase> {
  protected:
   PoseDerivatives() : sample(setup_of(GetParam())), spec(sample.spec) {
     spec.tolerance = {0.2, 0.3};
     program = std::make_unique<PoseProgram>(spec);
   }
 
-  static support::SamplePose::Setup setup_of(const Case& c) {
+  static support::SamplePose::Setup setup_of(const PoseCase& c) {
     return {c.model, c.split, c.tip_contact, c.interior_contacts, c.shapes,
             c.palm,  c.rod,   c.profiles,    c.stretches,         c.moves};
   }
@@ -281,8 +281,8 @@ TEST_P(PoseDerivatives, MarginOfStabilityAndSpreadingChangeAsTheirRowsSay) {
   }
 }
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
+std::vector<PoseCase> pose_cases() {
+  std::vector<PoseCase> all;
   const auto legendre = [](int order, int pieces = 1) { return std::make_shared<LegendreBasis>(order, pieces); };
   for (const bool split : {false, true}) {
     for (const int contacts : {0, 1, 2}) {
@@ -362,8 +362,8 @@ std::vector<Case> cases() {
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, PoseDerivatives, testing::ValuesIn(cases()), [](const auto& each) {
-  const Case& c = each.param;
+INSTANTIATE_TEST_SUITE_P(All, PoseDerivatives, testing::ValuesIn(pose_cases()), [](const auto& each) {
+  const PoseCase& c = each.param;
   return std::string(c.name) + "_" + std::to_string(c.interior_contacts) + "inside" + (c.tip_contact ? "_tip" : "") +
          (std::string(c.shapes) == "circles" ? "" : "_" + std::string(c.shapes)) +
          (std::string(c.rod) == "uniform" ? "" : "_" + std::string(c.rod));

@@ -103,7 +103,7 @@ double potential(const SamplePose& sample, PoseProgram& program, const Eigen::Ve
   return energy;
 }
 
-struct Case {
+struct ValueCase {
   const char* name;
   bool split, tip;
   int inside;
@@ -112,24 +112,24 @@ struct Case {
   bool profiles = false;
 };
 
-const Case cases[] = {{"free", true, false, 0, false},
-                      {"inside", true, false, 1, false},
-                      {"inside in a piece", false, false, 1, false},
-                      {"two and tip", true, true, 2, false},
-                      {"two and tip in pieces", false, true, 2, false},
-                      {"on a palm", true, true, 1, true},
-                      {"tapered", true, true, 2, false, "tapered"},
-                      {"tapered in pieces", false, true, 2, false, "tapered"},
-                      {"loaded", true, false, 1, true, "loaded"},
-                      {"loaded in pieces", false, true, 2, false, "loaded"},
-                      {"thick", false, true, 2, false, "thick"},
-                      {"thick, tapered and loaded", true, true, 2, true, "varied"},
-                      {"profiles", true, true, 2, false, "uniform", true},
-                      {"profiles in pieces, tapered and loaded", false, true, 2, true, "varied", true}};
+const ValueCase cases[] = {{"free", true, false, 0, false},
+                           {"inside", true, false, 1, false},
+                           {"inside in a piece", false, false, 1, false},
+                           {"two and tip", true, true, 2, false},
+                           {"two and tip in pieces", false, true, 2, false},
+                           {"on a palm", true, true, 1, true},
+                           {"tapered", true, true, 2, false, "tapered"},
+                           {"tapered in pieces", false, true, 2, false, "tapered"},
+                           {"loaded", true, false, 1, true, "loaded"},
+                           {"loaded in pieces", false, true, 2, false, "loaded"},
+                           {"thick", false, true, 2, false, "thick"},
+                           {"thick, tapered and loaded", true, true, 2, true, "varied"},
+                           {"profiles", true, true, 2, false, "uniform", true},
+                           {"profiles in pieces, tapered and loaded", false, true, 2, true, "varied", true}};
 
 // h_e = -dPi/dq + sum of f J^T n, by differences of the energy itself.
 TEST(PoseValues, EquilibriumRowsAreTheSlopesOfTheEnergy) {
-  for (const Case& c : cases) {
+  for (const ValueCase& c : cases) {
     SCOPED_TRACE(c.name);
     SamplePose sample(
         {std::make_shared<LegendreBasis>(5, 2), c.split, c.tip, c.inside, "circles", c.palm, c.rod, c.profiles});
@@ -155,7 +155,7 @@ TEST(PoseValues, EquilibriumRowsAreTheSlopesOfTheEnergy) {
 }
 
 TEST(PoseValues, RowsOfContactsAreGapsAndAngles) {
-  for (const Case& c : cases) {
+  for (const ValueCase& c : cases) {
     SCOPED_TRACE(c.name);
     SamplePose sample({std::make_shared<LegendreBasis>(5, 2), c.split, c.tip, c.inside, "hulls", c.palm, c.rod});
     PoseProgram program(sample.spec);

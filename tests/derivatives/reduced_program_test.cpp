@@ -22,16 +22,16 @@
 namespace tendril {
 namespace {
 
-struct Case {
+struct ReducedCase {
   const char* name;
   int order, pieces;
   bool split, tip_contact;
   int interior_contacts;
 };
 
-std::ostream& operator<<(std::ostream& os, const Case& c) { return os << c.name; }
+std::ostream& operator<<(std::ostream& os, const ReducedCase& c) { return os << c.name; }
 
-class ReducedDerivatives : public testing::TestWithParam<Case> {
+class ReducedDerivatives : public testing::TestWithParam<ReducedCase> {
  protected:
   ReducedDerivatives()
       : sample({std::make_shared<LegendreBasis>(GetParam().order, GetParam().pieces), GetParam().split,
@@ -172,9 +172,10 @@ TEST_P(ReducedDerivatives, OfTheWorstOfSeveralStatesAgree) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Programs, ReducedDerivatives,
-                         testing::Values(Case{"free", 6, 1, true, false, 0}, Case{"tip", 5, 2, true, true, 0},
-                                         Case{"inside", 6, 1, true, false, 1},
-                                         Case{"inside_one_piece", 7, 1, false, false, 1}),
+                         testing::Values(ReducedCase{"free", 6, 1, true, false, 0},
+                                         ReducedCase{"tip", 5, 2, true, true, 0},
+                                         ReducedCase{"inside", 6, 1, true, false, 1},
+                                         ReducedCase{"inside_one_piece", 7, 1, false, false, 1}),
                          [](const auto& c) { return c.param.name; });
 
 /// A strip that its tip force has buckled, and that its moment straightens up to a fold.

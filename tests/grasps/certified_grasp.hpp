@@ -15,6 +15,11 @@
 /// the certificate about.
 namespace tendril::grasps {
 
+/// What rounding leaves beside a defect of 1e-9, and the three digits of a message.
+inline constexpr double three_digits = 0.01;
+/// The clearance bound is sharp to a tenth of what is asked for.
+inline constexpr double as_sharp_as_clearance = 0.06;
+
 /// The rod, the bodies and the program of one finger, the object's centre at the origin and the axis along x. All units
 /// are the finger's own.
 class Finger {

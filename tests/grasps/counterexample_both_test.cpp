@@ -14,10 +14,6 @@
 namespace tendril::grasps {
 namespace {
 
-constexpr double three_digits = 0.01;
-/// The clearance bound is sharp to a tenth of what is asked for.
-constexpr double as_sharp_as_clearance = 0.06;
-
 /// The ways of touching that win. Nothing else is planned, for time.
 const char* const inside =
     "upper finger: interior contact with 'object' on segment 2; lower finger: interior contact with 'object' on "
@@ -39,7 +35,7 @@ Eigen::VectorXd planned_point(const Pair& grasp) {
 
 const char* name_of(std::size_t which) { return which == 0 ? "upper finger: " : "lower finger: "; }
 
-struct Disturbed {
+struct DisturbedPair {
   const char* what;
   std::vector<std::string> names;  ///< of the failures
   double limit;
@@ -70,9 +66,9 @@ double own_value(const Pair& grasp, std::size_t which, const Eigen::VectorXd& x,
   return 0.0;
 }
 
-const std::vector<Disturbed>& disturbances_of_a_finger() {
+const std::vector<DisturbedPair>& disturbances_of_a_finger() {
   using Point = const Eigen::VectorXd&;
-  static const std::vector<Disturbed> all{
+  static const std::vector<DisturbedPair> all{
       {"an equilibrium row",
        {"equilibrium residual"},
        tolerance::equilibrium,
@@ -147,9 +143,9 @@ const std::vector<Disturbed>& disturbances_of_a_finger() {
   return all;
 }
 
-const std::vector<Disturbed>& disturbances_of_the_whole() {
+const std::vector<DisturbedPair>& disturbances_of_the_whole() {
   using Point = const Eigen::VectorXd&;
-  static const std::vector<Disturbed> all{
+  static const std::vector<DisturbedPair> all{
       {"force out of balance, away from the palm",
        {"net force on the object"},
        tolerance::balance,
@@ -202,7 +198,7 @@ class PlannedPair {
     grasp.palm_minimum = palm_.first;
     grasp.palm_maximum = palm_.second;
   }
-  void expect_limit(const Disturbed& one, std::size_t which) {
+  void expect_limit(const DisturbedPair& one, std::size_t which) {
     for (const double share : {0.5, 2.0}) {
       restore();
       const double amount = share * one.limit;
@@ -228,11 +224,11 @@ class PlannedPair {
 TEST(CounterexampleBothFingers, OneThingWrongIsRefusedByItsNameAndNumber) {
   PlannedPair planned(combination::scene("grasp_unequal"));
   expect_accepted(judged(planned.grasp, planned.x));
-  for (const Disturbed& one : disturbances_of_the_whole()) {
+  for (const DisturbedPair& one : disturbances_of_the_whole()) {
     SCOPED_TRACE(one.what);
     planned.expect_limit(one, 0);
   }
-  for (const Disturbed& one : disturbances_of_a_finger()) {
+  for (const DisturbedPair& one : disturbances_of_a_finger()) {
     for (const std::size_t which : {0, 1}) {
       SCOPED_TRACE(std::string(name_of(which)) + one.what);
       planned.expect_limit(one, which);

@@ -11,11 +11,6 @@
 namespace tendril::grasps {
 namespace {
 
-/// What rounding leaves beside a defect of 1e-9, and the three digits of a message.
-constexpr double three_digits = 0.01;
-/// The clearance bound is sharp to a tenth of what is asked for.
-constexpr double as_sharp_as_clearance = 0.06;
-
 /// So small that the tip comes nearer to the axis than the base.
 Scene small_object() { return combination::scene("grasp_60mm", {"gripper.object_diameter=\"45 mm\""}); }
 

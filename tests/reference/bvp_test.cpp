@@ -300,7 +300,7 @@ double root(const std::function<double(double)>& f, double a, double b) {
   return b;
 }
 
-RodBvp upright(double weight) {
+RodBvp upright_bvp(double weight) {
   RodBvp rod;
   rod.base_angle = std::acos(0.0);
   rod.sections[0].density = weight;
@@ -309,7 +309,7 @@ RodBvp upright(double weight) {
 }
 
 TEST(BvpReference, MomentRateIsTheDerivativeOfTheMoment) {
-  const RodBvp rod = upright(5.0);
+  const RodBvp rod = upright_bvp(5.0);
   const double step = 1e-4;
   const auto at = [&](double angle) {
     BvpGuess guess;
@@ -325,7 +325,7 @@ TEST(BvpReference, MomentRateIsTheDerivativeOfTheMoment) {
 // A rod buckles where its tip turns without a moment (model.md section 8).
 TEST(BvpReference, EulerLoad) {
   const auto stiffness = [](double load) {
-    RodBvp rod = upright(0.0);
+    RodBvp rod = upright_bvp(0.0);
     rod.tip_force = {0.0, -load};
     return solve_tip_angle(rod, {0.0}, 0, rod.base_angle).moment_rate;
   };
@@ -336,7 +336,7 @@ TEST(BvpReference, EulerLoad) {
 
 TEST(BvpReference, CriticalSelfWeight) {
   const auto stiffness = [](double weight) {
-    return solve_tip_angle(upright(weight), {0.0}, 0, std::acos(0.0)).moment_rate;
+    return solve_tip_angle(upright_bvp(weight), {0.0}, 0, std::acos(0.0)).moment_rate;
   };
   EXPECT_NEAR(root(stiffness, 7.0, 8.5), 7.8373474389, 0.6e-10);
 }
@@ -347,7 +347,7 @@ TEST(BvpReference, SnapThroughOfAnUprightRod) {
     double weight, moment, lean;
   };
   for (const Fold& fold : {Fold{10.0, -0.24017224, 0.7272}, Fold{12.0, -0.59941729, 0.8253}}) {
-    const RodBvp rod = upright(fold.weight);
+    const RodBvp rod = upright_bvp(fold.weight);
     const auto at = [&](double lean) {
       BvpGuess guess;
       guess.angle = [&rod, lean](double s) { return rod.base_angle + lean * std::sin(std::acos(0.0) * s); };

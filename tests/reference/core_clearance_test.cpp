@@ -18,7 +18,7 @@
 namespace tendril::support {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A rod bent to an arc of angle `turn`, cut into pieces that a random shape of the same program would have.
 struct Arc {

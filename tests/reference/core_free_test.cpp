@@ -26,7 +26,7 @@ std::vector<NamedModel> all_models() {
 }
 
 // Rounding alone: some ten operations on numbers of size 1 and on angles up to 20.
-constexpr double exact = 1e-12;
+constexpr double to_rounding = 1e-12;
 
 TEST(CoreReference, TipMomentIsACircularArcInEveryBasis) {
   Rod rod;
@@ -40,9 +40,9 @@ TEST(CoreReference, TipMomentIsACircularArcInEveryBasis) {
       const double y = 2.0 * half * half / moment;
       Equilibrium free(rod, m.model, {moment}, {}, {}, true, moment);
       EXPECT_LE(free.solve(constant_curvature(0.3)), solved);
-      EXPECT_NEAR(free.tip().x, x, exact);
-      EXPECT_NEAR(free.tip().y, y, exact);
-      EXPECT_NEAR(free.tip_angle(), moment, exact * (1.0 + std::abs(moment)));
+      EXPECT_NEAR(free.tip().x, x, to_rounding);
+      EXPECT_NEAR(free.tip().y, y, to_rounding);
+      EXPECT_NEAR(free.tip_angle(), moment, to_rounding * (1.0 + std::abs(moment)));
       // A knot or a point on the rod that carries no force changes nothing.
       for (const bool split : {true, false}) {
         for (const double place : {0.01, 0.37, 0.95}) {
@@ -52,11 +52,11 @@ TEST(CoreReference, TipMomentIsACircularArcInEveryBasis) {
           start.moments = {moment};
           start.arc_lengths = {place};
           EXPECT_LE(cut.solve_coordinates(cut.program->start_from(start)), solved);
-          EXPECT_NEAR(cut.tip().x, x, exact);
-          EXPECT_NEAR(cut.tip().y, y, exact);
+          EXPECT_NEAR(cut.tip().x, x, to_rounding);
+          EXPECT_NEAR(cut.tip().y, y, to_rounding);
           const PoseProgram::ContactState& at = cut.program->contacts()[0];
-          EXPECT_NEAR(at.point.x, std::sin(moment * place) / moment, exact);
-          EXPECT_NEAR(at.angle, moment * place, exact * (1.0 + std::abs(moment)));
+          EXPECT_NEAR(at.point.x, std::sin(moment * place) / moment, to_rounding);
+          EXPECT_NEAR(at.angle, moment * place, to_rounding * (1.0 + std::abs(moment)));
         }
       }
     }

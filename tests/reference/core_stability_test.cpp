@@ -18,7 +18,7 @@
 namespace tendril::support {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::unique_ptr<Equilibrium> braced(int order, bool split = true) {
   const DimensionlessArm arm;

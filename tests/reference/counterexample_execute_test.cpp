@@ -17,8 +17,6 @@
 namespace tendril::support {
 namespace {
 
-constexpr double euler = 0.25 * std::numbers::pi * std::numbers::pi;
-
 /// A straight rod pushed at its tip along itself by this share of the Euler load: its margin is one less that share.
 Execution pushed(double share) {
   ForwardScene s;

@@ -11,6 +11,7 @@
 
 #include "core_support.hpp"
 #include "counterexample_support.hpp"
+#include "execute_support.hpp"
 #include "obstacle/circle.hpp"
 #include "obstacle/wall.hpp"
 
@@ -18,7 +19,6 @@ namespace tendril::support {
 namespace {
 
 constexpr double half_turn = 0.5 * std::numbers::pi;
-constexpr double euler = 0.25 * std::numbers::pi * std::numbers::pi;
 
 /// A straight rod that stands under a load on its tip: its margin is 1 - load / euler exactly.
 Certificate upright_under(double load) {

@@ -14,7 +14,6 @@
 namespace tendril::support {
 namespace {
 
-constexpr double exact = 1e-8;     // of L; what the forward problem promises
 constexpr double forceful = 1e-6;  // of the force; likewise
 
 TEST(ExecuteContact, BracedArmTable) {

@@ -16,20 +16,9 @@
 namespace tendril::support {
 namespace {
 
-constexpr double exact = 1e-8;  // of L; what the forward problem promises
-
 ForwardScene one_circle(double x, double y, double radius) {
   ForwardScene s;
   s.circle(x, y, radius);
-  return s;
-}
-
-/// An arm under gravity above a peg, as in the table of the braced arm but with L = EI = 1.
-ForwardScene braced() {
-  ForwardScene s;
-  s.weight(1.682);
-  s.circle(0.6, 0.0, 0.08);
-  s.scene.start_tip_angle = 0.5;
   return s;
 }
 
@@ -90,7 +79,7 @@ TEST(ExecuteEvents, AnObstacleAroundTheBaseIsRefused) {
 }
 
 TEST(ExecuteEvents, ARisingMomentLiftsTheArmOffThePeg) {
-  const ForwardScene s = braced();
+  const ForwardScene s = unit_braced_arm();
   const Execution resting = s.run({0.5});
   ASSERT_EQ(resting.result.contacts.size(), 1U);
   const Execution lifted = s.run({1.2}, &resting.result);
@@ -142,8 +131,8 @@ TEST(ExecuteEvents, AShortContactIsNotSteppedOver) {
 }
 
 TEST(ExecuteEvents, TheContactModeDoesNotMatter) {
-  const Execution allowed = braced().run({0.5});
-  ForwardScene s = braced();
+  const Execution allowed = unit_braced_arm().run({0.5});
+  ForwardScene s = unit_braced_arm();
   s.scene.contact.mode = ContactModeName::ignore;
   const Execution ignored = s.run({0.5});
   s.scene.contact.mode = ContactModeName::avoid;
@@ -175,7 +164,7 @@ TEST(ExecuteEvents, ObstaclesWithoutRoomBetweenThemAreNamed) {
 }
 
 TEST(ExecuteEvents, StopsWhenToldTo) {
-  const ForwardScene s = braced();
+  const ForwardScene s = unit_braced_arm();
   ExecuteControl control;
   control.time_limit = 0.0;
   EXPECT_EQ(execute(s.scene, s.obstacles, {0.5}, control).result.status, PlanStatus::time_limit);
@@ -186,9 +175,9 @@ TEST(ExecuteEvents, StopsWhenToldTo) {
 }
 
 TEST(ExecuteEvents, MomentsThatMakeNoSenseAreRefused) {
-  EXPECT_THROW(braced().run({}), Error);
-  EXPECT_THROW(braced().run({1.0, 2.0}), Error);
-  EXPECT_THROW(braced().run({std::numeric_limits<double>::infinity()}), Error);
+  EXPECT_THROW(unit_braced_arm().run({}), Error);
+  EXPECT_THROW(unit_braced_arm().run({1.0, 2.0}), Error);
+  EXPECT_THROW(unit_braced_arm().run({std::numeric_limits<double>::infinity()}), Error);
 }
 
 }  // namespace

@@ -9,8 +9,6 @@
 namespace tendril::support {
 namespace {
 
-constexpr double exact = 1e-8;  // of L; what the forward problem promises
-
 TEST(ExecuteFree, TipMomentGivesACircularArc) {
   for (const double m : {0.5, -2.0, 7.0, 25.0}) {
     const Execution e = ForwardScene().run({m});

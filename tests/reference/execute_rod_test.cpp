@@ -59,12 +59,12 @@ Twins random_rod(unsigned seed) {
   return t;
 }
 
-struct Peg {
+struct PegBeside {
   double x, y, radius;
 };
 
 /// A peg that the rod without it runs through, a little deep at three quarters of its length.
-Peg peg_beside(const Plan& free) {
+PegBeside peg_beside(const Plan& free) {
   const BackbonePoint& at = free.backbone[free.backbone.size() * 3 / 4];
   const double radius = 0.06 * length;
   const double aside = 0.8 * radius;
@@ -89,7 +89,7 @@ TEST_P(ExecuteRod, EndsInAnExactEquilibriumOnAPeg) {
   Twins t = random_rod(GetParam());
   const Execution free = t.scene.run(t.moments);
   ASSERT_EQ(free.result.status, PlanStatus::solved) << free.result.message;
-  const Peg peg = peg_beside(free.result);
+  const PegBeside peg = peg_beside(free.result);
   t.scene.circle(peg.x / length, peg.y / length, peg.radius / length);
   const Execution e = t.scene.run(t.moments);
   ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;

@@ -10,26 +10,26 @@
 namespace tendril::support {
 namespace {
 
-constexpr double half_turn = std::numbers::pi / 2.0;
+constexpr double right_angle = std::numbers::pi / 2.0;
 
 /// The same rod for the independent discretization.
 RodBvp upright_links(double weight) {
   RodBvp rod;
   rod.sections[0].density = weight;
   rod.gravity = {0.0, -1.0};
-  rod.base_angle = half_turn;
+  rod.base_angle = right_angle;
   return rod;
 }
 
-struct Fold {
+struct KnownFold {
   double weight, moment, tip_angle;
 };
 
-class SnapThrough : public testing::TestWithParam<Fold> {};
+class SnapThrough : public testing::TestWithParam<KnownFold> {};
 
 // model.md section 8: fold of the tip moment, and the tip's angle from the vertical just before.
 TEST_P(SnapThrough, FoldOfTheMomentIsFoundAndTheStateAfterItIsStable) {
-  const Fold& known = GetParam();
+  const KnownFold& known = GetParam();
   ForwardScene s = upright(known.weight);
   s.scene.start_tip_angle = 1.0;
   const Execution first = s.run({2.0});
@@ -41,9 +41,9 @@ TEST_P(SnapThrough, FoldOfTheMomentIsFoundAndTheStateAfterItIsStable) {
   EXPECT_EQ(snap.kind, SnapKind::fold);
   EXPECT_NEAR(snap.moments[0], known.moment, 1e-7);
   EXPECT_NEAR(snap.load, (2.0 - known.moment) / 3.0, 1e-7);
-  EXPECT_NEAR(snap.before.back().angle - half_turn, known.tip_angle, 1e-4);
+  EXPECT_NEAR(snap.before.back().angle - right_angle, known.tip_angle, 1e-4);
   EXPECT_GT(snap.stability_after, 0.1);
-  EXPECT_LT(snap.after.back().angle, half_turn);
+  EXPECT_LT(snap.after.back().angle, right_angle);
   // The link chain, started on the other side, agrees on where the rod ends.
   LinkChainOptions options;
   options.links = 200;
@@ -54,7 +54,7 @@ TEST_P(SnapThrough, FoldOfTheMomentIsFoundAndTheStateAfterItIsStable) {
 }
 
 INSTANTIATE_TEST_SUITE_P(ModelSection8, SnapThrough,
-                         testing::Values(Fold{10.0, -0.24017224, 0.7272}, Fold{12.0, -0.59941729, 0.8253}));
+                         testing::Values(KnownFold{10.0, -0.24017224, 0.7272}, KnownFold{12.0, -0.59941729, 0.8253}));
 
 TEST(ExecuteSnap, AHigherStartHasNoFoldAboveTheCriticalMoment) {
   ForwardScene s = upright(10.0);
@@ -63,7 +63,7 @@ TEST(ExecuteSnap, AHigherStartHasNoFoldAboveTheCriticalMoment) {
   const Execution e = s.run({-0.24}, &first.result);
   ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
   EXPECT_TRUE(e.snaps.empty());
-  EXPECT_GT(e.result.tip_angle, half_turn + 0.7);
+  EXPECT_GT(e.result.tip_angle, right_angle + 0.7);
 }
 
 TEST(ExecuteSnap, ASymmetricRodBucklesAtTheEulerLoad) {

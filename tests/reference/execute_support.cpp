@@ -46,6 +46,14 @@ std::function<double(double)> angle_of(const Plan& plan) {
   };
 }
 
+ForwardScene unit_braced_arm() {
+  ForwardScene s;
+  s.weight(1.682);
+  s.circle(0.6, 0.0, 0.08);
+  s.scene.start_tip_angle = 0.5;
+  return s;
+}
+
 ForwardScene braced_arm() {
   ForwardScene s;
   s.scene.rod.segments = {{0.1, 4.9e-4, 0.084, 0.0}};

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "tendril/execute.hpp"
@@ -10,6 +11,10 @@
 
 /// Scenes for the forward problem, made in code. L = EI = 1 unless said.
 namespace tendril::support {
+
+constexpr double exact = 1e-8;  ///< of L; what the forward problem promises
+/// EI/L^2. Under this load a straight clamped rod gives way.
+constexpr double euler = 0.25 * std::numbers::pi * std::numbers::pi;
 
 struct ForwardScene {
   Scene scene;
@@ -27,6 +32,9 @@ std::function<double(double)> angle_of(const Plan& plan);
 
 /// The arm of data/braced_arm.csv, on top of its circle.
 ForwardScene braced_arm();
+
+/// An arm under gravity above a peg, as in the table of the braced arm but with L = EI = 1.
+ForwardScene unit_braced_arm();
 
 /// A rod clamped upright with a weight and one actuator.
 ForwardScene upright(double weight);

@@ -12,14 +12,6 @@
 namespace tendril::support {
 namespace {
 
-ForwardScene braced() {
-  ForwardScene s;
-  s.weight(1.682);
-  s.circle(0.6, 0.0, 0.08);
-  s.scene.start_tip_angle = 0.5;
-  return s;
-}
-
 void expect_refused(const Plan& plan, const std::string& reason) {
   EXPECT_EQ(plan.status, PlanStatus::not_converged);
   EXPECT_TRUE(contains_text(plan.message, "execution does not confirm the plan"));
@@ -27,7 +19,7 @@ void expect_refused(const Plan& plan, const std::string& reason) {
 }
 
 TEST(Verify, AnExactPlanHasNoModelError) {
-  const ForwardScene s = braced();
+  const ForwardScene s = unit_braced_arm();
   Plan plan = s.run({0.5}).result;
   verify(s.scene, s.obstacles, plan);
   EXPECT_EQ(plan.status, PlanStatus::solved);
@@ -36,7 +28,7 @@ TEST(Verify, AnExactPlanHasNoModelError) {
 }
 
 TEST(Verify, FromThePlansOwnShapeIsOneExecutionAndSaysSo) {
-  const ForwardScene s = braced();
+  const ForwardScene s = unit_braced_arm();
   Plan plan = s.run({0.5}).result;
   plan.tip_y += 0.01;
   ExecuteControl control;
@@ -49,7 +41,7 @@ TEST(Verify, FromThePlansOwnShapeIsOneExecutionAndSaysSo) {
 }
 
 TEST(Verify, ReportsWhatACoarseBasisLeavesOut) {
-  const ForwardScene s = braced();
+  const ForwardScene s = unit_braced_arm();
   Plan plan = s.run({0.5}).result;
   plan.tip_y += 0.01;
   verify(s.scene, s.obstacles, plan);
@@ -58,7 +50,7 @@ TEST(Verify, ReportsWhatACoarseBasisLeavesOut) {
 }
 
 TEST(Verify, ATipBeyondTheToleranceTurnsTheVerdict) {
-  const ForwardScene s = braced();
+  const ForwardScene s = unit_braced_arm();
   Plan plan = s.run({0.5}).result;
   plan.tip_x -= 1.1 * tolerance::model_error;
   verify(s.scene, s.obstacles, plan);
@@ -66,7 +58,7 @@ TEST(Verify, ATipBeyondTheToleranceTurnsTheVerdict) {
 }
 
 TEST(Verify, APlanOnTheOtherSideOfAPegTurnsTheVerdict) {
-  ForwardScene s = braced();
+  ForwardScene s = unit_braced_arm();
   Plan plan = s.run({0.5}).result;
   s.scene.start_tip_angle = -1.0;  // below the peg
   verify(s.scene, s.obstacles, plan);
@@ -75,7 +67,7 @@ TEST(Verify, APlanOnTheOtherSideOfAPegTurnsTheVerdict) {
 }
 
 TEST(Verify, APlanWithoutTheContactThatComesTurnsTheVerdict) {
-  const ForwardScene s = braced();
+  const ForwardScene s = unit_braced_arm();
   ForwardScene free;
   free.weight(1.682);
   Plan plan = free.run({0.5}).result;  // through the peg
@@ -109,7 +101,7 @@ TEST(Verify, AnExecutionThatDoesNotArriveTurnsTheVerdict) {
 }
 
 TEST(Verify, APlanThatWasNotSolvedKeepsItsVerdict) {
-  const ForwardScene s = braced();
+  const ForwardScene s = unit_braced_arm();
   Plan plan = s.run({0.5}).result;
   plan.status = PlanStatus::infeasible;
   plan.message = "out of reach";

@@ -81,7 +81,7 @@ TEST(LinkChainReference, CirclesAreNotTouchedAtMoment07) {
 }
 
 /// The braced arm of the reference data, in SI units.
-RodBvp braced_arm() {
+RodBvp braced_rod() {
   RodBvp rod;
   rod.sections = {{0.1, 4.9e-4, 0.084, 0.0}};
   rod.actuators = {{0.0, 0.1}};
@@ -95,7 +95,7 @@ TEST(LinkChainReference, BracedArmTable) {
     LinkChainOptions options;
     options.curvature = 5.0;
     const LinkChainSolution s =
-        settle(braced_arm(), {table.value(i, "moment")}, {BvpContact{{0.06, 0.0}, 0.008}}, options);
+        settle(braced_rod(), {table.value(i, "moment")}, {BvpContact{{0.06, 0.0}, 0.008}}, options);
     EXPECT_NEAR(s.tip_x, table.value(i, "tip_x"), 0.1 * kTouching) << i;
     EXPECT_NEAR(s.tip_y, table.value(i, "tip_y"), 0.1 * kTouching) << i;
     EXPECT_NEAR(s.contacts[0].force / table.value(i, "force"), 1.0, kForce) << i;

@@ -8,7 +8,7 @@ namespace tendril::results {
 namespace {
 
 /// Of sums and products of a few numbers.
-constexpr double rounding = 1e-12;
+constexpr double of_sums = 1e-12;
 
 double sum_of(const Json& list, const char* key) {
   double sum = 0.0;
@@ -40,7 +40,7 @@ void check_moments(const Json& result, const Scene& scene, Findings& found) {
     if (pressure.is_null()) continue;
     const double moment = moments.at(i).get<double>();
     found.near("pressure times moment per pressure", pressure.get<double>() * per_pressure, moment,
-               rounding * std::abs(moment));
+               of_sums * std::abs(moment));
   }
 }
 
@@ -54,7 +54,7 @@ void check_terms(const Json& result, const Scene& scene, const TargetSpec& targe
     sum += value.get<double>();
     size += std::abs(value.get<double>());
   }
-  found.near("objective against the sum of its terms", result.at("objective").get<double>(), sum, rounding * size);
+  found.near("objective against the sum of its terms", result.at("objective").get<double>(), sum, of_sums * size);
   for (const ObjectiveSpec& term : scene.objectives) {
     if (!term.options.empty() || !result.at("terms").contains(term.plugin)) continue;
     double expected = 0.0;

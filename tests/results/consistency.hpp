@@ -34,6 +34,8 @@ void check_contacts(const Json& state, const ShownRod& shown, const Scene& scene
 void check_grasp(const Json& result, const Scene& scene, Findings& found);
 void check_estimate(const Json& result, const Scene& scene, Findings& found);
 
+inline Vec2 pair_of(const Json& json) { return {json.at(0).get<double>(), json.at(1).get<double>()}; }
+
 /// EI/L^2 of the first segment, N: what forces are compared with.
 double force_unit(const RodSpec& rod);
 

@@ -7,9 +7,7 @@
 namespace tendril::results {
 namespace {
 
-constexpr double rounding = 1e-11;
-
-Vec2 pair_of(const Json& json) { return {json.at(0).get<double>(), json.at(1).get<double>()}; }
+constexpr double of_grasps = 1e-11;
 
 /// A vector of the palm's frame in the world.
 Vec2 turned_by(double angle, Vec2 v) {
@@ -52,10 +50,10 @@ void check_grasp(const Json& result, const Scene& scene, Findings& found) {
   const double palm_distance = result.at("palm_distance").get<double>();
   const Vec2 center = gripper.position + turned_by(gripper.angle, {palm_distance, 0.0});
   const Vec2 written = pair_of(grasp.at("object").at("center"));
-  found.near("x of the object", written.x, center.x, rounding * length);
-  found.near("y of the object", written.y, center.y, rounding * length);
+  found.near("x of the object", written.x, center.x, of_grasps * length);
+  found.near("y of the object", written.y, center.y, of_grasps * length);
   found.near("radius of the object", grasp.at("object").at("radius").get<double>(), gripper.object_diameter / 2.0,
-             rounding * length);
+             of_grasps * length);
 
   Vec2 above = pressed(result.at("contacts"), gripper);
   Vec2 below{above.x, -above.y};
@@ -63,7 +61,7 @@ void check_grasp(const Json& result, const Scene& scene, Findings& found) {
     above = pressed(result.at("fingers").at(0).at("contacts"), gripper);
     below = pressed(result.at("fingers").at(1).at("contacts"), gripper);
   }
-  const double size = rounding * std::max(1.0, norm(above));
+  const double size = of_grasps * std::max(1.0, norm(above));
   const double axial = above.x + below.x;
   found.near("axial force", grasp.at("axial_force").get<double>(), axial, size);
   found.near("lateral force", grasp.at("lateral_force").get<double>(), (below.y - above.y) / 2.0, size);

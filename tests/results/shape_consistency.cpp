@@ -26,7 +26,6 @@ constexpr double same_normal = 1e-7;
 /// Contacts close to each other or to an end leave a stretch with too few rows; on most of the rod there are enough.
 constexpr double most_unchecked = 0.15;
 
-Vec2 pair_of(const Json& json) { return {json.at(0).get<double>(), json.at(1).get<double>()}; }
 Vec2 direction(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
 Curve curve_of(const Json& state, const ShownRod& shown) {

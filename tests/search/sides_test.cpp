@@ -15,11 +15,6 @@ using combination::scene_from_text;
 
 constexpr double same = 1e-6;  ///< relative, of objectives
 
-Plan planned(Scene made, const std::string& solver) {
-  made.solver.plugin = solver;
-  return combination::plan(made);
-}
-
 const char* const gap = R"(
 title = "Through a gap"
 [rod]
@@ -110,11 +105,11 @@ weight = 1e-3
 TEST(SearchSides, AStartThroughAnObstacleLeadsToTheBestSideWithEverySolver) {
   for (const std::string& solver : combination::solvers_to_combine()) {
     SCOPED_TRACE(solver);
-    const Plan bent = planned(scene("brace", {"start.tip_angle=1"}), solver);
+    const Plan bent = combination::plan_with(scene("brace", {"start.tip_angle=1"}), solver);
     ASSERT_TRUE(certified(bent));
     for (const char* angle : {"0", "-1", "2"}) {
       SCOPED_TRACE(angle);
-      const Plan found = planned(scene("brace", {std::string("start.tip_angle=") + angle}), solver);
+      const Plan found = combination::plan_with(scene("brace", {std::string("start.tip_angle=") + angle}), solver);
       ASSERT_TRUE(certified(found));
       EXPECT_NEAR(found.objective, bent.objective, same * std::abs(bent.objective));
     }
@@ -127,7 +122,7 @@ TEST(SearchSides, AGapIsFoundWithEverySolver) {
     SCOPED_TRACE(solver);
     Scene made = scene_from_text(gap);
     made.solver.time_limit = 120.0;
-    const Plan found = planned(made, solver);
+    const Plan found = combination::plan_with(made, solver);
     ASSERT_TRUE(certified(found));
     EXPECT_LT(found.objective, 0.55);
   }
@@ -140,9 +135,9 @@ TEST(SearchSides, WhatAllowsMoreCostsNoMore) {
     for (const char* least : {"\"1 mN\"", "\"100 mN\""}) {
       SCOPED_TRACE(least);
       const std::vector<std::string> require{"contact.mode=require", std::string("contact.min_force=") + least};
-      const Plan required = planned(scene_from_text(pin, require), solver);
-      const Plan allowed = planned(scene_from_text(pin), solver);
-      const Plan avoided = planned(scene_from_text(pin, {"contact.mode=avoid"}), solver);
+      const Plan required = combination::plan_with(scene_from_text(pin, require), solver);
+      const Plan allowed = combination::plan_with(scene_from_text(pin), solver);
+      const Plan avoided = combination::plan_with(scene_from_text(pin, {"contact.mode=avoid"}), solver);
       ASSERT_TRUE(certified(required));
       ASSERT_TRUE(certified(allowed));
       ASSERT_TRUE(certified(avoided));
@@ -156,8 +151,8 @@ TEST(SearchSides, WhatAllowsMoreCostsNoMore) {
 TEST(SearchSides, AFingerPressesUpToTheLimitOfStabilityWithEverySolver) {
   for (const std::string& solver : combination::solvers_to_combine()) {
     SCOPED_TRACE(solver);
-    const Plan weaker = planned(scene_from_text(finger, {"contact.max_force=0.4 N"}), solver);
-    const Plan held = planned(scene_from_text(finger, {"contact.max_force=0.6 N"}), solver);
+    const Plan weaker = combination::plan_with(scene_from_text(finger, {"contact.max_force=0.4 N"}), solver);
+    const Plan held = combination::plan_with(scene_from_text(finger, {"contact.max_force=0.6 N"}), solver);
     ASSERT_TRUE(certified(weaker));
     ASSERT_TRUE(certified(held));
     EXPECT_GT(weaker.certificate.stability, 0.1);

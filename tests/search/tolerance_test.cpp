@@ -13,21 +13,16 @@ namespace {
 using combination::certified;
 using combination::scene;
 
-Plan planned(Scene made, const std::string& solver) {
-  made.solver.plugin = solver;
-  return combination::plan(made);
-}
-
 // Effort pulls the tip away from the target, as far as it may.
 TEST(TargetTolerance, HoldsTheTipWithEverySolver) {
   std::optional<double> objective;
   for (const std::string& solver : combination::solvers_to_combine()) {
     SCOPED_TRACE(solver);
     Scene made = scene("brace", {"objective.1.weight=10"});
-    const Plan free = planned(made, solver);
+    const Plan free = combination::plan_with(made, solver);
     ASSERT_TRUE(certified(free));
     made.target.position_tolerance = 2e-3;
-    const Plan held = planned(made, solver);
+    const Plan held = combination::plan_with(made, solver);
     ASSERT_TRUE(certified(held));
     EXPECT_GT(*free.target_error, 2.1e-3);
     EXPECT_NEAR(*held.target_error, 2e-3, 1e-11);
@@ -42,7 +37,7 @@ TEST(TargetTolerance, OfTheDirectionCountsModuloATurn) {
     Scene made = scene("brace", {"objective.1.weight=10"});
     made.target.angle = 0.3 + turn;
     made.target.angle_tolerance = 0.02;
-    const Plan plan = planned(made, "nlopt");
+    const Plan plan = combination::plan_with(made, "nlopt");
     ASSERT_TRUE(certified(plan)) << turn;
     EXPECT_LE(std::abs(plan.tip_angle - 0.3), 0.02 + 1e-9) << turn;
   }
@@ -50,9 +45,9 @@ TEST(TargetTolerance, OfTheDirectionCountsModuloATurn) {
 
 TEST(TargetTolerance, ThatLeavesThePlanFreeChangesNothing) {
   Scene made = scene("brace");
-  const Plan without = planned(made, "nlopt");
+  const Plan without = combination::plan_with(made, "nlopt");
   made.target.position_tolerance = 1e-3;
-  const Plan with = planned(made, "nlopt");
+  const Plan with = combination::plan_with(made, "nlopt");
   ASSERT_TRUE(certified(with));
   EXPECT_NEAR(with.objective, without.objective, 1e-9 * without.objective);
   EXPECT_NEAR(with.tip_x, without.tip_x, 1e-9 * without.tip_x);
@@ -62,9 +57,9 @@ TEST(TargetTolerance, OutOfReachIsInfeasibleWithTheNearestPose) {
   for (const std::string& solver : combination::solvers_to_combine()) {
     SCOPED_TRACE(solver);
     Scene made = scene("brace");
-    const Plan without = planned(made, solver);
+    const Plan without = combination::plan_with(made, solver);
     made.target.position_tolerance = 0.1e-3;
-    const Plan plan = planned(made, solver);
+    const Plan plan = combination::plan_with(made, solver);
     EXPECT_EQ(plan.status, PlanStatus::infeasible);
     EXPECT_TRUE(contains_text(plan.message, "comes within 0.000422 m of the target")) << plan.message;
     EXPECT_NEAR(*plan.target_error, *without.target_error, 1e-8);

@@ -331,7 +331,7 @@ TEST(Study, ShowsTheModelErrorOfThePapersCoordinates) {
   EXPECT_GT(largest, 1e-7);
 }
 
-struct Wrong {
+struct WrongStudy {
   const char* old_text;
   const char* new_text;
   const char* message;
@@ -340,20 +340,20 @@ struct Wrong {
 TEST(Study, RefusesInputThatMakesNoSense) {
   const TemporaryDirectory directory;
   const std::string good = small_study();
-  for (const Wrong& wrong :
-       {Wrong{"modes = [", "modes = [\"alow\", ", "did you mean 'allow'?"},
-        Wrong{"modes = [", "modes = [3, ", "found the number 3"},
-        Wrong{"modes = [\"ignore\", \"avoid\", \"allow\"]", "modes = []", "a list of at least one entry"},
-        Wrong{"limits = [", "limits = [\"2 N\", ", "found \"2 N\""},
-        Wrong{"limits = [", "limits = [\"0 N mm\", ", "a moment greater than 0"},
-        Wrong{"limits = [", "limit = [", "did you mean 'limits'?"},
-        Wrong{"targets = [", "targets = [[1], ", "found a list of 1 entry"},
-        Wrong{"targets = [[0.092, 0.008], [0.095, 0.016], [0.097, 0.02], [0.099, 0.024]]", "targets = {x = [1]}",
-              "expected both x and y"},
-        Wrong{"targets = [[0.092, 0.008], [0.095, 0.016], [0.097, 0.02], [0.099, 0.024]]",
-              "targets = {x = [1], z = [1]}", "found the key 'z'"},
-        Wrong{"modes = [\"ignore\", \"avoid\", \"allow\"]", "modes = [\"require\"]", "needs a min_force"},
-        Wrong{"starts = [", "starts = [\"allow\", ", "found \"allow\""}}) {
+  for (const WrongStudy& wrong :
+       {WrongStudy{"modes = [", "modes = [\"alow\", ", "did you mean 'allow'?"},
+        WrongStudy{"modes = [", "modes = [3, ", "found the number 3"},
+        WrongStudy{"modes = [\"ignore\", \"avoid\", \"allow\"]", "modes = []", "a list of at least one entry"},
+        WrongStudy{"limits = [", "limits = [\"2 N\", ", "found \"2 N\""},
+        WrongStudy{"limits = [", "limits = [\"0 N mm\", ", "a moment greater than 0"},
+        WrongStudy{"limits = [", "limit = [", "did you mean 'limits'?"},
+        WrongStudy{"targets = [", "targets = [[1], ", "found a list of 1 entry"},
+        WrongStudy{"targets = [[0.092, 0.008], [0.095, 0.016], [0.097, 0.02], [0.099, 0.024]]", "targets = {x = [1]}",
+                   "expected both x and y"},
+        WrongStudy{"targets = [[0.092, 0.008], [0.095, 0.016], [0.097, 0.02], [0.099, 0.024]]",
+                   "targets = {x = [1], z = [1]}", "found the key 'z'"},
+        WrongStudy{"modes = [\"ignore\", \"avoid\", \"allow\"]", "modes = [\"require\"]", "needs a min_force"},
+        WrongStudy{"starts = [", "starts = [\"allow\", ", "found \"allow\""}}) {
     const test::CommandRun run =
         tendril({"study", directory.write("s.toml", replaced(good, wrong.old_text, wrong.new_text))});
     EXPECT_EQ(run.exit_code, 2) << wrong.new_text << run.out;

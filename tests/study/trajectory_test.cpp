@@ -120,7 +120,7 @@ TEST(Trajectory, DrawsAFigureAndATable) {
   }
 }
 
-struct Wrong {
+struct WrongPath {
   const char* old_text;
   const char* new_text;
   const char* message;
@@ -129,15 +129,16 @@ struct Wrong {
 TEST(Trajectory, RefusesInputThatMakesNoSense) {
   const std::string good = arc(8.0, 10.0, 3, "\"2.5 N mm\"");
   const TemporaryDirectory directory;
-  for (const Wrong& wrong :
-       {Wrong{"positions = [", "positions = [[1, 2, 3], ", "found a list of 3 entries, expected a list of two entries"},
-        Wrong{"positions = [", "positions = [[\"1 N\", 2], ", "found \"1 N\""},
-        Wrong{"positions = [", "positions = [[nan, 2], ", "found the number nan"},
-        Wrong{"cold_starts = true", "angles = [1, 2]", "found 2 angles for 3 positions"},
-        Wrong{"cold_starts = true", "replan_every = -1", "expected a whole number from 0"},
-        Wrong{"cold_starts = true", "cold_start = true", "did you mean 'cold_starts'?"},
-        Wrong{"[start]", "[target]\nposition = [1, 2]\n[start]", "expected no [target] beside it"},
-        Wrong{"\"trajectory\"", "\"pose\"", "[trajectory] needs problem = \"trajectory\""}}) {
+  for (const WrongPath& wrong :
+       {WrongPath{"positions = [", "positions = [[1, 2, 3], ",
+                  "found a list of 3 entries, expected a list of two entries"},
+        WrongPath{"positions = [", "positions = [[\"1 N\", 2], ", "found \"1 N\""},
+        WrongPath{"positions = [", "positions = [[nan, 2], ", "found the number nan"},
+        WrongPath{"cold_starts = true", "angles = [1, 2]", "found 2 angles for 3 positions"},
+        WrongPath{"cold_starts = true", "replan_every = -1", "expected a whole number from 0"},
+        WrongPath{"cold_starts = true", "cold_start = true", "did you mean 'cold_starts'?"},
+        WrongPath{"[start]", "[target]\nposition = [1, 2]\n[start]", "expected no [target] beside it"},
+        WrongPath{"\"trajectory\"", "\"pose\"", "[trajectory] needs problem = \"trajectory\""}}) {
     const test::CommandRun run =
         tendril({"plan", directory.write("s.toml", replaced(good, wrong.old_text, wrong.new_text))});
     EXPECT_EQ(run.exit_code, 2) << run.out;

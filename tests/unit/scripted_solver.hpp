@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <utility>
+#include <vector>
 
 #include "tendril/solver.hpp"
 
@@ -27,5 +28,12 @@ class ScriptedSolver : public Solver {
   Script script_;
   SolverCapabilities can_;
 };
+
+inline ScriptedSolver::Outcome converged_at(const std::vector<double>& x) {
+  ScriptedSolver::Outcome outcome;
+  outcome.status = SolveStatus::converged;
+  outcome.x = x;
+  return outcome;
+}
 
 }  // namespace tendril

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "raw_values.hpp"
 #include "support/contains.hpp"
 #include "support/print.hpp"
 #include "tendril/plugins/registry.hpp"
@@ -20,11 +21,6 @@ using List = RawValue::List;
 
 Registry built_plugins() { return Registry(Catalog(search_places({}))); }
 
-template <class Interface>
-std::unique_ptr<Interface> make(const Component<Interface>& component, const RawOptions& given) {
-  return component.make(resolve_options(component.options, given, Scale{}, {}, component.name));
-}
-
 template <class F>
 std::string refusal(F&& f) {
   try {
@@ -33,12 +29,6 @@ std::string refusal(F&& f) {
     return error.what();
   }
   return "nothing was refused";
-}
-
-RawValue numbers(const std::vector<double>& values) {
-  List list;
-  for (const double value : values) list.push_back({value});
-  return {list};
 }
 
 struct Basis {
@@ -174,7 +164,7 @@ std::vector<double> some_point() {
   return x;
 }
 
-const Target pose{{0.97, 0.2}, 0.4, true, true};
+const Target wanted{{0.97, 0.2}, 0.4, true, true};
 
 struct TermCase {
   const char* name;
@@ -195,17 +185,17 @@ TEST_P(ObjectivePlugin, HyperDualDerivativesAgreeWithCentralDifferences) {
     std::vector<double> y = x;
     y[i] += a;
     y[k] += b;
-    return cost(*term, y, pose);
+    return cost(*term, y, wanted);
   };
   for (std::size_t i = 0; i < x.size(); ++i) {
     for (std::size_t k = i; k < x.size(); ++k) {
       std::vector<HyperDual> y(x.begin(), x.end());
       y[i].a = 1.0;
       y[k].b = 1.0;
-      const HyperDual exact = cost(*term, y, pose);
+      const HyperDual exact = cost(*term, y, wanted);
       // All terms are at most quadratic, so differences have rounding errors only: sums of size 10 and eps, over h or
       // h^2.
-      EXPECT_NEAR(exact.v, cost(*term, x, pose), 1e-13);
+      EXPECT_NEAR(exact.v, cost(*term, x, wanted), 1e-13);
       EXPECT_NEAR(exact.a, (shifted(i, h, i, 0) - shifted(i, -h, i, 0)) / (2 * h), 1e-10) << i;
       EXPECT_NEAR(exact.b, (shifted(k, h, k, 0) - shifted(k, -h, k, 0)) / (2 * h), 1e-10) << k;
       EXPECT_NEAR(
@@ -242,14 +232,14 @@ TEST_P(ObjectivePlugin, DependsOnNothingThatItDoesNotRead) {
     if (read[i]) continue;
     std::vector<double> y = x;
     y[i] += 0.5;
-    EXPECT_EQ(cost(*term, y, pose), cost(*term, x, pose)) << "number " << i;
+    EXPECT_EQ(cost(*term, y, wanted), cost(*term, x, wanted)) << "number " << i;
   }
 }
 
 TEST_P(ObjectivePlugin, StaysAboveItsLowerBound) {
   Registry registry = built_plugins();
   const auto term = make(registry.objective(GetParam().name), GetParam().options);
-  EXPECT_GE(cost(*term, some_point(), pose), term->lower_bound());
+  EXPECT_GE(cost(*term, some_point(), wanted), term->lower_bound());
 }
 
 RawValue rows(const std::vector<std::vector<double>>& matrix) {
@@ -272,13 +262,13 @@ TEST(TipPose, CountsWhatTheTargetHas) {
   Registry registry = built_plugins();
   const auto term = make(registry.objective("tip_pose"), {{"weights", numbers({2, 3})}, {"angle_weight", {5.0}}});
   const std::vector<double> x = some_point();
-  const double dx = x[0] - pose.position.x;
-  const double dy = x[1] - pose.position.y;
-  const double da = x[2] - pose.angle;
+  const double dx = x[0] - wanted.position.x;
+  const double dy = x[1] - wanted.position.y;
+  const double da = x[2] - wanted.angle;
   // Roundings of numbers of size 10.
-  EXPECT_NEAR(cost(*term, x, pose), 2 * dx * dx + 3 * dy * dy + 5 * da * da, 1e-14);
-  EXPECT_NEAR(cost(*term, x, Target{pose.position, 0, true, false}), 2 * dx * dx + 3 * dy * dy, 1e-14);
-  EXPECT_NEAR(cost(*term, x, Target{{}, pose.angle, false, true}), 5 * da * da, 1e-14);
+  EXPECT_NEAR(cost(*term, x, wanted), 2 * dx * dx + 3 * dy * dy + 5 * da * da, 1e-14);
+  EXPECT_NEAR(cost(*term, x, Target{wanted.position, 0, true, false}), 2 * dx * dx + 3 * dy * dy, 1e-14);
+  EXPECT_NEAR(cost(*term, x, Target{{}, wanted.angle, false, true}), 5 * da * da, 1e-14);
 }
 
 TEST(TipPose, ReadsTheAngleOnlyIfItHasAWeight) {
@@ -296,14 +286,14 @@ TEST(ActuationEffort, WeighsEachMoment) {
   const std::vector<double> x = some_point();
   const std::size_t first = 4 + 2 * World<double>::numbers_per_contact;
   // Roundings of numbers of size 5.
-  EXPECT_NEAR(cost(*term, x, pose), 2 * x[first] * x[first] + 3 * x[first + 1] * x[first + 1], 1e-14);
+  EXPECT_NEAR(cost(*term, x, wanted), 2 * x[first] * x[first] + 3 * x[first + 1] * x[first + 1], 1e-14);
 }
 
 TEST(ActuationEffort, WeightsForAnotherNumberOfActuatorsAreRefused) {
   Registry registry = built_plugins();
   const auto term = make(registry.objective("actuation_effort"), {{"weights", numbers({1, 2, 3})}});
   EXPECT_TRUE(
-      contains_text(refusal([&] { cost(*term, some_point(), pose); }), "found weights for 3 actuators; expected 2"));
+      contains_text(refusal([&] { cost(*term, some_point(), wanted); }), "found weights for 3 actuators; expected 2"));
 }
 
 TEST(ContactForce, IsMinusTheSumOfForcesAndHasNoLowerBound) {
@@ -312,7 +302,7 @@ TEST(ContactForce, IsMinusTheSumOfForcesAndHasNoLowerBound) {
   const std::vector<double> x = some_point();
   double sum = 0.0;
   for (std::size_t c = 0; c < 2; ++c) sum += x[4 + c * World<double>::numbers_per_contact + 5];
-  EXPECT_NEAR(cost(*term, x, pose), -sum, 1e-15);
+  EXPECT_NEAR(cost(*term, x, wanted), -sum, 1e-15);
   EXPECT_EQ(term->lower_bound(), -infinity);
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "raw_values.hpp"
 #include "support/contains.hpp"
 #include "tendril/bounded_off_target.hpp"
 #include "tendril/plugins/registry.hpp"
@@ -18,20 +19,9 @@ namespace {
 
 using List = RawValue::List;
 
-template <class Interface>
-std::unique_ptr<Interface> make(const Component<Interface>& component, const RawOptions& given) {
-  return component.make(resolve_options(component.options, given, Scale{}, {}, component.name));
-}
-
 Registry& registry() {
   static Registry built(Catalog(search_places({})));
   return built;
-}
-
-RawValue numbers(const std::vector<double>& values) {
-  List list;
-  for (const double value : values) list.push_back({value});
-  return {list};
 }
 
 RawValue matrix(const std::vector<std::vector<double>>& rows) {
@@ -41,7 +31,7 @@ RawValue matrix(const std::vector<std::vector<double>>& rows) {
 }
 
 /// A finger with two contacts and two moments.
-struct World {
+struct TwoContacts {
   std::vector<ContactQuantities<double>> contacts{
       {.x = 0.3, .y = -0.2, .normal_x = 0.6, .normal_y = 0.8, .force = 1.5, .reference_x = 0.5, .reference_y = 0.1},
       {.x = 0.7, .y = 0.4, .normal_x = -0.8, .normal_y = 0.6, .force = 0.5, .reference_x = 0.4, .reference_y = 0.9}};
@@ -56,7 +46,7 @@ struct Sums {
   std::size_t residuals = 0;
 };
 
-Sums sums(const std::string& plugin, const RawOptions& options = {}, const World& world = {}) {
+Sums sums(const std::string& plugin, const RawOptions& options = {}, const TwoContacts& world = {}) {
   const auto term = make(registry().objective(plugin), options);
   Quantities<double> x;
   x.tip = {0.8, 0.35, 0.55, 0.0};
@@ -93,7 +83,7 @@ TEST(TipPoseValue, IsTheQuadraticFormOfTheError) {
 }
 
 TEST(TipPoseValue, CountsWhatTheTargetLacksAsMet) {
-  World world;
+  TwoContacts world;
   world.target.has_angle = false;
   expect_squares(sums("tip_pose", {}, world), 0.01 + 0.0025, 3);
   world.target.has_position = false;
@@ -191,14 +181,14 @@ TEST(ObjectiveOptions, ThatMakeNoSenseAreRefused) {
   EXPECT_TRUE(contains_text(refusal("contact_force", {{"weights", {1.0}}}), "has no option 'weights'"));
 }
 
-struct Basis {
+struct Functions {
   Eigen::MatrixXd value, first, second;
 };
 
-Basis basis(const std::string& plugin, const std::vector<double>& sigma, const RawOptions& options = {}) {
+Functions basis(const std::string& plugin, const std::vector<double>& sigma, const RawOptions& options = {}) {
   const auto model = make(registry().coordinates(plugin), options);
   const Eigen::MatrixXd empty(static_cast<Eigen::Index>(sigma.size()), model->function_count());
-  Basis found{empty, empty, empty};
+  Functions found{empty, empty, empty};
   model->evaluate(sigma, found.value, found.first, found.second);
   return found;
 }
@@ -206,14 +196,14 @@ Basis basis(const std::string& plugin, const std::vector<double>& sigma, const R
 const std::vector<double> places{0.0, 0.3, 0.7, 1.0};
 
 TEST(CoordinateValues, OfConstantCurvatureAreAStraightLine) {
-  const Basis found = basis("pcc", places);
+  const Functions found = basis("pcc", places);
   EXPECT_EQ(found.value, Eigen::Vector4d(0.0, 0.3, 0.7, 1.0));
   EXPECT_EQ(found.first, Eigen::Vector4d::Ones());
   EXPECT_EQ(found.second, Eigen::Vector4d::Zero());
 }
 
 TEST(CoordinateValues, OfSmoothCurvatureAreTheThreeFunctionsOfTableOne) {
-  const Basis found = basis("psc", places);
+  const Functions found = basis("psc", places);
   ASSERT_EQ(found.value.cols(), 3);
   for (Eigen::Index i = 0; i < 4; ++i) {
     const double s = places[static_cast<std::size_t>(i)];
@@ -223,7 +213,7 @@ TEST(CoordinateValues, OfSmoothCurvatureAreTheThreeFunctionsOfTableOne) {
     EXPECT_NEAR(found.value(i, 2), 2.0 * s * s * s - 3.0 * s * s + s, 1e-15);
     EXPECT_NEAR(found.second(i, 2), 12.0 * s - 6.0, 1e-14);
   }
-  const Basis legendre = basis("legendre", places, {{"order", {std::int64_t{3}}}});
+  const Functions legendre = basis("legendre", places, {{"order", {std::int64_t{3}}}});
   EXPECT_EQ(found.value, legendre.value);
   EXPECT_EQ(found.first, legendre.first);
   EXPECT_EQ(found.second, legendre.second);

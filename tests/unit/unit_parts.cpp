@@ -13,6 +13,7 @@
 #include "obstacle/part.hpp"
 #include "obstacle/rounded_hull.hpp"
 #include "obstacle/shape_options.hpp"
+#include "raw_values.hpp"
 #include "support/contains.hpp"
 #include "support/random_outline.hpp"
 
@@ -225,18 +226,6 @@ TEST(Part, OutlineAndBoxHoldTheBody) {
 }
 
 using List = RawValue::List;
-
-RawValue points(const std::vector<Vec2>& vertices) {
-  List list;
-  for (const Vec2 v : vertices) list.push_back({List{{v.x}, {v.y}}});
-  return {list};
-}
-
-RawValue numbers(const std::vector<double>& values) {
-  List list;
-  for (const double value : values) list.push_back({value});
-  return {list};
-}
 
 std::unique_ptr<Obstacle> make(const Component<Obstacle>& component, const RawOptions& options) {
   return component.make(resolve_options(component.options, options, Scale{1.0, 1.0}, {}, "a shape"));

@@ -102,7 +102,7 @@ struct Line {
 };
 
 /// Newton steps that the polish took.
-int steps(double target, double start, const Eigen::VectorXd& given, double expected) {
+int step_count(double target, double start, const Eigen::VectorXd& given, double expected) {
   Line line;
   line.t = target;
   FormulaProgram<Line> program(line);
@@ -115,10 +115,10 @@ int steps(double target, double start, const Eigen::VectorXd& given, double expe
 TEST(PolishActiveSet, BelievesAMultiplierOfZero) {
   const Eigen::VectorXd none = Eigen::VectorXd::Zero(1);
   // A hair inside a side that does not push: with its multiplier known to be 0 it is not even tried.
-  EXPECT_EQ(steps(0.5, 1e-6, none, 0.5), 1);
-  EXPECT_EQ(steps(0.5, 1.0 - 1e-6, none, 0.5), 1);
-  EXPECT_GT(steps(0.5, 1e-6, {}, 0.5), 1);
-  EXPECT_GT(steps(0.5, 1.0 - 1e-6, {}, 0.5), 1);
+  EXPECT_EQ(step_count(0.5, 1e-6, none, 0.5), 1);
+  EXPECT_EQ(step_count(0.5, 1.0 - 1e-6, none, 0.5), 1);
+  EXPECT_GT(step_count(0.5, 1e-6, {}, 0.5), 1);
+  EXPECT_GT(step_count(0.5, 1.0 - 1e-6, {}, 0.5), 1);
 }
 
 TEST(PolishActiveSet, SaysWhyItGaveUp) {
@@ -138,7 +138,7 @@ TEST(PolishActiveSet, SaysWhyItGaveUp) {
 }
 
 /// No number beyond x = 1.
-struct Cliff {
+struct SteepCliff {
   int variables = 1;
   int rows = 0;
   int residuals = 0;
@@ -151,7 +151,7 @@ struct Cliff {
 };
 
 TEST(PolishActiveSet, ShortensItsStepWhereThereIsNoNumber) {
-  FormulaProgram<Cliff> program;
+  FormulaProgram<SteepCliff> program;
   const PolishReport report = polish(program, Eigen::VectorXd::Constant(1, 0.9), {});
   EXPECT_TRUE(report.converged) << report.reason;
   EXPECT_NEAR(report.x[0], 0.96, 1e-9);
@@ -189,7 +189,7 @@ TEST(PolishActiveSet, DoesNotConvergeWhereRowsContradictEachOther) {
 TEST(PolishActiveSet, OnePolisherTakesProgramsOfEverySize) {
   Polisher polisher;
   FormulaProgram<Sides> large;
-  FormulaProgram<Cliff> small;
+  FormulaProgram<SteepCliff> small;
   const Eigen::VectorXd start = vector({2.0, 0.0, 2.0, 0.0, 1.0, 1.0, 0.3});
   expect_minimum(polisher.run(large, start, {}));
   EXPECT_NEAR(polisher.run(small, Eigen::VectorXd::Constant(1, 0.9), {}).x[0], 0.96, 1e-9);

@@ -13,6 +13,7 @@
 #include "obstacle/part.hpp"
 #include "obstacle/rounded_hull.hpp"
 #include "obstacle/wall.hpp"
+#include "raw_values.hpp"
 #include "support/contains.hpp"
 #include "tendril/plugins/registry.hpp"
 
@@ -266,18 +267,6 @@ TEST(RoundedHull, ReferencePointIsTheMiddleOrTheCentroid) {
 
 using List = RawValue::List;
 
-RawValue at(const std::vector<double>& numbers) {
-  List list;
-  for (const double value : numbers) list.push_back({value});
-  return {list};
-}
-
-RawValue points(const std::vector<Vec2>& vertices) {
-  List list;
-  for (const Vec2 v : vertices) list.push_back(at({v.x, v.y}));
-  return {list};
-}
-
 std::unique_ptr<Obstacle> make(const std::string& shape, const RawOptions& options, double length = 1.0) {
   plugins::Registry registry{plugins::Catalog(plugins::search_places({}))};
   const ObstacleComponent& component = registry.obstacle(shape);
@@ -300,9 +289,10 @@ void expect_refused(const std::string& shape, const RawOptions& options, const s
 
 TEST(ShapeOptions, AreInUnitsOfTheRod) {
   // The rod is 0.1 m long.
-  const auto wall = make("wall", {{"point", at({0.02, -0.01})}, {"normal", at({0.0, 5.0})}}, 0.1);
+  const auto wall = make("wall", {{"point", numbers({0.02, -0.01})}, {"normal", numbers({0.0, 5.0})}}, 0.1);
   EXPECT_NEAR(wall->at({0.7, 0.4}).distance, 0.5, 1e-14);
-  const auto capsule = make("capsule", {{"from", at({0.0, 0.0})}, {"to", at({0.05, 0.0})}, {"radius", {0.01}}}, 0.1);
+  const auto capsule =
+      make("capsule", {{"from", numbers({0.0, 0.0})}, {"to", numbers({0.05, 0.0})}, {"radius", {0.01}}}, 0.1);
   EXPECT_NEAR(capsule->at({0.25, 0.4}).distance, 0.3, 1e-14);
   EXPECT_NEAR(capsule->at({0.8, 0.4}).distance, 0.4, 1e-14);
   const auto square =
@@ -313,12 +303,12 @@ TEST(ShapeOptions, AreInUnitsOfTheRod) {
 }
 
 TEST(ShapeOptions, AWallIsTurnedByItsNormalOrItsAngle) {
-  const auto by_normal = make("wall", {{"point", at({0.0, 0.2})}, {"normal", at({-1.0, 1.0})}});
-  const auto by_angle = make("wall", {{"point", at({0.0, 0.2})}, {"angle", {pi / 4}}});
+  const auto by_normal = make("wall", {{"point", numbers({0.0, 0.2})}, {"normal", numbers({-1.0, 1.0})}});
+  const auto by_angle = make("wall", {{"point", numbers({0.0, 0.2})}, {"angle", {pi / 4}}});
   for (const Vec2 p : {Vec2{0.3, 0.9}, Vec2{-2.0, 0.1}}) {
     EXPECT_NEAR(by_angle->at(p).distance, by_normal->at(p).distance, 1e-11);
   }
-  const auto table = make("wall", {{"point", at({0.0, 0.2})}, {"angle", {0.0}}});
+  const auto table = make("wall", {{"point", numbers({0.0, 0.2})}, {"angle", {0.0}}});
   EXPECT_NEAR(table->at({3.0, 0.5}).distance, 0.3, 1e-14);
 }
 
@@ -337,21 +327,23 @@ TEST(ShapeOptions, VerticesMayRunEitherWay) {
 
 TEST(ShapeOptions, RefuseWhatIsNoWall) {
   const double nan = std::nan("");
-  expect_refused("wall", {{"point", at({0, 0})}, {"normal", at({0, 0})}}, "length 0");
-  expect_refused("wall", {{"point", at({0, 0})}, {"normal", at({nan, 1})}}, "not a finite number");
-  expect_refused("wall", {{"point", at({0, infinity})}, {"normal", at({0, 1})}}, "not a finite number");
-  expect_refused("wall", {{"point", at({0, 0})}}, "neither 'normal' nor 'angle'");
-  expect_refused("wall", {{"point", at({0, 0})}, {"normal", at({0, 1})}, {"angle", {1.0}}}, "expected one of them");
-  expect_refused("wall", {{"normal", at({0, 1})}}, "needs option 'point'");
-  expect_refused("wall", {{"point", at({0, 0, 0})}, {"angle", {1.0}}}, "3 entries");
-  expect_refused("wall", {{"point", at({0, 0})}, {"angel", {1.0}}}, "did you mean 'angle'");
+  expect_refused("wall", {{"point", numbers({0, 0})}, {"normal", numbers({0, 0})}}, "length 0");
+  expect_refused("wall", {{"point", numbers({0, 0})}, {"normal", numbers({nan, 1})}}, "not a finite number");
+  expect_refused("wall", {{"point", numbers({0, infinity})}, {"normal", numbers({0, 1})}}, "not a finite number");
+  expect_refused("wall", {{"point", numbers({0, 0})}}, "neither 'normal' nor 'angle'");
+  expect_refused("wall", {{"point", numbers({0, 0})}, {"normal", numbers({0, 1})}, {"angle", {1.0}}},
+                 "expected one of them");
+  expect_refused("wall", {{"normal", numbers({0, 1})}}, "needs option 'point'");
+  expect_refused("wall", {{"point", numbers({0, 0, 0})}, {"angle", {1.0}}}, "3 entries");
+  expect_refused("wall", {{"point", numbers({0, 0})}, {"angel", {1.0}}}, "did you mean 'angle'");
 }
 
 TEST(ShapeOptions, RefuseWhatIsNoCapsule) {
-  expect_refused("capsule", {{"from", at({1, 2})}, {"to", at({1, 2})}, {"radius", {0.1}}}, "the same point");
-  expect_refused("capsule", {{"from", at({1, 2})}, {"to", at({2, 2})}, {"radius", {0.0}}}, "out of range");
-  expect_refused("capsule", {{"from", at({1, 2})}, {"to", at({2, 2})}, {"radius", {std::nan("")}}}, "not a finite");
-  expect_refused("capsule", {{"from", at({1, 2})}, {"to", at({2, 2})}}, "needs option 'radius'");
+  expect_refused("capsule", {{"from", numbers({1, 2})}, {"to", numbers({1, 2})}, {"radius", {0.1}}}, "the same point");
+  expect_refused("capsule", {{"from", numbers({1, 2})}, {"to", numbers({2, 2})}, {"radius", {0.0}}}, "out of range");
+  expect_refused("capsule", {{"from", numbers({1, 2})}, {"to", numbers({2, 2})}, {"radius", {std::nan("")}}},
+                 "not a finite");
+  expect_refused("capsule", {{"from", numbers({1, 2})}, {"to", numbers({2, 2})}}, "needs option 'radius'");
 }
 
 TEST(ShapeOptions, RefuseWhatIsNoPolygon) {

@@ -19,13 +19,6 @@ using Callbacks = ScriptedSolver::Callbacks;
 using Start = ScriptedSolver::Start;
 using Outcome = ScriptedSolver::Outcome;
 
-Outcome converged_at(const std::vector<double>& x) {
-  Outcome outcome;
-  outcome.status = SolveStatus::converged;
-  outcome.x = x;
-  return outcome;
-}
-
 /// A line without end.
 struct Falling {
   int variables = 1;

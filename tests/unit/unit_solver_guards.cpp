@@ -79,13 +79,6 @@ class Poisoned : public FormulaProgram<Small> {
 
 const Eigen::Vector2d start(1.0, 0.5);
 
-Outcome converged_at(const std::vector<double>& x) {
-  Outcome outcome;
-  outcome.status = SolveStatus::converged;
-  outcome.x = x;
-  return outcome;
-}
-
 OptimalityReport run(NonlinearProgram& program, ScriptedSolver::Script script, const SolveControl& control = {},
                      SolverCapabilities can = {}) {
   return ScriptedSolver(std::move(script), can).solve(program, {start, {}, {}}, control);

@@ -19,11 +19,11 @@ using conformance::FormulaProgram;
 using conformance::Values;
 using Outcome = ScriptedSolver::Outcome;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// min (x0 - 1)^2 + (x1 - 2)^2  s.t.  x0 + x1 <= 2,  -1 <= x0 x1 <= 5,  0.75 <= x0 <= 3. At (0.75, 1.25) the gradient
 /// is (-0.5, -1.5): the first row pushes back with 1.5, the lower bound with -1.
-struct Corner {
+struct CornerFormula {
   int variables = 2;
   int rows = 2;
   int residuals = 2;
@@ -42,7 +42,7 @@ struct Corner {
   }
 };
 
-const std::vector<double> minimum{0.75, 1.25};
+const std::vector<double> corner_minimum{0.75, 1.25};
 const std::vector<double> right_rows{1.5, 0.0};
 const std::vector<double> right_bounds{-1.0, 0.0};
 
@@ -54,7 +54,7 @@ OptimalityReport solved(const Outcome& outcome, const Eigen::VectorXd& start, co
 }
 
 OptimalityReport corner(const Outcome& outcome, const SolveControl& control = {}) {
-  return solved<Corner>(outcome, Eigen::Vector2d(1.0, 0.5), control);
+  return solved<CornerFormula>(outcome, Eigen::Vector2d(1.0, 0.5), control);
 }
 
 Outcome claim(SolveStatus status, std::vector<double> x, std::vector<double> rows = {},
@@ -76,7 +76,7 @@ void expect_right_multipliers(const OptimalityReport& report, double accuracy) {
 }
 
 TEST(SolverVerdict, KeepsTheBackendsMultipliersWhereTheyBalance) {
-  const OptimalityReport report = corner(claim(SolveStatus::converged, minimum, right_rows, right_bounds));
+  const OptimalityReport report = corner(claim(SolveStatus::converged, corner_minimum, right_rows, right_bounds));
   EXPECT_EQ(report.status, SolveStatus::converged) << report.message;
   EXPECT_FALSE(report.multipliers_recovered);
   expect_right_multipliers(report, 0.0);
@@ -88,16 +88,18 @@ TEST(SolverVerdict, KeepsTheBackendsMultipliersWhereTheyBalance) {
 TEST(SolverVerdict, KeepsTheBackendsMultipliersWithinTenTolerances) {
   SolveControl control;
   control.tolerance = 1e-3;
-  const OptimalityReport near = corner(claim(SolveStatus::converged, minimum, {1.505, 0.0}, {-1.005, 0.0}), control);
+  const OptimalityReport near =
+      corner(claim(SolveStatus::converged, corner_minimum, {1.505, 0.0}, {-1.005, 0.0}), control);
   EXPECT_FALSE(near.multipliers_recovered);
   EXPECT_NEAR(near.stationarity, 0.005, 1e-15);
-  const OptimalityReport far = corner(claim(SolveStatus::converged, minimum, {1.52, 0.0}, {-1.02, 0.0}), control);
+  const OptimalityReport far =
+      corner(claim(SolveStatus::converged, corner_minimum, {1.52, 0.0}, {-1.02, 0.0}), control);
   EXPECT_TRUE(far.multipliers_recovered);
   expect_right_multipliers(far, 1e-14);
 }
 
 TEST(SolverVerdict, RecoversMultipliersThatTheBackendHasNot) {
-  const OptimalityReport report = corner(claim(SolveStatus::converged, minimum));
+  const OptimalityReport report = corner(claim(SolveStatus::converged, corner_minimum));
   EXPECT_EQ(report.status, SolveStatus::converged) << report.message;
   EXPECT_TRUE(report.multipliers_recovered);
   expect_right_multipliers(report, 1e-14);
@@ -111,10 +113,10 @@ TEST(SolverVerdict, DoesNotBelieveMultipliersThatAreWrong) {
   for (const auto& [what, rows, bounds] :
        {Wrong{"the sign of the row", {-1.5, 0.0}, {-1.0, 0.0}}, Wrong{"the sign of the bound", {1.5, 0.0}, {1.0, 0.0}},
         Wrong{"a factor of two", {3.0, 0.0}, {-2.0, 0.0}}, Wrong{"rows swapped", {0.0, 1.5}, {-1.0, 0.0}},
-        Wrong{"bounds swapped", {1.5, 0.0}, {0.0, -1.0}}, Wrong{"not a number", {nan, 0.0}, {-1.0, 0.0}},
-        Wrong{"not a number among bounds", {1.5, 0.0}, {-1.0, nan}}, Wrong{"too few", {1.5}, {-1.0, 0.0}},
+        Wrong{"bounds swapped", {1.5, 0.0}, {0.0, -1.0}}, Wrong{"not a number", {unknown, 0.0}, {-1.0, 0.0}},
+        Wrong{"not a number among bounds", {1.5, 0.0}, {-1.0, unknown}}, Wrong{"too few", {1.5}, {-1.0, 0.0}},
         Wrong{"no bounds", {1.5, 0.0}, {}}, Wrong{"too many bounds", {1.5, 0.0}, {-1.0, 0.0, 0.0}}}) {
-    const OptimalityReport report = corner(claim(SolveStatus::converged, minimum, rows, bounds));
+    const OptimalityReport report = corner(claim(SolveStatus::converged, corner_minimum, rows, bounds));
     EXPECT_EQ(report.status, SolveStatus::converged) << what << ": " << report.message;
     EXPECT_TRUE(report.multipliers_recovered) << what;
     expect_right_multipliers(report, 1e-14);
@@ -124,7 +126,7 @@ TEST(SolverVerdict, DoesNotBelieveMultipliersThatAreWrong) {
 
 // A multiplier of what is not active counts for nothing, and the rest is judged as it is.
 TEST(SolverVerdict, SetsMultipliersOfInactiveRowsToZero) {
-  const OptimalityReport report = corner(claim(SolveStatus::converged, minimum, {1.5, 0.1}, {-1.0, 0.1}));
+  const OptimalityReport report = corner(claim(SolveStatus::converged, corner_minimum, {1.5, 0.1}, {-1.0, 0.1}));
   EXPECT_FALSE(report.multipliers_recovered);
   expect_right_multipliers(report, 0.0);
 }
@@ -163,16 +165,16 @@ TEST(SolverVerdict, NoMultiplierPullsInwards) {
 }
 
 /// Along the first row by d from the minimum, with no bound in the way, the gradient is 2 d off.
-struct Line : Corner {
+struct LineFormula : CornerFormula {
   void bounds(Bounds b) const {
-    Corner::bounds(b);
+    CornerFormula::bounds(b);
     b.lower[0] = -3.0;
   }
 };
 
 TEST(SolverVerdict, BelievesSuccessOnlyWhereTheGradientVanishes) {
   const auto beside = [](double d) {
-    return solved<Line>(claim(SolveStatus::converged, {0.5 + d, 1.5 - d}), Eigen::Vector2d(0.0, 0.0));
+    return solved<LineFormula>(claim(SolveStatus::converged, {0.5 + d, 1.5 - d}), Eigen::Vector2d(0.0, 0.0));
   };
   const OptimalityReport near = beside(2.5e-5);
   EXPECT_EQ(near.status, SolveStatus::converged) << near.message;
@@ -199,7 +201,7 @@ TEST(SolverVerdict, ALooseToleranceLoosensBothTests) {
   const OptimalityReport rows = corner(claim(SolveStatus::converged, {0.75, 1.2505}), control);
   EXPECT_EQ(rows.status, SolveStatus::converged) << rows.message;
   const OptimalityReport slope =
-      solved<Line>(claim(SolveStatus::converged, {0.5003, 1.4997}), Eigen::Vector2d(0.0, 0.0), control);
+      solved<LineFormula>(claim(SolveStatus::converged, {0.5003, 1.4997}), Eigen::Vector2d(0.0, 0.0), control);
   EXPECT_EQ(slope.status, SolveStatus::converged) << slope.message;
 }
 
@@ -229,7 +231,7 @@ TEST(SolverVerdict, MeasuresTheGradientAgainstTheCostsOwn) {
 }
 
 /// No point of the unit disk is beyond the line x0 + x1 = 3.
-struct Apart {
+struct ApartFormula {
   int variables = 2;
   int rows = 2;
   int residuals = 0;
@@ -246,7 +248,7 @@ struct Apart {
 };
 
 /// The same with the disk's part played by the upper bounds of the variables, and by rows beyond their upper side.
-struct Boxed {
+struct BoxedFormula {
   int variables = 2;
   int rows = 1;
   int residuals = 0;
@@ -266,21 +268,22 @@ struct Boxed {
 TEST(SolverVerdict, KnowsAStationaryPointOfTheViolation) {
   const double r = std::sqrt(0.5);
   for (const SolveStatus said : {SolveStatus::converged, SolveStatus::stalled, SolveStatus::failed}) {
-    const OptimalityReport report = solved<Apart>(claim(said, {r, r}), Eigen::Vector2d(0.3, -0.2));
+    const OptimalityReport report = solved<ApartFormula>(claim(said, {r, r}), Eigen::Vector2d(0.3, -0.2));
     EXPECT_EQ(report.status, SolveStatus::infeasible) << "the backend said " << to_string(said);
     EXPECT_EQ(report.message, "stopped at a stationary point of the violation, which is 1.59 there");
-    EXPECT_EQ(solved<Boxed>(claim(said, {1.0, 1.0}), Eigen::Vector2d(0.3, 0.2)).status, SolveStatus::infeasible)
+    EXPECT_EQ(solved<BoxedFormula>(claim(said, {1.0, 1.0}), Eigen::Vector2d(0.3, 0.2)).status, SolveStatus::infeasible)
         << "the backend said " << to_string(said);
   }
 }
 
 TEST(SolverVerdict, ViolatedRowsAreNotInfeasibleWhereTheViolationCanFall) {
   // On the circle, but not where it is nearest to the line.
-  EXPECT_EQ(solved<Apart>(claim(SolveStatus::stalled, {1.0, 0.0}), Eigen::Vector2d(0.3, -0.2)).status,
+  EXPECT_EQ(solved<ApartFormula>(claim(SolveStatus::stalled, {1.0, 0.0}), Eigen::Vector2d(0.3, -0.2)).status,
             SolveStatus::stalled);
   // The bounds at (0, 0) and (1, 0) hold back the wrong way, or only one of two ways.
   for (const std::vector<double>& x : {std::vector<double>{0.0, 0.0}, std::vector<double>{1.0, 0.0}}) {
-    EXPECT_EQ(solved<Boxed>(claim(SolveStatus::stalled, x), Eigen::Vector2d(0.3, 0.2)).status, SolveStatus::stalled)
+    EXPECT_EQ(solved<BoxedFormula>(claim(SolveStatus::stalled, x), Eigen::Vector2d(0.3, 0.2)).status,
+              SolveStatus::stalled)
         << x[0];
   }
 }
@@ -289,11 +292,11 @@ TEST(SolverVerdict, LimitsAndReasonsOfTheBackendStand) {
   const double r = std::sqrt(0.5);
   for (const SolveStatus said : {SolveStatus::iteration_limit, SolveStatus::time_limit, SolveStatus::interrupted,
                                  SolveStatus::diverged, SolveStatus::not_finite, SolveStatus::unsupported}) {
-    EXPECT_EQ(solved<Apart>(claim(said, {r, r}), Eigen::Vector2d(0.3, -0.2)).status, said);
+    EXPECT_EQ(solved<ApartFormula>(claim(said, {r, r}), Eigen::Vector2d(0.3, -0.2)).status, said);
   }
   Outcome failed = claim(SolveStatus::failed, {r, r});
   failed.message = "out of memory";
-  const OptimalityReport report = solved<Apart>(failed, Eigen::Vector2d(0.3, -0.2));
+  const OptimalityReport report = solved<ApartFormula>(failed, Eigen::Vector2d(0.3, -0.2));
   EXPECT_EQ(report.status, SolveStatus::failed);
   EXPECT_EQ(report.message, "out of memory");
 }

@@ -11,7 +11,7 @@
 namespace tendril {
 namespace {
 
-NumberTable square(int n, std::vector<double> values) { return {n, n, std::move(values)}; }
+NumberTable square_table(int n, std::vector<double> values) { return {n, n, std::move(values)}; }
 
 Eigen::MatrixXd root_of(const NumberTable& table, int size) {
   const NumberTable root = weight_root(table, size, "weights");
@@ -29,7 +29,7 @@ std::string refusal(const NumberTable& table, int size) {
 }
 
 TEST(WeightRoot, SquaresToTheMatrix) {
-  const NumberTable q = square(3, {4, 1, 0.5, 1, 3, -0.2, 0.5, -0.2, 2});
+  const NumberTable q = square_table(3, {4, 1, 0.5, 1, 3, -0.2, 0.5, -0.2, 2});
   const Eigen::MatrixXd root = root_of(q, 3);
   const Eigen::MatrixXd again = root.transpose() * root;
   for (int i = 0; i < 3; ++i) {
@@ -39,7 +39,7 @@ TEST(WeightRoot, SquaresToTheMatrix) {
 }
 
 TEST(WeightRoot, ADiagonalGivesItsRootsExactly) {
-  const Eigen::MatrixXd root = root_of(square(2, {4, 0, 0, 9}), 2);
+  const Eigen::MatrixXd root = root_of(square_table(2, {4, 0, 0, 9}), 2);
   EXPECT_EQ(root, (Eigen::MatrixXd(2, 2) << 2, 0, 0, 3).finished());
 }
 
@@ -48,7 +48,7 @@ TEST(WeightRoot, ANumberIsAMultipleOfTheIdentity) {
 }
 
 TEST(WeightRoot, ASingularMatrixIsTaken) {
-  const Eigen::MatrixXd root = root_of(square(2, {1, 1, 1, 1}), 2);
+  const Eigen::MatrixXd root = root_of(square_table(2, {1, 1, 1, 1}), 2);
   // (1, -1) costs nothing; rounding of an eigenvalue 1e-16 under the root.
   EXPECT_NEAR((root * Eigen::Vector2d(1, -1)).norm(), 0.0, 1e-7);
   EXPECT_NEAR((root * Eigen::Vector2d(1, 1)).squaredNorm(), 4.0, 1e-14);
@@ -64,17 +64,17 @@ TEST(AddWeighted, GivesOneResidualForEachRow) {
 }
 
 TEST(WeightRoot, WrongSizesAreRefused) {
-  EXPECT_TRUE(contains_text(refusal(square(2, {1, 0, 0, 1}), 3), "found a matrix of 2 x 2; expected 3 x 3"));
+  EXPECT_TRUE(contains_text(refusal(square_table(2, {1, 0, 0, 1}), 3), "found a matrix of 2 x 2; expected 3 x 3"));
   EXPECT_TRUE(contains_text(refusal({1, 3, {1, 2, 3}}, 3), "found a matrix of 1 x 3"));
 }
 
 TEST(WeightRoot, AsymmetryIsRefusedWithTheEntries) {
-  EXPECT_TRUE(contains_text(refusal(square(2, {1, 0.5, 0.25, 1}), 2), "entry (1,2) is 0.5, entry (2,1) is 0.25"));
+  EXPECT_TRUE(contains_text(refusal(square_table(2, {1, 0.5, 0.25, 1}), 2), "entry (1,2) is 0.5, entry (2,1) is 0.25"));
 }
 
 TEST(WeightRoot, NegativeDirectionsAreRefused) {
-  EXPECT_TRUE(contains_text(refusal(square(2, {1, 2, 2, 1}), 2), "eigenvalue -1"));
-  EXPECT_TRUE(contains_text(refusal(square(2, {1, 0, 0, -3}), 2), "weight -3"));
+  EXPECT_TRUE(contains_text(refusal(square_table(2, {1, 2, 2, 1}), 2), "eigenvalue -1"));
+  EXPECT_TRUE(contains_text(refusal(square_table(2, {1, 0, 0, -3}), 2), "weight -3"));
   EXPECT_TRUE(contains_text(refusal({1, 1, {-1.0}}, 2), "weight -1"));
 }
 
