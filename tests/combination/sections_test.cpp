@@ -6,6 +6,7 @@
 
 #include "support.hpp"
 #include "tendril/execute.hpp"
+#include "tendril/grasp.hpp"
 
 namespace tendril::combination {
 namespace {
@@ -91,6 +92,32 @@ TEST(Sections, TendonsShortenARodThatStretches) {
       EXPECT_EQ(reached.result.status, PlanStatus::solved) << reached.result.message;
       EXPECT_LT(found.model_error.value_or(infinity), 1e-8 * arm.rod.length());
     }
+  }
+}
+
+TEST(Sections, TaperedFingersWithTwoChambersGraspWithEverySolver) {
+  for (const std::string& solver : registry().names(ComponentKind::solver)) {
+    SCOPED_TRACE(solver);
+    Scene made = scene("silicone_grasp");
+    made.solver.plugin = solver;
+    Plan found = plan(made);
+    ASSERT_TRUE(certified(found));
+    EXPECT_NEAR(found.contacts.at(0).force, made.contact.max_force, 1e-6);
+    EXPECT_LT(norm(found.grasp->net_force), 1e-8);
+    EXPECT_GT(found.certificate.out_of_plane.value_or(0.0), 0.1);
+    // By the law of its chamber each moment has its pressure.
+    for (std::size_t a = 0; a < 2; ++a) {
+      const ActuatorSpec& chamber = made.rod.actuators[a];
+      const double kilopascals = chamber.input_of(found.moments[a]) / 1e3;
+      const double linear = a == 0 ? -1.2e-3 : -0.8e-3;
+      const double square = a == 0 ? -4e-6 : -2e-6;
+      EXPECT_NEAR(linear * kilopascals + square * kilopascals * kilopascals, found.moments[a], 1e-12);
+    }
+    ExecuteControl control;
+    control.start = &found;
+    verify(finger_in_world(made), obstacles_of_finger(made, found.grasp->palm_distance), found, control);
+    EXPECT_EQ(found.status, PlanStatus::solved) << found.message;
+    EXPECT_LT(found.model_error.value_or(infinity), 1e-8 * made.rod.length());
   }
 }
 

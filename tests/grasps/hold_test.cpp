@@ -10,6 +10,7 @@
 #include <random>
 
 #include "combination/support.hpp"
+#include "tendril/grasp.hpp"
 
 namespace tendril {
 namespace {
@@ -186,6 +187,40 @@ TEST(GraspHold, OfOppositeContactsIsAClosedForm) {
   EXPECT_NEAR(loaded.along({1.0, 0.0}), 2.0 * mu - 0.5, 1e-12);
   EXPECT_NEAR(loaded.along({-1.0, 0.0}), 2.0 * mu + 0.5, 1e-12);
   EXPECT_FALSE(HeldDisturbances({{{0.0, 1.0}, 1.0}, {{0.0, -1.0}, 1.0}}, mu, {0.7, 0.0}).holds_load());
+}
+
+// By the definition: contacts of the plan hold the object with the force of its lift, or its weight in any direction.
+TEST(GraspHold, TellsHowTheObjectMayBeLifted) {
+  Scene scene = combination::scene("grasp_60mm");
+  scene.contact.friction = 0.3;
+  const Plan unloaded = combination::plan(scene);
+  EXPECT_FALSE(lift_of(scene, *unloaded.grasp));
+  scene.gravity = Vec2{3.0, -9.0};
+  scene.gripper->object_mass = 0.05;
+  scene.gripper->object_force = {0.1, 0.05};
+  scene.contact.friction_state = FrictionState::any;
+  const Plan plan = combination::plan(scene);
+  ASSERT_EQ(plan.status, PlanStatus::solved) << plan.message;
+  const std::optional<GraspLift> lift = lift_of(scene, *plan.grasp);
+  ASSERT_TRUE(lift);
+  std::vector<Pad> pads;
+  for (const PlannedContact& c : plan.contacts) pads.push_back({c.normal, scene.contact.max_force});
+  ASSERT_TRUE(plan.grasp->lower);
+  for (const PlannedContact& c : plan.grasp->lower->contacts) pads.push_back({c.normal, scene.contact.max_force});
+  const auto holds = [&](double mass, Vec2 gravity) {
+    return HeldDisturbances(pads, 0.3, scene.gripper->object_force + mass * gravity).holds_load();
+  };
+  const double g = norm(*scene.gravity);
+  for (const double share : {-1e-6, 1e-6}) {
+    const Vec2 lifted = (1.0 + (1.0 + share) * lift->acceleration / g) * *scene.gravity;
+    EXPECT_EQ(holds(scene.gripper->object_mass, lifted), share < 0.0);
+    bool always = true;
+    for (int i = 0; i < 7200; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / 7200;
+      always = always && holds((1.0 + share) * lift->heaviest_turned, {g * std::cos(angle), g * std::sin(angle)});
+    }
+    EXPECT_EQ(always, share < 0.0);
+  }
 }
 
 TEST(GraspHold, IsToldOfAPlanWithFriction) {

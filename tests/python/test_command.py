@@ -31,7 +31,7 @@ def same(result, document):
 
 @pytest.mark.parametrize("name", ["brace", "avoid", "clutter", "ledge", "table", "two_pegs", "grasp_60mm", "grasp_unequal",
                                   "trajectory", "estimate", "free", "reach_10Nmm", "endoscope", "extensible_arm", "inserted", "pins",
-                                  "sequence", "silicone_finger", "tendon_arm", "tendon_lengths", "window"])
+                                  "sequence", "silicone_finger", "silicone_grasp", "tendon_arm", "tendon_lengths", "window"])
 def test_plan(scenes, name):
     file = scenes / f"{name}.toml"
     # So that no search is cut by time on a busy machine.

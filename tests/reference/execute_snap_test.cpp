@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "execute_support.hpp"
+#include "obstacle/rounded_hull.hpp"
 #include "support/link_chain.hpp"
 #include "support/print.hpp"
 
@@ -19,6 +20,36 @@ RodBvp upright_links(double weight) {
   rod.gravity = {0.0, -1.0};
   rod.base_angle = right_angle;
   return rod;
+}
+
+// A tip that is pushed along a thin bar slides to where its end begins to be round, and no further.
+TEST(Snap, ATipSlipsOverTheEndOfABar) {
+  ForwardScene s;
+  ObstacleSpec bar;
+  bar.name = "bar";
+  bar.shape = "capsule";
+  s.scene.obstacles.push_back(bar);
+  constexpr double radius = 0.004;
+  s.obstacles.push_back(
+      std::make_unique<RoundedHull>(std::vector<Vec2>{{0.7, 0.5 + radius}, {2.0, 0.5 + radius}}, radius));
+  const Execution before = s.run({1.3});
+  ASSERT_EQ(before.result.status, PlanStatus::solved) << before.result.message;
+  ASSERT_EQ(before.result.contacts.size(), 1U);
+  EXPECT_TRUE(before.result.contacts[0].at_tip);
+  EXPECT_GT(before.result.tip_x, 0.7);
+  const Execution e = s.run({3.0});
+  ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
+  ASSERT_EQ(e.snaps.size(), 1U);
+  EXPECT_EQ(e.snaps[0].kind, SnapKind::fold);
+  EXPECT_NEAR(e.snaps[0].before.back().x, 0.7, 1e-6);
+  EXPECT_TRUE(e.snaps[0].contacts_after.empty());
+  EXPECT_NEAR(e.result.tip_x, std::sin(3.0) / 3.0, 1e-10);
+  // Under friction nothing says where it falls to, but that it does, and later.
+  s.scene.contact.friction = 0.2;
+  const Execution rubs = s.run({3.0});
+  EXPECT_EQ(rubs.result.message.rfind("the rod gives way at load fraction", 0), 0U) << rubs.result.message;
+  EXPECT_GT(rubs.load, e.snaps[0].load + 1e-3);
+  EXPECT_NEAR(rubs.result.tip_x, 0.7, 1e-6);
 }
 
 struct KnownFold {

@@ -10,6 +10,9 @@
 
 #include "execute_support.hpp"
 #include "obstacle/wall.hpp"
+#include "scene/make_rod.hpp"
+#include "scene/plan_report.hpp"
+#include "statics/statics.hpp"
 #include "support/contains.hpp"
 #include "support/reference_table.hpp"
 #include "support/rubbing_chain.hpp"
@@ -68,6 +71,31 @@ TEST(StickAndSlip, TheReferenceStatesAreReachedWhereItSlips) {
     EXPECT_NEAR(reached.tip_angle, table.value(row, "tip_angle"), 1e-9);
     EXPECT_NEAR(c.arc_length, table.value(row, "arc_length"), 1e-10);
     EXPECT_NEAR(c.force / table.value(row, "normal_force"), 1.0, 1e-7);
+  }
+}
+
+// The same state is one of a path that goes the one way, but not the other.
+TEST(StickAndSlip, AContactThatSlidesWithItsFrictionIsSeen) {
+  const ForwardScene s = rubbing_arm(0.3);
+  const Plan reached = led_to(s, {-1e-3, 1e-3});
+  ASSERT_EQ(reached.contacts.size(), 1U);
+  ASSERT_FALSE(reached.contacts[0].sticks);
+  const Scale scale = scale_of(s.scene);
+  const double moment = 1e-3 / scale.moment();
+  for (const double towards : {1.0, -1.0}) {
+    const LoadPath path(make_rod(s.scene, scale), {s.obstacles[0].get()},
+                        {.first = {moment}, .last = {moment + towards}, .loads_grow = false});
+    const double along = dot(reached.contacts[0].tangent, turned(reached.contacts[0].normal));
+    PointContact contact{.setup = {.obstacle = 0, .lean = std::copysign(0.3, along * reached.contacts[0].tangential)}};
+    contact.s = reached.contacts[0].arc_length / scale.length;
+    contact.force = reached.contacts[0].force / scale.force();
+    const std::vector<PointContact> contacts{contact};
+    Statics statics(path, std::make_shared<LegendreBasis>(12), contacts, 30);
+    Eigen::VectorXd z = statics.point({curvature_of(reached, scale.length), contacts, 0.0});
+    ASSERT_TRUE(statics.solve_at_load(z, 0.0).converged);
+    const auto [which, rate] = statics.slides_with_friction(z);
+    EXPECT_EQ(which, towards > 0.0 ? -1 : 0);
+    EXPECT_TRUE(towards > 0.0 ? rate == 0.0 : rate > 1e-3) << rate;
   }
 }
 

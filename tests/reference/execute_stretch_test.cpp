@@ -49,13 +49,18 @@ TEST(ExecuteStretch, AStraightRodHasTheMarginOfItsCompressedLength) {
   const double axial = 20.0;
   for (const double load : {1.0, 2.4}) {
     ForwardScene s = stretching(axial);
+    s.scene.rod.segments[0].torsional_stiffness = 0.7;
     s.scene.tip_load.force = {-load, 0.0};
     const Execution e = s.run({0.0});
     ASSERT_EQ(e.result.status, PlanStatus::solved) << e.result.message;
     EXPECT_NEAR(e.result.tip_x, 1.0 - load / axial, 1e-10);
     EXPECT_NEAR(e.result.certificate.least_stretch, 1.0 - load / axial, 1e-10);
     const double euler = std::numbers::pi * std::numbers::pi / 4.0;
-    EXPECT_NEAR(e.result.certificate.stability, 1.0 - load * (1.0 - load / axial) / euler, 1e-8);
+    const double margin = 1.0 - load * (1.0 - load / axial) / euler;
+    EXPECT_NEAR(e.result.certificate.stability, margin, 1e-8);
+    // As stiff out of its plane, it buckles out of it at the same load.
+    ASSERT_TRUE(e.result.certificate.out_of_plane);
+    EXPECT_NEAR(*e.result.certificate.out_of_plane, margin, 1e-8);
   }
 }
 

@@ -34,6 +34,7 @@ ForwardScene& ForwardScene::weight(double value) {
 Execution ForwardScene::run(const std::vector<double>& moments, const Plan* start) const {
   ExecuteControl control;
   control.start = start;
+  control.time_limit = infinity;  // however busy the machine is
   return execute(scene, obstacles, moments, control);
 }
 

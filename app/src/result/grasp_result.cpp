@@ -102,18 +102,24 @@ std::string_view turning(const Scene& scene, double moment) {
 
 namespace {
 
-Json hold_json(const GraspHold& hold) {
+Json hold_json(const Scene& scene, const GraspPlan& grasp) {
+  const GraspHold& hold = *grasp.hold;
   Json corners = Json::array();
   for (const Vec2 f : hold.held_forces) corners.push_back(numbers({f.x, f.y}));
-  return {{"coefficient", number(hold.friction)},
-          {"closure", hold.closure},
-          {"closure_coefficient", number(hold.closure_friction)},
-          {"breaking_force", numbers({hold.breaking_force.x, hold.breaking_force.y})},
-          {"held_forces", std::move(corners)},
-          {"held_moments", numbers({hold.least_moment, hold.largest_moment})}};
+  Json json{{"coefficient", number(hold.friction)},
+            {"closure", hold.closure},
+            {"closure_coefficient", number(hold.closure_friction)},
+            {"breaking_force", numbers({hold.breaking_force.x, hold.breaking_force.y})},
+            {"held_forces", std::move(corners)},
+            {"held_moments", numbers({hold.least_moment, hold.largest_moment})}};
+  if (const std::optional<GraspLift> lift = lift_of(scene, grasp)) {
+    json["lift"] = {{"acceleration", number(lift->acceleration)}, {"heaviest_turned", number(lift->heaviest_turned)}};
+  }
+  return json;
 }
 
-void add_hold(Grid& grid, const GraspHold& hold, const DisplayUnits& units) {
+void add_hold(Grid& grid, const Scene& scene, const GraspPlan& grasp, const DisplayUnits& units) {
+  const GraspHold& hold = *grasp.hold;
   std::string closure = fmt::format("{:.6g}: the cones ", hold.friction);
   closure += hold.closure ? "hold any disturbance if pressed hard enough" : "do not hold every disturbance";
   closure += hold.closure_friction > 0.0 ? fmt::format(", which takes more than {:.6g}", hold.closure_friction) : "";
@@ -125,6 +131,10 @@ void add_hold(Grid& grid, const GraspHold& hold, const DisplayUnits& units) {
             force > 0.0 ? fmt::format("{:.6g} N, towards {:.4g} deg", force, direction * 180.0 / std::numbers::pi)
                         : "none is held"});
   grid.row({"moments held", units.moment(hold.least_moment) + " to " + units.moment(hold.largest_moment)});
+  if (const std::optional<GraspLift> lift = lift_of(scene, grasp)) {
+    grid.row({"lifted with at most", fmt::format("{:.6g} m/s^2", lift->acceleration)});
+    grid.row({"heaviest object held however it is turned", fmt::format("{:.6g} kg", lift->heaviest_turned)});
+  }
 }
 
 }  // namespace
@@ -178,7 +188,7 @@ void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
     quality["force_by_1_percent_of_moment"] = std::move(by_moment);
     quality["force_by_1_mm_of_place"] = numbers({-1e-3 * q.axial_stiffness, -1e-3 * q.lateral_stiffness});
   }
-  if (grasp.hold) quality["friction"] = hold_json(*grasp.hold);
+  if (grasp.hold) quality["friction"] = hold_json(scene, grasp);
   json["grasp"] = std::move(quality);
   if (!grasp.lower) return;
   Json fingers = Json::array();
@@ -238,7 +248,7 @@ std::string grasp_text(const Scene& scene, const Plan& plan) {
     }
     grid.row({"1 mm of its place", pair(-1e-3 * q.axial_stiffness, -1e-3 * q.lateral_stiffness)});
   }
-  if (grasp.hold) add_hold(grid, *grasp.hold, units);
+  if (grasp.hold) add_hold(grid, scene, grasp, units);
   return '\n' + grid.text("");
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -46,6 +47,14 @@ TENDRIL_API GraspPlan grasp_of(const Scene& scene, double palm_distance, const s
 /// What the contacts of both fingers (in the world) do to the object.
 TENDRIL_API GraspPlan grasp_of(const Scene& scene, double palm_distance, const std::vector<PlannedContact>& upper,
                                const std::vector<PlannedContact>& lower);
+
+/// How an object may be lifted by contacts that hold it, as GraspHold has them.
+struct GraspLift {
+  double acceleration = 0.0;     ///< m/s^2, the largest against gravity; infinity: any
+  double heaviest_turned = 0.0;  ///< kg, the heaviest object that is held whichever way it is turned with the gripper
+};
+/// Of a grasp whose object weighs something and is held with forces that have limits; none of others.
+TENDRIL_API std::optional<GraspLift> lift_of(const Scene& scene, const GraspPlan& grasp);
 
 /// What the object of a grasp carries in the world, N: its weight, and the dead force that the scene gives.
 TENDRIL_API Vec2 object_load(const Scene& scene);

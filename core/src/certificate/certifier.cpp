@@ -51,7 +51,7 @@ struct Certifier::Data {
         program(judged != nullptr ? judged : fine.get()),
         stability(*program) {
     for (const Obstacle* o : spec.obstacles) shrunk.emplace_back(*o);
-    if (spec.rod->has_torsion() && !spec.rod->stretches()) out_of_plane = std::make_unique<OutOfPlane>();
+    if (spec.rod->has_torsion()) out_of_plane = std::make_unique<OutOfPlane>();
     if (judged != nullptr && !out_of_plane && !spec.rod->has_dead_loads()) rule_error.emplace(judged->chain());
   }
 

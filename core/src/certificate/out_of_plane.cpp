@@ -43,7 +43,9 @@ void OutOfPlane::find_forces(const PoseProgram& program) {
   forces_.clear();
   forces_.push_back({1.0, loads.tip_force + rod.payload * loads.gravity});
   for (const PoseProgram::ContactState& c : program.contacts()) {
-    forces_.push_back({c.arc_length, c.force * c.push});
+    // What is tangential acts on the surface.
+    forces_.push_back({c.arc_length, c.force * c.push + c.shear * turned(c.surface.normal),
+                       -(c.force * c.lean + c.shear) * c.radius.value});
   }
   for (const Rod::Load& l : rod.loads) {
     if (l.at_point()) forces_.push_back({l.from, loads.dead * l.force + l.weight * loads.gravity});
@@ -110,6 +112,7 @@ void OutOfPlane::weigh(const PoseProgram& program, const Curve& curve, std::size
     const bool last = p + 1 == panels_.size();
     if (f.s > panel.start + 0.5 * panel.length && (last || f.s < end + 0.5 * panels_[p + 1].length)) {
       beyond.force += f.force;
+      beyond.moment += f.moment;
     }
   }
   Vec2 line{};
@@ -123,13 +126,15 @@ void OutOfPlane::weigh(const PoseProgram& program, const Curve& curve, std::size
   };
   for (int g = 0; g < rule_.size(); ++g) {
     const double s = panel.start + rule_.nodes()[g] * panel.length;
-    const Vec2 t = curve.at(panel.piece, panel.from + rule_.nodes()[g] * (panel.to - panel.from)).tangent;
+    const Vec2 along = curve.at(panel.piece, panel.from + rule_.nodes()[g] * (panel.to - panel.from)).tangent;
+    const Vec2 t = rod.stretches() ? (1.0 / norm(along)) * along : along;
     const Vec2 force = force_at(s);
     const double h = rule_.weights()[g] * panel.length;
-    shear_[g] = panel.length * cross(t, force);
-    by_xx_[g] = -h * t.y * force.y;
-    by_yy_[g] = -h * t.x * force.x;
-    by_xy_[g] = h * (t.y * force.x + t.x * force.y);
+    // Forces work on the rod as long as it is.
+    shear_[g] = panel.length * cross(along, force);
+    by_xx_[g] = -h * along.y * force.y;
+    by_yy_[g] = -h * along.x * force.x;
+    by_xy_[g] = h * (along.y * force.x + along.x * force.y);
     const double bending = segment.stiffness_at(s).value;
     const double twist = segment.torsion * bending;
     const double across = segment.across * bending;

@@ -17,9 +17,10 @@ namespace tendril {
 /// A rotation w in the plane, w = 0 at the clamp, bends the rod out of it (w'.N) and twists it (w'.t). With w in the
 /// fixed frame the second variation of the energy needs no curvature:
 ///
-///     2 Q = int GJ (w'.t)^2 + EI_o (w'.N)^2 - m w x w' - (w.N) (w x F) ds,
+///     2 Q = int GJ (w'.t)^2 + EI_o (w'.N)^2 - m w x w' - (1 + eps) (w.N) (w x F) ds,
 ///
-/// F and m the force and the moment of everything beyond. It is taken on Legendre functions of its own.
+/// F and m the force and the moment of everything beyond, eps the stretch. It is taken on Legendre functions of its
+/// own.
 class TENDRIL_API OutOfPlane {
  public:
   /// Of rods whose torsion is known. `most_functions`: of each of both components of w, on one panel.
@@ -36,10 +37,11 @@ class TENDRIL_API OutOfPlane {
     double from = 0.0, to = 1.0;  ///< sigma of the piece
     double start = 0.0, length = 1.0;
   };
-  /// A force at one place along the rod.
+  /// A force at one place along the rod, and its couple about the backbone.
   struct PointForce {
     double s = 0.0;
     Vec2 force{};
+    double moment = 0.0;
   };
   /// Of everything beyond.
   struct Transmitted {

@@ -141,6 +141,25 @@ std::vector<Vec2> HeldDisturbances::corners() const {
   return corners;
 }
 
+std::optional<GraspLift> lift_of(const Scene& scene, const GraspPlan& grasp) {
+  const double mass = scene.gripper ? scene.gripper->object_mass : 0.0;
+  const double gravity = scene.gravity ? norm(*scene.gravity) : 0.0;
+  if (!grasp.hold || grasp.hold->held_forces.size() < 3 || !(mass * gravity > 0.0)) return std::nullopt;
+  const std::vector<Vec2>& corners = grasp.hold->held_forces;
+  const Vec2 weight = mass * *scene.gravity;
+  GraspLift lift{infinity, infinity};
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2 edge = corners[(i + 1) % corners.size()] - corners[i];
+    const Vec2 out = (1.0 / norm(edge)) * turned_back(edge);
+    // How far from the object's weight, and from none, the forces beyond this edge are.
+    const double room = std::max(0.0, dot(out, corners[i]));
+    const double along = dot(out, weight);
+    if (along > 0.0) lift.acceleration = std::min(lift.acceleration, gravity * room / along);
+    lift.heaviest_turned = std::min(lift.heaviest_turned, std::max(0.0, room + along) / gravity);
+  }
+  return lift;
+}
+
 void tell_hold(const Task& task, Plan& plan) {
   if (!plan.grasp || plan.status != PlanStatus::solved) return;
   const double friction = friction_of(task.scene, 0);

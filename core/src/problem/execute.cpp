@@ -87,6 +87,8 @@ class Executor {
   /// Contacts stick and slip at the coefficients of the scene.
   bool is_rough() const { return control_.with_obstacles && control_.with_friction && control_.friction.empty(); }
   std::vector<double> coefficients() const;
+  /// Whether contacts that slip in the state reached do so against their friction, along the path that led there.
+  void judge_slips(Settled& end, Plan& plan) const;
   /// How a contact of the earlier result sticks or slips.
   void set_friction(const PlannedContact& c, PointContact& p) const;
   /// What of the scene's friction this path has not, and what there is not under it.
@@ -220,7 +222,10 @@ Execution Executor::run() {
   }
   tell_limits(out.result);
   tell_beyond_calibration(scene_.rod, out.result.moments, out.result.turns, "", out.result.notes);
-  if (is_rough()) judge_cones(scene_, scale_.force(), out.result);
+  if (is_rough()) {
+    judge_cones(scene_, scale_.force(), out.result);
+    judge_slips(loading->tracker().current(), out.result);
+  }
   tell_friction(*loading, out.result);
   out.result.start_backbone =
       control_.start != nullptr
@@ -228,6 +233,17 @@ Execution Executor::run() {
           : outline(start_ ? StartShape{start_} : constant_curvature(scene_.start_tip_angle), rod_, scale_.length);
   out.result.seconds_solve = now() - begin - out.result.seconds_certify;
   return out;
+}
+
+void Executor::judge_slips(Settled& end, Plan& plan) const {
+  if (plan.status != PlanStatus::solved) return;
+  const auto [contact, rate] = end.statics->slides_with_friction(end.z);
+  if (!(rate > tolerance::friction)) return;
+  const auto o = static_cast<std::size_t>(end.statics->contact(contact).obstacle);
+  plan.certificate.failures.push_back("the contact with '" + names_[o] + "' slides with its friction, by " +
+                                      shown_with_exponent(rate) + " along the path");
+  plan.status = PlanStatus::not_converged;
+  plan.message = plan.certificate.failures.back();
 }
 
 void Executor::tell_friction(const Loading& loading, Plan& plan) const {

@@ -108,9 +108,6 @@ void tell_left_out(Task& d, const Scene& scene) {
   for (std::size_t a = 0; a < d.rod.actuators.size(); ++a) {
     if (d.rod.actuators[a].fixed_at_zero()) leave("moment of actuator " + std::to_string(a + 1), "its limit is 0");
   }
-  if (d.rod.stretches() && d.rod.has_torsion()) {
-    leave("margin out of the plane", "it is known of rods that do not stretch");
-  }
   if (d.rod.actuators.empty()) leave("moments", "the rod has no actuator");
   const bool ignored = scene.contact.mode == ContactModeName::ignore;
   if (d.scene.obstacles.empty() || ignored) {

@@ -51,7 +51,7 @@ std::vector<double> moves_of(const Rod& rod, const Scale& scale, const RodPlace&
 std::vector<BackbonePoint> outline(const StartShape& shape, const Rod& rod, double length);
 
 /// The curvature of an earlier plan of a rod of this length (m), dimensionless, over s/L.
-std::function<double(double)> curvature_of(const Plan& plan, double length);
+TENDRIL_API std::function<double(double)> curvature_of(const Plan& plan, double length);
 
 /// What a scene calls its obstacles, or "obstacle 1", ...
 std::vector<std::string> obstacle_names(const Scene& scene);

@@ -18,6 +18,9 @@ constexpr double other_cone = 1e-6;
 constexpr double slip_bracket = 1e-8;
 constexpr int most_changes = 256;
 
+/// Which way a contact slips counts, however little friction it has.
+double side_of(double lean) { return lean < 0.0 ? -1.0 : 1.0; }
+
 }  // namespace
 
 bool Tracker::add_friction(const Step& step, const Eigen::VectorXd& tangent, std::vector<Event>& found) {
@@ -58,7 +61,7 @@ bool Tracker::add_stick(const Step& step, const Eigen::VectorXd& tangent, int k,
   Statics& s = *now_.statics;
   const double lean = s.contact(k).lean;
   const auto with_friction = [&](const Eigen::VectorXd& z, const Eigen::VectorXd& along) {
-    return s.sliding(z, along, k) * lean;
+    return s.sliding(z, along, k) * side_of(lean);
   };
   if (!(with_friction(step.z, step.tangent) > moving)) return true;
   Event e;
@@ -84,7 +87,8 @@ std::optional<double> Tracker::other_lean(int k, const Eigen::VectorXd& tangent)
   Statics& s = *now_.statics;
   const ContactSetup& setup = s.contact(k);
   const double coefficient = path_.coefficient(setup.obstacle);
-  if (setup.lean != 0.0) return s.sliding(now_.z, tangent, k) * setup.lean > moving ? std::optional(0.0) : std::nullopt;
+  if (setup.lean != 0.0)
+    return s.sliding(now_.z, tangent, k) * side_of(setup.lean) > moving ? std::optional(0.0) : std::nullopt;
   // What has just been touched, or comes from a result without friction, sticks first.
   if (!setup.sticks) return coefficient > 0.0 ? std::optional(0.0) : std::nullopt;
   const double shear = now_.z[s.shear_index(k)];

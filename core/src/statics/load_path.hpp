@@ -8,7 +8,7 @@ namespace tendril {
 
 /// Moments, loads, moves of the rod and sizes of obstacles as functions of the load fraction: everything is affine in
 /// it, so that rates are exact differences.
-class LoadPath {
+class TENDRIL_API LoadPath {
  public:
   struct Ends {
     /// Moments at load 0 and 1, one per actuator of the rod; with `holds_lengths` of tendons told their length their

@@ -121,6 +121,17 @@ double Statics::sliding(const Eigen::VectorXd& z, const Eigen::VectorXd& directi
   return row.dot(full(direction) + direction[size()] * given_rates());
 }
 
+std::pair<int, double> Statics::slides_with_friction(const Eigen::VectorXd& z) {
+  std::pair<int, double> worst{-1, 0.0};
+  const Eigen::VectorXd along = tangent(z);
+  for (int k = 0; k < contact_count(); ++k) {
+    if (contact(k).lean == 0.0) continue;
+    const double with = sliding(z, along, k) * (contact(k).lean < 0.0 ? -1.0 : 1.0);
+    if (with > worst.second) worst = {k, with};
+  }
+  return worst;
+}
+
 PoseProgram& Statics::at(const Eigen::VectorXd& z) {
   place(z);
   set_load(z[size()]);

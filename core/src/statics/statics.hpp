@@ -17,7 +17,7 @@ namespace tendril {
 /// over y = (coordinates, arc lengths, forces, moments of taut tendons, tangential forces of contacts that stick), with
 /// exact derivatives. A point is z = (y, load). What holds the rod from one side are its `holds`: the contacts, and
 /// behind them the taut tendons.
-class Statics {
+class TENDRIL_API Statics {
  public:
   /// `contacts` in any order; they are sorted along the rod.
   Statics(const LoadPath& path, std::shared_ptr<const LegendreBasis> basis, std::vector<PointContact> contacts,
@@ -75,6 +75,9 @@ class Statics {
   double tip_slope(const Eigen::VectorXd& z);  ///< t.n of a tip contact; -1 without one
   /// How fast the rod's surface slides at contact k along the obstacle's turned normal, in a direction at z.
   double sliding(const Eigen::VectorXd& z, const Eigen::VectorXd& direction, int k);
+  /// The contact that slides fastest with its friction instead of against it while the load grows from z, and how fast
+  /// along the unit tangent; -1, and 0: none does.
+  std::pair<int, double> slides_with_friction(const Eigen::VectorXd& z);
   /// Contact k held where it is at z.
   Anchor anchor(const Eigen::VectorXd& z, int k) { return at(z).anchor(k); }
   /// Contacts that stick do so from where they are at z on.

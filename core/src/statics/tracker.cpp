@@ -10,9 +10,10 @@ namespace {
 
 constexpr double longest_path_step = 0.15;  ///< along the path, in the metric of bending energy and load
 constexpr double shortest_step = 1e-8;
-constexpr double deviation = 0.25;            ///< of the corrected from the predicted point, per step length
-constexpr double beyond_bifurcation = 1e-3;   ///< load fraction; see Snap
-constexpr double not_critical = 1e-3;         ///< margin that a fold of the equilibrium cannot have
+constexpr double over_seam = 100.0 * shortest_step;  ///< a seam of an obstacle that stops the path is nearer than that
+constexpr double deviation = 0.25;                   ///< of the corrected from the predicted point, per step length
+constexpr double beyond_bifurcation = 1e-3;          ///< load fraction; see Snap
+constexpr double not_critical = 1e-3;                ///< margin that a fold of the equilibrium cannot have
 constexpr double vanishing_convexity = 1e-2;  ///< d_ss (per L) at a turn of the path that a spreading contact explains
 constexpr double pinched_length = 1e-4;       ///< between opposite contacts (L)
 constexpr double pinching_force = 1e4;        ///< of each; a moment of one over the length above (EI/L^2)
@@ -82,6 +83,12 @@ bool Tracker::advance() {
     if (length < shortest_step || must_stop_()) {
       // Where d_ss vanishes the contact has no place of its own.
       if (!must_stop_() && (spreads(vanishing_convexity) || overdrawn())) return false;
+      if (!must_stop_() && ends_at_seam(tangent)) {
+        Eigen::VectorXd direction = tangent;
+        direction[now_.statics->size()] = 0.0;
+        const Eigen::VectorXd last = now_.z;
+        return snap(SnapKind::fold, last, &direction, last[now_.statics->size()]);
+      }
       trouble_ = "the path could not be followed beyond load fraction " + shown(now_.z[now_.statics->size()], 9);
       return false;
     }
@@ -263,6 +270,24 @@ bool Tracker::take_bifurcation(const Event& event) {
   const Eigen::VectorXd direction = s.weakest_direction(event.z);
   return snap(SnapKind::bifurcation, event.z, direction.allFinite() ? &direction : nullptr,
               std::min(1.0, at + beyond_bifurcation));
+}
+
+/// Where a contact slides from one patch of an obstacle to another its curvature jumps, and the margin with it: the
+/// path turns there without a fold that either patch has.
+bool Tracker::ends_at_seam(const Eigen::VectorXd& tangent) {
+  Statics& s = *now_.statics;
+  const Eigen::VectorXd behind = now_.z + over_seam * tangent;
+  const auto patches = [&](const Eigen::VectorXd& z) {
+    const std::vector<PoseProgram::ContactState>& contacts = s.at(z).contacts();
+    std::vector<int> on;
+    for (int k = 0; k < s.contact_count(); ++k) {
+      const auto o = static_cast<std::size_t>(s.contact(k).obstacle);
+      on.push_back(path_.obstacles()[o]->patch_at(contacts[static_cast<std::size_t>(k)].point));
+    }
+    return on;
+  };
+  if (patches(now_.z) == patches(behind)) return false;
+  return s.margin(now_.z) > not_critical && s.margin(behind) < -not_critical;
 }
 
 /// A path also turns, and its margin jumps, where a contact's d_ss passes zero; nothing gives way there.

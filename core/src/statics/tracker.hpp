@@ -148,6 +148,8 @@ class Tracker {
   /// A contact with force has no more than this d_ss: `trouble_` says where.
   bool spreads(double least);
   bool turns_by_spreading();
+  /// No step is short enough, and stability is lost right behind: at a seam of an obstacle, where its curvature jumps.
+  bool ends_at_seam(const Eigen::VectorXd& tangent);
   /// Two obstacles leave the rod no room: `trouble_` says where.
   bool pinched();
   /// Tendons are held shorter than any shape of the rod lets them be together: `trouble_` says which.
