@@ -233,7 +233,8 @@ void report_frames(const Sequence& q, SequenceEstimate& out) {
     }
     if (!trouble.empty() && ++troubled == 1) {
       out.status = frame.status;
-      out.message = name_of(frame, out.timed) + ": " + trouble + q.in.hint(q.in.frames[i].shape, q.frames[i].moments);
+      out.message = name_of(frame, out.timed) + ": " + trouble +
+                    hint_of(q.in, q.in.frames[i].shape, q.frames[i].moments, q.deadline);
     }
     const Eigen::Index count = q.frames[i].shape.points.size();
     if (q.tracked[i].found) {
