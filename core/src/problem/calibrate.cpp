@@ -245,7 +245,7 @@ Calibration calibrate(const Scene& scene, const CalibrationSpec& spec, const Pla
   out.order = refined.order;
   out.model_error = refined.change * in.scale.length;
   report_numbers(in, *refined.fit, refined.result, out);
-  report_shapes(in, spec, *refined.fit, refined.result.point, out);
+  report_shapes(in, scene, spec, *refined.fit, refined.result.point, out);
   cross_validate(in, spec, refined, deadline, out);
   summarize(spec, out);
   if (!refined.result.converged) {
