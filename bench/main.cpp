@@ -110,6 +110,7 @@ int solvers(const Arguments& arguments) {
   setup.starts = arguments.starts;
   setup.seed = arguments.extent.seed;
   setup.repetitions = std::max(1, arguments.extent.repetitions);
+  setup.tells_runs = true;
   setup.stop = arguments.extent.stop;
   bench::Section section = bench::solver_section(setup, bench::compare_solvers(registry, setup));
   section.left_out = left_out;

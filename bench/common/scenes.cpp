@@ -77,7 +77,7 @@ std::vector<BenchScene> scenes_from_file(const std::string& file, const std::vec
     steps = scene.trajectory.targets;
     scene.problem = ProblemKind::pose;
     scene.trajectory = {};
-    scene.target = steps.front();
+    scene.target = {};
   }
   const std::string name = std::filesystem::path(file).stem().string();
   if (document.root().find("study") == nullptr) return {{name, scene, steps}};
@@ -106,8 +106,15 @@ std::vector<BenchScene> scenes_from_file(const std::string& file, const std::vec
 Scene with_target(const BenchScene& bench, std::size_t target) {
   Scene scene = bench.scene;
   if (target >= bench.targets.size()) return scene;
-  if (bench.targets[target].position) scene.target.position = bench.targets[target].position;
-  if (bench.targets[target].angle) scene.target.angle = bench.targets[target].angle;
+  const TargetSpec& own = bench.targets[target];
+  if (own.position) scene.target.position = own.position;
+  if (own.angle) scene.target.angle = own.angle;
+  if (own.turns) scene.target.turns = own.turns;
+  scene.target.position_tolerance = std::min(scene.target.position_tolerance, own.position_tolerance);
+  scene.target.angle_tolerance = std::min(scene.target.angle_tolerance, own.angle_tolerance);
+  for (const MovedObstacle& moved : own.obstacles) {
+    scene.obstacles[static_cast<std::size_t>(moved.obstacle)].place = moved.place;
+  }
   return scene;
 }
 

@@ -90,6 +90,16 @@ void judge(SolverComparison& comparison) {
   }
 }
 
+/// The line of a plan that has just been made.
+void tell(const SolverComparisonSetup& setup, const SolverComparison& comparison, const SolverRun& run) {
+  const SolverProgram& program = comparison.programs[run.program];
+  const std::string limit =
+      setup.limits.empty() ? "" : fmt::format(", limit {} N m", setup.limits[static_cast<std::size_t>(program.limit)]);
+  fmt::print(stderr, "{} of {}: {}, target {}{}, {}: {}, {:.3g} ms\n", comparison.runs.size() + 1,
+             comparison.programs.size() * setup.contestants.size(), setup.scenes[program.scene].name,
+             program.target + 1, limit, setup.contestants[run.contestant].name, run.status, 1e3 * run.seconds);
+}
+
 /// A contestant that a scene or a plugin refuses altogether has failed like any other.
 SolverRun plan_once(plugins::Registry& registry, const Scene& scene, const PlanControl& control,
                     const std::vector<Vec2>& references) {
@@ -147,6 +157,7 @@ SolverComparison compare_solvers(plugins::Registry& registry, const SolverCompar
         run.program = p;
         run.contestant = c;
         if (repetition == 0) {
+          if (setup.tells_runs) tell(setup, comparison, run);
           seconds.push_back({run.seconds});
           comparison.runs.push_back(std::move(run));
         } else {
@@ -155,7 +166,7 @@ SolverComparison compare_solvers(plugins::Registry& registry, const SolverCompar
           first.repeatable = first.repeatable && run.iterations == first.iterations &&
                              run.evaluations == first.evaluations && run.status == first.status;
         }
-        if (terminal) {
+        if (terminal && (repetition > 0 || !setup.tells_runs)) {
           fmt::print(stderr, "\r{} of {} plans, repetition {} of {}", p * contestants + c + 1,
                      comparison.programs.size() * contestants, repetition + 1, setup.repetitions);
         }

@@ -22,6 +22,7 @@ struct SolverComparisonSetup {
   int repetitions = 1;                    ///< of plans below 50 ms; the median time counts
   double time_limit = 0.0;                ///< s, of a plan, what a failure counts as; 0: the scene's own
   std::int64_t evaluation_limit = 20000;  ///< likewise; who needs more has failed
+  bool tells_runs = false;                ///< a line on standard error for each plan as it comes
   const std::atomic<bool>* stop = nullptr;
 };
 

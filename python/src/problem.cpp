@@ -10,6 +10,7 @@
 #include "source.hpp"
 #include "tendril/error.hpp"
 #include "tendril/scale.hpp"
+#include "tendril/whole_number.hpp"
 
 namespace py = pybind11;
 
@@ -81,7 +82,7 @@ class FollowedProblem {
   std::mutex mutex_;  ///< taken without Python's lock, so that none waits for both
 };
 
-constexpr py::ssize_t most_turns = 1000000;
+constexpr std::int64_t most_turns = 1000000;
 
 /// SI number, text with a unit, or what the package makes one of these of.
 double quantity(const py::handle& value, const Scene& scene, const Dimension& wanted, const char* name) {
@@ -119,12 +120,14 @@ TargetSpec target_of(const py::object& position, const py::object& angle, const 
   }
   if (!angle.is_none()) target.angle = quantity(angle, scene, dimension::angle, "angle");
   if (!turns.is_none()) {
-    const bool whole = PyIndex_Check(turns.ptr()) != 0 && PyBool_Check(turns.ptr()) == 0;
-    const py::ssize_t count = whole ? PyNumber_AsSsize_t(turns.ptr(), nullptr) : 0;  // clipped where it is too large
-    if (!whole || std::abs(count) > most_turns)
+    const double found = PyFloat_AsDouble(turns.ptr());
+    if (PyErr_Occurred() != nullptr) PyErr_Clear();  // no number, which -1 then stands for
+    const auto count =
+        PyNumber_Check(turns.ptr()) != 0 && PyBool_Check(turns.ptr()) == 0 ? whole_number(found) : std::nullopt;
+    if (!count || std::abs(*count) > most_turns)
       throw py::type_error("turns: found " + py::repr(turns).cast<std::string>() +
                            ", expected a whole number of turns");
-    target.turns = static_cast<int>(count);
+    target.turns = static_cast<int>(*count);
   }
   if (!target.position && !target.angle) throw py::value_error("target: expected a position, an angle, or both");
   return target;

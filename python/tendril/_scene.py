@@ -15,7 +15,7 @@ from ._pool import Progress, reporting
 from ._results import (
     Calibration, Description, Estimate, Execution, Plan, Result, Sensitivities, SequenceEstimate, Study, Trajectory, json_text,
 )
-from ._values import each, entries, file_path, inline, is_list, key_text, plain, unicode
+from ._values import each, entries, file_path, inline, is_list, key_text, plain, unicode, whole_number
 
 File = Union[str, "os.PathLike[str]"]
 Earlier = Union[Result, str, "os.PathLike[str]", Mapping[str, Any]]
@@ -307,10 +307,9 @@ class Scene:
         `port`: of the loopback interface, 0 for any that is free. `browser`: opens the page where there is a display.
         `ready`: called with the address, instead of printing it.
         """
-        if isinstance(port, bool) or not isinstance(port, int) or not 0 <= port < 65536:
-            raise ValueError(f"port: found {port!r}, expected a whole number from 0 to 65535")
+        number = whole_number(port, "port", 0, 65535)
         try:
-            _native.live(self._source(), port, bool(browser), ready or (lambda address: print(f"live at {address}", flush=True)))
+            _native.live(self._source(), number, bool(browser), ready or (lambda address: print(f"live at {address}", flush=True)))
         except KeyboardInterrupt:
             pass
 

@@ -49,11 +49,13 @@ def number(value: Any, name: str, least: float = -math.inf, most: float = math.i
     return found
 
 
-def whole_number(value: Any, name: str) -> int:
-    """`value`, which has to be a whole number from 1 on."""
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise ValueError(f"{name}: found {value!r}, expected a whole number from 1 on")
-    return value
+def whole_number(value: Any, name: str, least: int = 1, most: int | None = None) -> int:
+    """`value`, which has to be a whole number within bounds; 6.0 is one."""
+    number_like = hasattr(value, "__float__") and not isinstance(value, bool)
+    if not number_like or not float(value).is_integer() or value < least or (most is not None and value > most):
+        until = "on" if most is None else f"to {most}"
+        raise ValueError(f"{name}: found {value!r}, expected a whole number from {least} {until}")
+    return int(value)
 
 
 def file_path(value: Any, name: str) -> str:

@@ -14,6 +14,7 @@
 #include "ipopt_status.hpp"
 #include "tendril/plugin.hpp"
 #include "tendril/solver.hpp"
+#include "tendril/whole_number.hpp"
 
 namespace tendril::ipopt_plugin {
 
@@ -132,6 +133,8 @@ class Application {
                      name, std::to_string(v));
       }
       void operator()(double v) const {
+        const std::optional<std::int64_t> whole = whole_number(v);
+        if (type == Ipopt::OT_Integer && whole) return (*this)(*whole);
         self.require(type == Ipopt::OT_Number && self.application_->Options()->SetNumericValue(name, v), name,
                      shown(v));
       }

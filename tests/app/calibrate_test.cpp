@@ -122,6 +122,64 @@ TEST(Calibrate, LawsAreWrittenAndWhatLiesBeyondThemIsTold) {
   }
 }
 
+TEST(Calibrate, LoadsBeyondThoseOfTheRecordingsAreTold) {
+  const TemporaryDirectory directory;
+  const std::string arm =
+      "problem = \"execute\"\ngravity = [0, -9.81]\n[rod]\nlength = 0.1\nbending_stiffness = 0.01\n"
+      "linear_density = 0.1\n[[rod.actuator]]\nlimit = \"20 N mm\"\n[[rod.load]]\nat = 0.05\nforce = [0, 0]\n"
+      "[[rod.load]]\nforce_per_length = [0, -0.1]\n";
+  const std::string robot = directory.write("robot.toml", arm);
+  std::string points = "case,moment [N mm],tip_fy [N],load_1_fy [N],x [m],y [m]\n";
+  for (const double force : {0.0, -0.02, -0.04}) {
+    for (const double moment : {0.0, 10.0}) {
+      const json at = json_of({"execute", robot, "--moments", fmt::format("{} N mm", moment), "--set",
+                               fmt::format("tip_load.force=[0,{}]", force), "--set",
+                               fmt::format("rod.load.0.force=[0,{}]", 2.0 * force)});
+      ASSERT_EQ(at["status"], "solved");
+      points += fmt::format("{} N and {} N mm,{},{},{},{:.15g},{:.15g}\n", force, moment, moment, force, 2.0 * force,
+                            at["tip"]["x"].get<double>(), at["tip"]["y"].get<double>());
+    }
+  }
+  directory.write("points.csv", points);
+  const std::string sought =
+      "[calibrate]\nfiles = [\"points.csv\"]\nnoise = \"0.01 mm\"\n[[calibrate.unknown]]\nname = \"stiffness\"\n";
+  const CommandRun run =
+      tendril({"calibrate", directory.write("arm.toml", arm + sought), "--output", directory / "out"});
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const std::string included = "include = \"out/rod.toml\"\ngravity = [0, -9.81]\n";
+  const std::string scene = directory.write("scene.toml", included + "problem = \"execute\"\n");
+  const auto notes = [&](const std::vector<std::string>& settings) {
+    std::vector<std::string> words{"execute", scene, "--moments", "5 N mm"};
+    for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
+    const json result = json_of(words);
+    return result.contains("notes") ? result["notes"].dump() : "";
+  };
+  EXPECT_EQ(notes({}), "");
+  EXPECT_EQ(notes({"tip_load.force=[0,-0.04]", "rod.load.0.force=[0,-0.03]"}), "");
+  // All of it turned together is the same.
+  EXPECT_EQ(notes({"rod.base.angle=\"90 deg\"", "gravity=[9.81,0]", "rod.load.1.force_per_length=[0.1,0]"}), "");
+  const std::string nothing_says = ": nothing says how true this is";
+  EXPECT_TRUE(contains_text(notes({"tip_load.force=[0,-0.05]"}),
+                            "the force at the tip is (0, -0.05) N along and across the rod's base, beyond what its rod "
+                            "was calibrated with ((0, -0.04) to (0, 0) N)" +
+                                nothing_says));
+  EXPECT_TRUE(contains_text(notes({"tip_load.mass=0.01"}), "the force at the tip is (0, -0.0981) N"));
+  EXPECT_TRUE(contains_text(notes({"rod.load.0.force=[0.01,0]"}), "load 1 is (0.01, 0) N"));
+  EXPECT_TRUE(contains_text(notes({"rod.load.1.force_per_length=[0,-0.2]"}), "load 2 is (0, -0.2) N/m"));
+  EXPECT_TRUE(contains_text(notes({"gravity=[9.81,0]"}), "gravity is (9.81, 0) m/s^2"));
+  EXPECT_TRUE(contains_text(notes({"rod.base.angle=\"180 deg\""}), "gravity is (0, 9.81) m/s^2"));
+  // Plans say it as executions do.
+  const json plan =
+      json_of({"plan", directory.write("plan.toml", included + "[target]\nposition = [0.09, 0.01]\n"
+                                                               "[tip_load]\nforce = [0, -0.05]\n"
+                                                               "[[objective]]\nplugin = \"tip_pose\"\n")});
+  EXPECT_TRUE(contains_text(plan["notes"].dump(), "the force at the tip is (0, -0.05) N")) << plan["notes"];
+  expect_refused(tendril({"execute", scene, "--moments", "0", "--set", "rod.calibrated_gravity=[[0,0]]"}),
+                 "found a list of 1 entry, expected two points: the least coordinates and the largest ones");
+  expect_refused(tendril({"execute", scene, "--moments", "0", "--set", "rod.load.0.calibrated=[[0,1],[0,0]]"}),
+                 "found a range from (0, 1) to (0, 0), expected the least coordinates first");
+}
+
 TEST(Calibrate, FrictionIsRefusedWithItsReason) {
   expect_refused(calibrate({}, "name = \"stiffness\"", "name = \"friction\""),
                  "found \"friction\", which no shape tells");

@@ -312,10 +312,40 @@ TEST(PoorFit, TellsArcLengthsFromTheTip) {
   EXPECT_TRUE(contains_text(message_of(csv), "are the arc lengths counted from the tip?")) << message_of(csv);
 }
 
-TEST(PoorFit, TellsAFlippedAxis) {
-  std::string csv = "s [mm],x [mm],y [mm]\n";
-  for (const Point& p : example_points()) csv += columns(",")({p.s, p.y, p.x}) + "\n";
-  EXPECT_TRUE(contains_text(message_of(csv), "'y_down'")) << message_of(csv);
+TEST(PoorFit, NamesTheAxesThatExplainThePoints) {
+  struct Seen {
+    const char* name;
+    Point (*from)(const Point&);
+  };
+  for (const Seen& seen : {Seen{"x and y are swapped",
+                                [](const Point& p) {
+                                  return Point{p.s, p.y, p.x};
+                                }},
+                           Seen{"y points the other way",
+                                [](const Point& p) {
+                                  return Point{p.s, p.x, -p.y};
+                                }},
+                           Seen{"x points the other way", [](const Point& p) {
+                                  return Point{p.s, -p.x, p.y};
+                                }}}) {
+    for (const double base : {0.0, 20.0}) {
+      std::string csv = "s [mm],x [mm],y [mm]\n";
+      for (const Point& p : example_points()) {
+        const Point at = seen.from(p);
+        csv += columns(",")({at.s, at.x + base, at.y - base}) + "\n";
+      }
+      const std::string place = "[rod.base]\nposition = [" + number(1e-3 * base) + ", " + number(-1e-3 * base) + "]\n";
+      const std::string message = message_of(csv, "[measurement]", place + "[measurement]");
+      EXPECT_TRUE(contains_text(message, "as if " + std::string(seen.name))) << message;
+      EXPECT_TRUE(contains_text(message, "'y_down'")) << message;
+    }
+  }
+}
+
+TEST(PoorFit, NamesNoAxesWhereNoneExplainThePoints) {
+  const std::string csv = written({"", "s [mm],x [mm],y [mm]\n", columns(",")});
+  const std::string message = message_of(csv, "noise = \"0.05 mm\"", "noise = \"0.001 mm\"");
+  EXPECT_FALSE(contains_text(message, "as if")) << message;
 }
 
 TEST(PoorFit, TellsPointsOfAnotherScale) {

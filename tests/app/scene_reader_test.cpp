@@ -294,6 +294,30 @@ void expect_refused_keys(const std::vector<KeySpec>& keys, const std::string& pa
 
 TEST(SceneReader, RefusesEveryKeyWithAWrongValueAtItsPlace) { expect_refused_keys(scene_keys(), "", ""); }
 
+TEST(SceneReader, TakesWholeNumbersThatAreWrittenAsRealOnes) {
+  int seen = 0;
+  const auto visit = [&](const auto& self, const std::vector<KeySpec>& keys, const std::string& path,
+                         const std::string& head) -> void {
+    for (const KeySpec& key : keys) {
+      const std::string before = head + needed_beside(keys, key);
+      if (key.type == KeyType::integer) {
+        // What follows a key may be missing, as it may be behind 2.
+        const auto with = [&](const char* value) {
+          return message_of(before + key.name + " = " + value + '\n' + rest(path, key));
+        };
+        EXPECT_EQ(with("2.0"), with("2")) << path << '.' << key.name;
+        EXPECT_EQ(with("2.0").find("whole number"), std::string::npos) << path << '.' << key.name;
+        ++seen;
+      }
+      if (key.type != KeyType::table && key.type != KeyType::tables) continue;
+      const std::string inner = (path.empty() ? "" : path + '.') + key.name;
+      self(self, key.keys, inner, before + (key.type == KeyType::tables ? "[[" + inner + "]]\n" : '[' + inner + "]\n"));
+    }
+  };
+  visit(visit, scene_keys(), "", "");
+  EXPECT_GE(seen, 11);
+}
+
 /// The keys of tables that take no others, each with its last letter twice.
 TEST(SceneReader, KnowsWhatAMisspeltKeyWasMeantToBe) {
   const auto visit = [](const auto& self, const std::vector<KeySpec>& keys, const std::string& path,

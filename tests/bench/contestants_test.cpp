@@ -92,6 +92,17 @@ TEST(ScenesFromFile, AreTheirStepsAndCases) {
     validate(last);
   }
 
+  // Whatever a step has of its own goes with it.
+  const std::vector<BenchScene> moving =
+      of("brace.toml", {"problem=\"trajectory\"", "target.turns=0",
+                        "trajectory.obstacle=[{name=\"obstacle 1\", shifts=[[0, 0], [1e-3, -2e-3]]}]"});
+  ASSERT_EQ(moving.size(), 1U);
+  ASSERT_EQ(moving[0].targets.size(), 2U);
+  const Scene step = with_target(moving[0], 1);
+  EXPECT_EQ(step.obstacles[0].place.shift, (Vec2{1e-3, -2e-3}));
+  EXPECT_EQ(step.target.turns, 0);
+  EXPECT_NEAR(step.target.position->x, 0.097, 1e-12);
+
   const std::vector<BenchScene> sizes = of("grasp_sizes.toml");
   ASSERT_EQ(sizes.size(), 26U);
   EXPECT_EQ(sizes[14].scene.gripper->object_diameter, 0.02);

@@ -6,6 +6,7 @@ given one, rounded to the digits that stand there; "below {}" and the like are b
 """
 import functools
 import json
+import math
 import pathlib
 import re
 import shlex
@@ -112,6 +113,30 @@ def followed(number):
             there[-1][1]["arc_length"] * mm]
 
 
+def made_sequence():
+    """What tests/estimate/make_sequence.py carried out: forces and places on the second peg, and on the first one at the ends."""
+    scene = (source / "scenes/brace.toml").read_text()
+    peg = '[[obstacle]]\nname = "second"\nshape = "circle"\ncenter = ["80 mm", "36 mm"]\nradius = "8 mm"\n\n[contact]\n'
+    (work / "pegs.toml").write_text(scene.replace("[contact]\n", peg, 1))
+    moments = "; ".join(f"{5.0 - 4.0 * math.cos(2.0 * math.pi * k / 47):.3f} N mm" for k in range(48))
+    steps = run(f"execute WORK/pegs.toml --moments '{moments}'")["steps"]
+    second = [c for s in steps for c in s["contacts"] if c["obstacle"] == "second"]
+    forces, places = [c["force"] * mN for c in second], [c["arc_length"] * mm for c in second]
+    first = steps[0]["contacts"][0]
+    return [min(forces), max(forces), min(places), max(places), first["force"] * mN, first["arc_length"] * mm]
+
+
+def page_size():
+    """kB, to tens of them, of the page of a trajectory."""
+    run("plan scenes/trajectory.toml --figure WORK/page.html")
+    return round((work / "page.html").stat().st_size / 1e3, -1)
+
+
+def tolerance(name):
+    header = (source / "core/include/tendril/tolerances.hpp").read_text()
+    return float(re.search(rf"double {name} = ([\d.e-]+);", header).group(1))
+
+
 def lift(more=""):
     """mm that the tip rises for each mm of the peg's radius."""
     found = run("sensitivity scenes/brace.toml 'obstacle[0].radius' " + more)
@@ -169,6 +194,9 @@ CLAIMS = [
     ("docs/estimate.md", "1 {} mN {} % {} mm {} mm {} ({}, {}) mm ({}, {})", estimated),
     ("docs/estimate.md", "{} {} s {} s {} {} mN {} mN {} mm {} mm {} {} s {} s {} {} mN {} mN {} mm {} mm {} {} s {} s {} {} mN {} mN "
      "{} mm {} mm", lambda: followed(1) + followed(2) + followed(3)),
+    ("docs/estimate.md", "made with {} to {} mN on the second peg, at {} to {} mm, and with {} mN at {} mm in the first", made_sequence),
+    ("docs/drawing.md", "The trajectory of {} steps takes {} kB",
+     lambda: [len(run("plan scenes/trajectory.toml")["steps"]), page_size()]),
     ("docs/sensitivity.md", "lifts the tip under held moments by {} mm; planned anew it rises by {} mm",
      lambda: [lift("--held"), lift()]),
     ("docs/sensitivity.md", "{} mm, {} mm and {} mN here, and the share of each input in the variance of the tip's place, {} % of the "
@@ -179,6 +207,17 @@ CLAIMS = [
               ("below", max(grasps(lambda c: c["planned_axial_force"])))]),
     ("docs/grasps.md", "order 6 leaves up to {} N along the axis and `psc`, with its three functions per piece, up to {} N",
      lambda: [along_axis("legendre"), along_axis("psc")]),
+    *(("docs/results.md", f"| `{key}` | {told} {{}} |", lambda name=name: [tolerance(name)]) for key, told, name in (
+        ("equilibrium", "largest residual of the equilibrium |", "equilibrium"),
+        ("bounds", "largest excess over a limit; of moments that were given to `execute` it is told and fails nothing |", "bounds"),
+        ("penetration", "proven depth of the rod in an obstacle |", "penetration"),
+        ("complementarity", "largest of the smaller of gap and force of a contact |", "complementarity"),
+        ("closest_point", "largest product of tangent and normal at a contact |", "closest_point"),
+        ("force_balance", "force along a grasp's axis; 0 for a pose |", "balance"))),
+    ("docs/results.md", "the kind asked for | {} |", lambda: [tolerance("stationarity")]),
+    ("docs/results.md", "| least margin; above {} |", lambda: [tolerance("stability")]),
+    ("docs/results.md", "knows the rod's torsion; -{} or above", lambda: [tolerance("out_of_plane")]),
+    ("docs/results.md", "the gap along the rod; above {},", lambda: [tolerance("convexity")]),
     ("docs/grasps.md", "({} mm at {} N: {} to {} of the objective)", lambda: [75, 10, rubbing_effort(0), rubbing_effort(0.3)]),
     ("docs/grasps.md", "push it away from the palm with {} N per finger, {} N mm more pull it in with {} N",
      lambda: [axial(0.010), 10, -axial(-0.010)]),

@@ -65,7 +65,7 @@ def test_nothing_and_wrong_things(brace):
     assert tendril.plan_many([]) == []
     with pytest.raises(TypeError, match=r"scenes\[1\]"):
         tendril.plan_many([brace, "brace.toml"])
-    for jobs in (0, 1.5, "2", True):
+    for jobs in (0, 1.5, "2", True, float("inf")):
         with pytest.raises(ValueError, match="jobs"):
             tendril.plan_many([brace], jobs=jobs)
     with pytest.raises(TypeError, match="scenes"):

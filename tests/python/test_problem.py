@@ -73,6 +73,7 @@ def test_bad_targets(brace, arguments, why):
     with pytest.raises((TypeError, ValueError), match=why):
         problem.follow(*arguments)
     problem.follow((0.097, 0.02))
+    problem.follow((0.097, 0.02), 0.1, 0.0)  # a whole number, too
     assert problem.solved
 
 

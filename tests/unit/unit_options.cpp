@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "support/contains.hpp"
@@ -78,7 +79,12 @@ TEST(Options, ADefaultOfAnotherTypeIsADefectOfTheComponent) {
   EXPECT_THROW(resolve(schema, {}), Error);
 }
 
-TEST(Options, ARealNumberIsNotTakenForAnInteger) {
+TEST(Options, ARealNumberIsTakenForAnIntegerIfItIsWhole) {
+  EXPECT_EQ(resolve({order()}, {{"order", {6.0}}}).integer("order"), 6);
+  expect_says(refusal({order()}, {{"order", {65.0}}}), {"found 65.0", "out of range"});
+  for (const double beyond : {1e300, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    expect_says(refusal({order()}, {{"order", {beyond}}}), {"expected a whole number from 1 to 64"});
+  }
   expect_says(refusal({order()}, {{"order", {6.5}}}),
               {"option 'order' of coordinates plugin 'test'", "found 6.5", "expected a whole number from 1 to 64"});
 }

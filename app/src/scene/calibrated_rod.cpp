@@ -289,6 +289,23 @@ std::vector<std::size_t> put_actuator(Settings& settings, const Calibration& cal
   return placed;
 }
 
+/// From where to where the loads of the recordings were.
+void put_loads(Settings& settings, const CalibratedLoads& loads) {
+  const auto put = [&](const std::string& path, const LoadRange& range, std::string_view unit) {
+    const auto point = [&](Vec2 v) {
+      return fmt::format("[\"{:.12g} {}\", \"{:.12g} {}\"]", v.x + 0.0, unit, v.y + 0.0, unit);
+    };
+    settings.set(path, '[' + point(range.first) + ", " + point(range.second) + ']');
+  };
+  put("rod.calibrated_gravity", loads.gravity, dimension::acceleration.unit);
+  put("rod.calibrated_tip_force", loads.tip_force, dimension::force.unit);
+  for (std::size_t i = 0; i < loads.along.size(); ++i) {
+    const std::string path = "rod.load." + std::to_string(i);
+    const bool spread = settings.at(path)->find("force_per_length") != nullptr;
+    put(path + ".calibrated", loads.along[i], spread ? dimension::force_per_length.unit : dimension::force.unit);
+  }
+}
+
 }  // namespace
 
 std::string calibrated_rod(const Document& document, const Units& units, const Calibration& calibration) {
@@ -302,6 +319,7 @@ std::string calibrated_rod(const Document& document, const Units& units, const C
   for (std::size_t a = 0; a < calibration.inputs.size(); ++a) {
     for (const std::size_t i : put_actuator(settings, calibration, a)) done[i] = true;
   }
+  put_loads(settings, calibration.loads);
   for (std::size_t i = 0; i < done.size(); ++i) {
     const CalibratedNumber& number = calibration.numbers[i];
     told += number.identifiable ? fmt::format("# {} = {:.8g} +- {:.2g}{}{}{}\n", number.name, number.value,

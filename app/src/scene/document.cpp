@@ -397,7 +397,7 @@ std::string describe_value(const Node& node) {
     std::string operator()(bool value) const { return value ? "true" : "false"; }
     std::string operator()(std::int64_t value) const { return fmt::format("the number {}", value); }
     std::string operator()(double value) const {
-      // A real number shows that it is one: 6.0 is no 6 where a whole number is expected.
+      // A real number shows that it is one.
       const std::string text = fmt::format("{}", value);
       return "the number " + text + (text.find_first_not_of("-0123456789") == std::string::npos ? ".0" : "");
     }

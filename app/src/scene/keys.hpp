@@ -16,6 +16,7 @@
 
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/scene_reader.hpp"
+#include "tendril/whole_number.hpp"
 
 namespace tendril::app {
 
@@ -195,8 +196,10 @@ Key<Target> integer(std::string name, int minimum, std::string default_text, std
                std::move(default_text), std::move(description), static_cast<double>(minimum)};
   return {spec, [minimum, set](const Context& context, const Node& node, Target& target) {
             constexpr int maximum = 1'000'000'000;
-            const auto* value = std::get_if<std::int64_t>(&node.value);
-            if (value == nullptr || *value < minimum || *value > maximum) {
+            std::optional<std::int64_t> value;
+            if (const auto* whole = std::get_if<std::int64_t>(&node.value)) value = *whole;
+            if (const auto* real = std::get_if<double>(&node.value)) value = whole_number(*real);
+            if (!value || *value < minimum || *value > maximum) {
               context.fail(node, fmt::format("a whole number from {} to {}", minimum, maximum));
             }
             set(target, static_cast<int>(*value));

@@ -20,7 +20,10 @@ std::vector<Key<T>> rod_keys(const std::string& path, const std::string& unstate
             [](T & t) -> auto& { return t.actuators; }),
         tables<T>(
             "load", path + ".load", "A dead load at one place along the rod, or spread along it.", load_table(),
-            [](T & t) -> auto& { return t.loads; })}) {
+            [](T & t) -> auto& { return t.loads; }),
+        load_range<T>("calibrated_gravity", dimension::acceleration, "The gravity", &T::calibrated_gravity),
+        load_range<T>("calibrated_tip_force", dimension::force, "The force at the tip, weights included,",
+                      &T::calibrated_tip_force)}) {
     keys.push_back(std::move(list));
   }
   return keys;
@@ -36,7 +39,11 @@ RodDraft with_inherited(const RodDraft& rod, const RodDraft& finger) {
   const bool round = finger.youngs_modulus || finger.density || finger.diameter || finger.inner_diameter;
   const bool twist = finger.poisson_ratio || finger.torsional_stiffness || finger.out_of_plane_stiffness;
   const bool any = numbers || round || finger.file || finger.length || finger.rest_curvature;
-  if (finger.segments.empty() && !any && !twist) whole.segments = rod.segments;
+  if (finger.segments.empty() && !any && !twist) {
+    whole.segments = rod.segments;
+    inherit(whole.calibrated_gravity, rod.calibrated_gravity);
+    inherit(whole.calibrated_tip_force, rod.calibrated_tip_force);
+  }
   if (whole.segments.empty()) {
     // Values that say the same thing in another way are no part of what this finger is made of.
     if (!finger.file) inherit(whole.length, rod.length);
@@ -176,10 +183,10 @@ Table<RodDraft> rod_table() {
        quantity<T>("max", dimension::length, positive, "", "A plan may push it out until so much of it is out.",
                    [](T& t, double v) { t.most_insertion = v; })}};
   Table<RodDraft> rod{rod_keys<T>("rod")};
-  rod.keys.insert(rod.keys.end() - 3,
+  rod.keys.insert(rod.keys.end() - 5,
                   table<T>("base", "rod.base", "The clamp.", std::move(base), [](T& t) -> T& { return t; }));
   rod.keys.insert(
-      rod.keys.end() - 3,
+      rod.keys.end() - 5,
       table<T>("insertion", "rod.insertion",
                "A rod that is pushed in through a port at its base: what is not out of it is straight and "
                "without effect. Arc lengths in this file are those of the whole rod, in results those of what "
@@ -255,6 +262,8 @@ RodSpec finish_rod(const Context& context, const std::string& table, const RodDr
   for (std::size_t i = 0; i < draft.loads.size(); ++i) {
     rod.loads.push_back(finish_load(document, fmt::format("{}.load[{}].", table, i), draft.loads[i], length));
   }
+  rod.calibrated_gravity = draft.calibrated_gravity;
+  rod.calibrated_tip_force = draft.calibrated_tip_force;
   return draw_in(document, table + ".insertion", draft, rod);
 }
 

@@ -20,6 +20,7 @@ struct RodDraft : SectionDraft {
   std::optional<double> base_angle;
   std::vector<Vec2> base_position_range;
   std::vector<double> base_angle_range;
+  std::optional<LoadRange> calibrated_gravity, calibrated_tip_force;
   std::optional<double> insertion, least_insertion, most_insertion;
 };
 

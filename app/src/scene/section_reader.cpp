@@ -280,6 +280,9 @@ void set_out_of_plane(const Reading& r, std::vector<SegmentSpec>& segments) {
 
 Table<LoadDraft> load_table() {
   using T = LoadDraft;
+  Key<T> spread = point<T>("force_per_length", dimension::force_per_length, "", "Dead force per length of the rod.",
+                           [](T& t, Vec2 v) { t.force_per_length = v; });
+  spread.first = true;
   return {
       {quantity<T>("at", dimension::length, positive, "", "Arc length of a point load.",
                    [](T& t, double v) { t.at = v; }),
@@ -290,8 +293,9 @@ Table<LoadDraft> load_table() {
                    [](T& t, double v) { t.from = v; }),
        quantity<T>("to", dimension::length, positive, "the rod's length", "Arc length at which it ends.",
                    [](T& t, double v) { t.to = v; }),
-       point<T>("force_per_length", dimension::force_per_length, "", "Dead force per length of the rod.",
-                [](T& t, Vec2 v) { t.force_per_length = v; })}};
+       std::move(spread),
+       load_range<T>("calibrated", dimension::force, "The force, with the weight of the mass,", &T::calibrated,
+                     [](const T& t) { return t.force_per_length ? dimension::force_per_length : dimension::force; })}};
 }
 
 RodLoadSpec finish_load(const Document& document, const std::string& path, const LoadDraft& draft, double length) {
@@ -327,6 +331,7 @@ RodLoadSpec finish_load(const Document& document, const std::string& path, const
     load.force = draft.force.value_or(Vec2{});
     load.mass = draft.mass.value_or(0.0);
   }
+  load.calibrated = draft.calibrated;
   if (load.to > length * (1.0 + 1e-9)) {
     fail(spread ? (draft.to ? "to" : "from") : "at",
          fmt::format("found a load at {} m, expected at most the rod's length, {} m", load.to, length));

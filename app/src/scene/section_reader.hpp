@@ -25,6 +25,7 @@ struct SectionDraft {
 struct LoadDraft {
   std::optional<double> at, from, to, mass;
   std::optional<Vec2> force, force_per_length;
+  std::optional<LoadRange> calibrated;
 };
 
 /// The key of a value that may change along a stretch.
@@ -87,6 +88,27 @@ std::vector<Key<T>> section_keys(const std::string& unstated) {
               "CSV file beside the scene with s and bending_stiffness or diameter, and perhaps linear_density and "
               "rest_curvature; linear between its rows.",
               [](T& t, const std::string& v) { t.file = v; })};
+}
+
+/// From where to where a load was when its rod was calibrated. `what`: the load; `own`: its dimension in a table.
+template <class T>
+Key<T> load_range(const std::string& name, const Dimension& dimension, const std::string& what,
+                  std::optional<LoadRange> T::*member, Dimension (*own)(const T&) = nullptr) {
+  const auto key_of = [=](const Dimension& d) {
+    return points<T>(name, KeyType::points, d,
+                     what +
+                         " that the rod was calibrated with, [along, across] its direction at the base: the least "
+                         "coordinates and the largest ones. Results beyond that say so.",
+                     [member](T& t, const std::vector<Vec2>& v) {
+                       if (v.size() == 2) t.*member = {v.front(), v.back()};
+                     });
+  };
+  Key<T> key = key_of(dimension);
+  key.read = [=](const Context& context, const Node& node, T& target) {
+    key_of(own != nullptr ? own(target) : dimension).read(context, node, target);
+    if (!(target.*member)) context.fail(node, "two points: the least coordinates and the largest ones");
+  };
+  return key;
 }
 
 Table<LoadDraft> load_table();

@@ -113,6 +113,13 @@ struct CalibratedInput {
   double largest = 0.0;                      ///< likewise
 };
 
+/// The loads of the recordings that were fitted, along the rod's direction at its base and to the left of that.
+struct CalibratedLoads {
+  LoadRange gravity;             ///< m/s^2
+  LoadRange tip_force;           ///< N, weights included
+  std::vector<LoadRange> along;  ///< N, or N/m, of each load of the scene's rod, likewise
+};
+
 /// How a calibration ended.
 enum class CalibrationStatus {
   solved,            ///< every number is identifiable
@@ -142,7 +149,8 @@ struct Calibration {
   TipErrors checked;                      ///< of those that were only predicted, inside of the loads fitted
   TipErrors checked_beyond;               ///< likewise, beyond
   std::vector<CalibratedInput> inputs;    ///< one per actuator; empty where recordings say nothing of them
-  std::vector<std::string> ranges;        ///< of the loads that were fitted, in words
+  CalibratedLoads loads;                  ///< likewise, in numbers
+  std::vector<std::string> ranges;        ///< of all these, in words
   std::vector<std::string> warnings;      ///< what its user would want to look at
   int folds = 0;                          ///< of the cross-validation
   int starts = 0;                         ///< fits that were begun

@@ -51,12 +51,17 @@ struct SegmentSpec {
   std::vector<double> more_axial_stiffness{};  ///< N
 };
 
+/// From the least coordinates of something to the largest ones.
+using LoadRange = std::pair<Vec2, Vec2>;
+
 /// A dead load between two arc lengths of the rod, or at one of them where these are equal.
 struct RodLoadSpec {
   double from = 0.0;  ///< m
   double to = 0.0;    ///< m
   Vec2 force{};       ///< N; between two arc lengths N/m
   double mass = 0.0;  ///< kg, >= 0, at one arc length only
+  /// N, or N/m, as RodSpec::calibrated_tip_force: the force with the weight of the mass.
+  std::optional<LoadRange> calibrated{};
 };
 
 /// What an actuator is told: a moment, the tension of a tendon, or a pressure.
@@ -141,8 +146,12 @@ struct TENDRIL_API RodSpec {
   std::optional<std::pair<double, double>> base_angle_range{};  ///< rad, likewise
   double most_drawn_in = 0.0;  ///< m of it that may be drawn into a port at the base, where they are straight
   double drawn_in = 0.0;       ///< m of it where searches begin
-  double length() const;       ///< Sum over the segments, m.
-  BodyRadius body() const;     ///< Around its backbone; empty: it has none. Refers to this rod.
+  /// What it was calibrated with, along the rod's direction at its base and to the left of that: beyond it nothing is
+  /// known of its numbers. Absent: not known. m/s^2.
+  std::optional<LoadRange> calibrated_gravity{};
+  std::optional<LoadRange> calibrated_tip_force{};  ///< N, likewise, with the weight of a mass there
+  double length() const;                            ///< Sum over the segments, m.
+  BodyRadius body() const;                          ///< Around its backbone; empty: it has none. Refers to this rod.
 };
 
 /// The last `length` (m) of a rod, all that is out of its port: what lies before is without effect. Throws SceneError

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <utility>
+
+#include "tendril/whole_number.hpp"
 
 namespace tendril {
 
@@ -57,7 +60,7 @@ std::string shown(const RawValue& raw) {
     std::string operator()(bool v) const { return v ? "true" : "false"; }
     std::string operator()(std::int64_t v) const { return std::to_string(v); }
     std::string operator()(double v) const {
-      // A real number shows that it is one: 6.0 is no 6 where a whole number is expected.
+      // A real number shows that it is one.
       const std::string text = number_text(v);
       return text + (text.find_first_not_of("-0123456789") == std::string::npos ? ".0" : "");
     }
@@ -133,7 +136,7 @@ class Reader {
         if (const bool* v = std::get_if<bool>(&raw.value)) return *v;
         break;
       case OptionType::integer:
-        if (const auto* v = std::get_if<std::int64_t>(&raw.value)) {
+        if (const std::optional<std::int64_t> v = whole(raw)) {
           check_range(static_cast<double>(*v), raw);
           return *v;
         }
@@ -189,6 +192,12 @@ class Reader {
     throw OptionError(spec_.name, raw.position.line > 0 ? raw.position : outer,
                       where() + ": found " + shown(raw) + (reason.empty() ? "" : " (" + reason + ")") + "; expected " +
                           expected(spec_));
+  }
+
+  static std::optional<std::int64_t> whole(const RawValue& raw) {
+    if (const auto* v = std::get_if<std::int64_t>(&raw.value)) return *v;
+    const auto* real = std::get_if<double>(&raw.value);
+    return real != nullptr ? whole_number(*real) : std::nullopt;
   }
 
   double scaled(double si) const { return scale_.to_dimensionless(si, spec_.dimension); }

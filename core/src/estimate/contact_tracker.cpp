@@ -81,8 +81,9 @@ FrameEvidence evidence_of(const TrackedFrame& frame, Eigen::Index coordinates, d
   return out;
 }
 
-const TrackedFrame& ContactTracker::follow(const SequenceFrame& frame) {
+const TrackedFrame& ContactTracker::follow(const SequenceFrame& frame, const TrackedFrame* near) {
   rod_.set_moments(frame.moments);
+  near_ = near;
   TrackedFrame next = explain(frame);
   for (const int b : next.before)
     next.contacts.push_back(b < 0 ? ++made_ : last_.contacts[static_cast<std::size_t>(b)]);
@@ -127,10 +128,15 @@ TrackedFrame ContactTracker::keep(const SequenceFrame& frame, std::span<const in
   if (settings_.rates && !stay.empty()) {
     measured.before = belief_of(predicted(state_, stay, frame.time - time_, *settings_.rates), before, measured.noise);
   }
-  std::vector<NormalForce> forces;
-  for (const int k : stay) forces.push_back(last_.fit.shape.forces[static_cast<std::size_t>(k)]);
-  const LoadedRod::Shape start = rod_.solve(std::move(forces), last_.fit.shape);
-  ShapeFit fit = fit_shape(rod_, measured, start, final_accuracy, most_steps_of_a_fit, deadline_);
+  LoadedRod::Shape start;
+  if (near_ != nullptr && near_->found && near_->fit.shape.forces.size() == stay.size()) {
+    start = near_->fit.shape;
+  } else {
+    std::vector<NormalForce> forces;
+    for (const int k : stay) forces.push_back(last_.fit.shape.forces[static_cast<std::size_t>(k)]);
+    start = rod_.solve(std::move(forces), last_.fit.shape);
+  }
+  ShapeFit fit = fit_shape(rod_, measured, start, settings_.accuracy, most_steps_of_a_fit, deadline_);
   if (fit.converged) fit = add_contacts(measured, std::move(fit), before);
   return judged(frame, std::move(fit), std::move(before));
 }
@@ -158,7 +164,7 @@ ShapeFit ContactTracker::add_contacts(const MeasuredShape& shown, ShapeFit fit, 
       forces.insert(at, c.forces.front());
       MeasuredShape with = measured;
       with.before = with_room(measured.before, index);
-      ShapeFit next = fit_shape(rod_, with, rod_.solve(std::move(forces), fit.shape), final_accuracy,
+      ShapeFit next = fit_shape(rod_, with, rod_.solve(std::move(forces), fit.shape), settings_.accuracy,
                                 most_steps_of_a_fit, deadline_);
       if (!next.converged || next.sum >= best.sum) continue;
       best = std::move(next);
@@ -178,7 +184,7 @@ TrackedFrame ContactTracker::alone(const SequenceFrame& frame) {
       fit_levels(rod_, frame.shape, settings_.most_contacts, 0.0, settings_.most_chance, deadline_, starts_);
   const Level* level = deadline_.over() ? nullptr : supported_level(levels);
   if (level == nullptr) return {};
-  ShapeFit fit = fit_shape(rod_, frame.shape, level->best.shape, final_accuracy, most_steps_of_a_fit, deadline_);
+  ShapeFit fit = fit_shape(rod_, frame.shape, level->best.shape, settings_.accuracy, most_steps_of_a_fit, deadline_);
   const auto contacts = static_cast<std::size_t>(fit.contacts());
   return judged(frame, std::move(fit), std::vector<int>(contacts, -1));
 }

@@ -44,13 +44,14 @@ class ContactTracker {
     double most_chance = significance;  ///< of taking noise for a change, in each frame
     /// Where the noise is known. Without them every frame stands alone, but begins where the one before ends.
     std::optional<WalkRates> rates{};
+    double accuracy = final_accuracy;  ///< of the fits
   };
   /// `rod` and `deadline` must outlive this.
   ContactTracker(LoadedRod& rod, Settings settings, const Deadline& deadline)
       : rod_(rod), settings_(settings), deadline_(deadline) {}
 
-  /// The next frame; times ascend.
-  const TrackedFrame& follow(const SequenceFrame& frame);
+  /// The next frame; times ascend. `near`: what it told by itself, of the same rod, to begin there; or null.
+  const TrackedFrame& follow(const SequenceFrame& frame, const TrackedFrame* near = nullptr);
   int starts() const { return starts_; }  ///< fits of single shapes that were begun
 
  private:
@@ -67,6 +68,7 @@ class ContactTracker {
   Settings settings_;
   const Deadline& deadline_;
   TrackedFrame last_;
+  const TrackedFrame* near_ = nullptr;
   ContactState state_;    ///< of its contacts
   double time_ = 0.0;     ///< of it
   double squares_ = 0.0;  ///< of all residuals so far, which tell the noise where it is not known

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <list>
 #include <utility>
 
 #include "nlp/newton.hpp"
@@ -166,16 +166,23 @@ class LoadedRod::Pieces {
     return out;
   }
 
-  /// Places at arc lengths of the state, ready for their rows. They stay as long as the same ones are asked for.
+  /// Places at arc lengths of the state, ready for their rows. The two that were asked for last stay: those of points
+  /// and of contacts are asked for in turn.
   const Places& at(std::span<const double> arc_lengths) {
-    if (!seen_ || !std::equal(arc_lengths.begin(), arc_lengths.end(), asked_.begin(), asked_.end())) {
-      asked_.assign(arc_lengths.begin(), arc_lengths.end());
-      seen_.emplace(rod_, chain_, force_count());
-      for (const double s : asked_) seen_->add_fixed(s);
+    const auto found = std::find_if(seen_.begin(), seen_.end(), [&](const Seen& s) {
+      return std::equal(arc_lengths.begin(), arc_lengths.end(), s.asked.begin(), s.asked.end());
+    });
+    if (found != seen_.end()) {
+      seen_.splice(seen_.begin(), seen_, found);
+    } else {
+      if (seen_.size() == 2) seen_.pop_back();
+      seen_.push_front({{arc_lengths.begin(), arc_lengths.end()}, {rod_, chain_, force_count()}});
+      for (const double s : arc_lengths) seen_.front().places.add_fixed(s);
     }
-    seen_->move(q_, arc_lengths_);
-    seen_->differentiate();
-    return *seen_;
+    Places& places = seen_.front().places;
+    places.move(q_, arc_lengths_);
+    places.differentiate();
+    return places;
   }
   /// How places move along x and y in turn, by columns of rates of the coordinates; `by_place`: and at frozen ones with
   /// the arc length of each force, which is every second column.
@@ -307,8 +314,11 @@ class LoadedRod::Pieces {
   bool stable_ = false;
   Eigen::LLT<Eigen::MatrixXd> cholesky_;
   Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
-  std::vector<double> asked_;
-  std::optional<Places> seen_;
+  struct Seen {
+    std::vector<double> asked;
+    Places places;
+  };
+  std::list<Seen> seen_;
 };
 
 LoadedRod::LoadedRod(const Rod& rod, const std::vector<double>& moments, int order, double turn)

@@ -9,6 +9,7 @@
 #include "base/deadline.hpp"
 #include "calibrate/fit.hpp"
 #include "calibrate/identifiability.hpp"
+#include "estimate/plausibility.hpp"
 #include "problem/calibrate_input.hpp"
 #include "problem/calibrate_report.hpp"
 
@@ -168,22 +169,7 @@ std::string hint_of_axes(const CalibrationInput& in, const FittedPoint& found, c
   };
   const double here = rms(found);
   if (!(here > misfit)) return "";
-  struct Axes {
-    const char* name;
-    Vec2 (*seen)(Vec2);
-  };
-  constexpr Axes others[] = {{"x and y are swapped",
-                              [](Vec2 p) {
-                                return Vec2{p.y, p.x};
-                              }},
-                             {"y points the other way",
-                              [](Vec2 p) {
-                                return Vec2{p.x, -p.y};
-                              }},
-                             {"x points the other way", [](Vec2 p) {
-                                return Vec2{-p.x, p.y};
-                              }}};
-  for (const Axes& axes : others) {
+  for (const OtherAxes& axes : other_axes) {
     SoughtNumbers turned_axes = in.problem;
     for (SeenShape& shape : turned_axes.shapes) {
       for (SeenMarker& m : shape.markers) {
@@ -259,7 +245,7 @@ Calibration calibrate(const Scene& scene, const CalibrationSpec& spec, const Pla
   out.order = refined.order;
   out.model_error = refined.change * in.scale.length;
   report_numbers(in, *refined.fit, refined.result, out);
-  report_shapes(in, spec, *refined.fit, refined.result.point, out);
+  report_shapes(in, scene, spec, *refined.fit, refined.result.point, out);
   cross_validate(in, spec, refined, deadline, out);
   summarize(spec, out);
   if (!refined.result.converged) {

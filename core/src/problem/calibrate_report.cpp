@@ -6,6 +6,7 @@
 #include <map>
 
 #include "calibrate/identifiability.hpp"
+#include "problem/calibrated_range.hpp"
 
 namespace tendril {
 namespace {
@@ -100,6 +101,35 @@ std::vector<Range> ranges_of(const CalibrationInput& in, const std::vector<int>&
       out[k] = {std::min(out[k].low, value), std::max(out[k].high, value)};
     }
   }
+  return out;
+}
+
+/// The loads that were fitted, as seen from the base; the scene's, or the one that was found.
+CalibratedLoads loads_of(const CalibrationInput& in, const Scene& scene, const std::vector<CalibratedNumber>& numbers) {
+  double angle = scene.rod.base_angle;
+  for (const CalibratedNumber& n : numbers) {
+    const bool of_all = n.spec.kind == CalibrationUnknown::base_angle && n.spec.per == CalibrationScope::all;
+    if (of_all && n.identifiable) angle = n.value;
+  }
+  std::size_t next = scene.rod.actuators.size();
+  const auto take = [&](std::size_t names) {
+    LoadRange out{{infinity, infinity}, {-infinity, -infinity}};
+    for (const int s : in.fitted) {
+      const auto& known = in.known[static_cast<std::size_t>(s)];
+      const Vec2 seen = seen_from_base({known[next].value, known[next + 1].value}, angle);
+      out = {{std::min(out.first.x, seen.x), std::min(out.first.y, seen.y)},
+             {std::max(out.second.x, seen.x), std::max(out.second.y, seen.y)}};
+    }
+    next += names;
+    return out;
+  };
+  CalibratedLoads out;
+  out.gravity = take(2);
+  for (const RodLoadSpec& load : scene.rod.loads) {
+    const Vec2 spread = seen_from_base(load.force, angle);
+    out.along.push_back(load.from < load.to ? LoadRange{spread, spread} : take(3));
+  }
+  out.tip_force = take(3);
   return out;
 }
 
@@ -247,7 +277,7 @@ void report_numbers(const CalibrationInput& in, const CalibrationFit& fit, const
   out.repeatability = repeatability(in);
 }
 
-void report_shapes(const CalibrationInput& in, const CalibrationSpec& spec, CalibrationFit& fit,
+void report_shapes(const CalibrationInput& in, const Scene& scene, const CalibrationSpec& spec, CalibrationFit& fit,
                    const FittedPoint& point, Calibration& out) {
   const std::vector<Range> ranges = ranges_of(in, in.fitted);
   for (std::size_t k = 0; k < ranges.size(); ++k) {
@@ -257,6 +287,7 @@ void report_shapes(const CalibrationInput& in, const CalibrationSpec& spec, Cali
   }
   const std::vector<ActuatorKind>& kinds = spec.recordings.front().input_kinds;
   for (std::size_t a = 0; a < kinds.size(); ++a) out.inputs.push_back({kinds[a], ranges[a].low, ranges[a].high});
+  out.loads = loads_of(in, scene, out.numbers);
   std::vector<double> drawn(51);
   for (std::size_t i = 0; i < drawn.size(); ++i)
     drawn[i] = static_cast<double>(i) / static_cast<double>(drawn.size() - 1);

@@ -12,7 +12,7 @@ namespace tendril {
 void report_numbers(const CalibrationInput& in, const CalibrationFit& fit, const CalibrationFit::Result& result,
                     Calibration& out);
 /// Shapes beside what was measured; those that are only checked are predicted.
-void report_shapes(const CalibrationInput& in, const CalibrationSpec& spec, CalibrationFit& fit,
+void report_shapes(const CalibrationInput& in, const Scene& scene, const CalibrationSpec& spec, CalibrationFit& fit,
                    const FittedPoint& point, Calibration& out);
 /// Errors of shapes that were left out of a fit to `others`.
 void report_predictions(const CalibrationInput& in, const FittedPoint& predicted, const std::vector<int>& left_out,

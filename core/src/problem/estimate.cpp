@@ -87,8 +87,8 @@ void report_contacts(const EstimateInput& in, const RefinedFit& refined, const s
 }
 
 /// `why`: the fit explains too little.
-void report_poor_fit(const EstimateInput& in, const std::string& why, Estimate& out) {
-  const std::string hint = in.hint();
+void report_poor_fit(const EstimateInput& in, const std::string& why, const Deadline& deadline, Estimate& out) {
+  const std::string hint = hint_of(in, in.measured, in.moments, deadline);
   out.status = EstimateStatus::poor_fit;
   out.message = why;
   out.message += hint.empty() ? ": the noise, the moments or the rod are not what the scene says, or there are more "
@@ -97,10 +97,10 @@ void report_poor_fit(const EstimateInput& in, const std::string& why, Estimate& 
                               : hint;
 }
 
-void conclude(const EstimateInput& in, const ShapeFit& fit, Estimate& out) {
+void conclude(const EstimateInput& in, const ShapeFit& fit, const Deadline& deadline, Estimate& out) {
   const std::string noun[] = {"no contact", "1 contact", "2 contacts"};
   if (const std::string why = misfit(in.measured, in.scale.length, fit.residual, fit.contacts()); !why.empty()) {
-    report_poor_fit(in, why, out);
+    report_poor_fit(in, why, deadline, out);
     for (EstimatedContact& c : out.contacts) {
       c.identifiable = false;
       c.reason = "the model does not fit the points";
@@ -173,8 +173,7 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
     return out;
   };
 
-  // A piece may turn by somewhat more than the noisy chords of the whole rod show.
-  const double turn = std::min(30.0, measured_turn(in.rod, in.measured) + 1.0);
+  const double turn = most_turn(in.rod, in.measured);
   const LoadedRod rod(in.rod, in.moments, first_order, turn);
   const std::vector<Level> levels =
       fit_levels(rod, in.measured, in.most_contacts, in.friction, significance, deadline, out.starts);
@@ -192,7 +191,7 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
                          level.converged()});
   }
   if (chosen == nullptr) {
-    const std::string hint = in.hint();
+    const std::string hint = hint_of(in, in.measured, in.moments, deadline);
     if (!hint.empty()) out.status = EstimateStatus::poor_fit;
     out.message = "no equilibrium near the measured points was found, whatever the contacts" + hint;
     return finish();
@@ -203,9 +202,10 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
   if (!refined.rod) {
     const std::string why = misfit(in.measured, in.scale.length, refined.fit.residual, refined.fit.contacts());
     if (why.empty()) {
-      out.message = "the fit did not converge with more functions per piece" + in.hint();
+      out.message =
+          "the fit did not converge with more functions per piece" + hint_of(in, in.measured, in.moments, deadline);
     } else {
-      report_poor_fit(in, why, out);
+      report_poor_fit(in, why, deadline, out);
     }
     return finish();
   }
@@ -221,7 +221,7 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
   for (int k = 0; in.friction > 0.0 && k < cone.best.contacts(); ++k) {
     out.contacts[static_cast<std::size_t>(k)].friction = friction_of(in, in.measured, cone, k);
   }
-  conclude(in, refined.fit, out);
+  conclude(in, refined.fit, deadline, out);
   return finish();
 }
 

@@ -31,12 +31,6 @@ struct EstimateInput {
   bool equal_spacing = false;
   int at_base = 0;  ///< measured points that stand at the base and say nothing
 
-  /// What about a shape does not go with the rod.
-  std::string hint(const MeasuredShape& shape, std::span<const double> under) const {
-    return misfit_hint(rod, shape, under, equal_spacing, scale.length);
-  }
-  std::string hint() const { return hint(measured, moments); }
-
  private:
   void take_contacts(const Scene& scene);
   std::vector<double> dimensionless(const std::vector<double>& si) const;

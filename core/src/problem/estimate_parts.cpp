@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/deadline.hpp"
+#include "estimate/contact_levels.hpp"
 #include "estimate/significance.hpp"
 
 namespace tendril {
@@ -19,6 +21,28 @@ constexpr double least_doubt_of_noise = 2.0;
 /// is too smooth to be noise is told.
 constexpr double no_noise = 0.05;
 constexpr double least_misfit = 1e-3;
+
+/// Other axes that explain points which those of the scene do not, in words that follow "; ". Empty: none do.
+std::string axes_hint(const EstimateInput& in, const MeasuredShape& seen, const std::vector<double>& moments,
+                      const Deadline& deadline) {
+  for (const OtherAxes& axes : other_axes) {
+    MeasuredShape shape = seen;
+    shape.before = {};
+    for (Eigen::Index i = 0; i < shape.points.size(); i += 2) {
+      const Vec2 p = in.rod.base + axes.seen(Vec2{seen.points[i], seen.points[i + 1]} - in.rod.base);
+      shape.points.segment<2>(i) << p.x, p.y;
+    }
+    const LoadedRod rod(in.rod, moments, first_order, most_turn(in.rod, shape));
+    int starts = 0;
+    const std::vector<Level> levels =
+        fit_levels(rod, shape, in.most_contacts, in.friction, significance, deadline, starts);
+    const Level* chosen = supported_level(levels);
+    if (deadline.over()) return "";
+    if (chosen == nullptr || !misfit(shape, in.scale.length, chosen->best.residual, chosen->contacts).empty()) continue;
+    return std::string("; as if ") + axes.name + " they are explained: are their axes right ('y_down')?";
+  }
+  return "";
+}
 
 }  // namespace
 
@@ -38,6 +62,12 @@ std::string misfit(const MeasuredShape& measured, double length, const Eigen::Ve
     return size + "change too smoothly along the rod to be noise";
   }
   return "";
+}
+
+std::string hint_of(const EstimateInput& in, const MeasuredShape& seen, const std::vector<double>& moments,
+                    const Deadline& deadline) {
+  const std::string axes = axes_hint(in, seen, moments, deadline);
+  return axes.empty() ? misfit_hint(in.rod, seen, moments, in.equal_spacing, in.scale.length) : axes;
 }
 
 std::string doubt_of_noise(double chi_square, int degrees) {

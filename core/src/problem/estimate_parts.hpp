@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,18 @@ inline constexpr int first_order = 8;
 inline constexpr int finer_orders[] = {12, 18, 26, 38};
 inline constexpr double order_tolerance = 1e-10;
 
+/// Angle that a piece may turn by: somewhat more than the noisy chords of the whole rod show.
+inline double most_turn(const Rod& rod, const MeasuredShape& measured) {
+  return std::min(30.0, measured_turn(rod, measured) + 1.0);
+}
+
 /// Why a shape does not explain points from which it is off by `residual`; empty: it does, as far as that tells.
 std::string misfit(const MeasuredShape& measured, double length, const Eigen::VectorXd& residual, int contacts);
+
+/// What about points that are not explained does not go with the rod, or their axes, in words that follow "; ". Empty:
+/// nothing catches the eye.
+std::string hint_of(const EstimateInput& in, const MeasuredShape& seen, const std::vector<double>& moments,
+                    const Deadline& deadline);
 
 /// What is to be asked where residuals are far smaller than the noise that the scene states; empty: nothing.
 std::string doubt_of_noise(double chi_square, int degrees);

@@ -52,14 +52,15 @@ Sequence begun(const EstimateInput& in, const SequenceSpec& spec, const Deadline
   return out;
 }
 
-/// One after the other, as far as there is time.
-void follow(Sequence& q, const std::optional<WalkRates>& rates) {
+/// One after the other, as far as there is time. `near`: what they told by themselves; or empty.
+void follow(Sequence& q, const std::optional<WalkRates>& rates, double accuracy,
+            const std::vector<TrackedFrame>& near = {}) {
   // Over all frames, noise shall pass for a change no more often than it does in a single shape. Each has three tests.
   const double most_chance = significance / (3.0 * static_cast<double>(q.frames.size()));
-  ContactTracker tracker(*q.rod, {q.in.most_contacts, most_chance, rates}, q.deadline);
+  ContactTracker tracker(*q.rod, {q.in.most_contacts, most_chance, rates, accuracy}, q.deadline);
   q.tracked.clear();
-  for (const SequenceFrame& frame : q.frames) {
-    TrackedFrame next = tracker.follow(frame);
+  for (std::size_t i = 0; i < q.frames.size(); ++i) {
+    TrackedFrame next = tracker.follow(q.frames[i], near.empty() ? nullptr : &near[i]);
     if (q.deadline.over()) break;
     q.tracked.push_back(std::move(next));
     if (q.progress) q.progress(q.tracked.size(), q.frames.size());
@@ -121,7 +122,8 @@ void solve(Sequence& q) {
   int order = first_order;
   for (const int finer : finer_orders) {
     q.rod = std::make_unique<LoadedRod>(q.in.rod, q.frames.front().moments, order, turn);
-    follow(q, rates);
+    // Frames that only are to tell the rates are not needed to the last digit.
+    follow(q, rates, rates ? final_accuracy : search_accuracy);
     if (!q.complete()) break;
     q.model_error = change_with(q, finer, turn);
     if (q.model_error <= std::max(order_tolerance, model_share * q.noise)) break;
@@ -131,7 +133,8 @@ void solve(Sequence& q) {
   }
   if (q.complete() && !rates) {
     rates = learned(q);
-    if (rates) follow(q, rates);
+    const std::vector<TrackedFrame> alone = std::move(q.tracked);
+    follow(q, rates, final_accuracy, alone);
   }
   q.solves += q.rod->solve_count();
   // Frames that only were to tell the rates are no answer.
@@ -233,7 +236,8 @@ void report_frames(const Sequence& q, SequenceEstimate& out) {
     }
     if (!trouble.empty() && ++troubled == 1) {
       out.status = frame.status;
-      out.message = name_of(frame, out.timed) + ": " + trouble + q.in.hint(q.in.frames[i].shape, q.frames[i].moments);
+      out.message = name_of(frame, out.timed) + ": " + trouble +
+                    hint_of(q.in, q.in.frames[i].shape, q.frames[i].moments, q.deadline);
     }
     const Eigen::Index count = q.frames[i].shape.points.size();
     if (q.tracked[i].found) {

@@ -221,7 +221,9 @@ Execution Executor::run() {
     message = inside + (message.empty() ? ", which takes its place as the loads grow" : ": " + message);
   }
   tell_limits(out.result);
-  tell_beyond_calibration(scene_.rod, out.result.moments, out.result.turns, "", out.result.notes);
+  tell_beyond_calibration(scene_, out.result.moments, out.result.turns,
+                          control_.place.base ? control_.place.base->angle : scene_.rod.base_angle, "",
+                          out.result.notes);
   if (is_rough()) {
     judge_cones(scene_, scale_.force(), out.result);
     judge_slips(loading->tracker().current(), out.result);

@@ -170,10 +170,13 @@ Plan plan_pose(Task& task, const PlanControl& control) {
 /// that.
 void tell_more(const Task& task, Plan& plan, const std::atomic<bool>* stop) {
   const FingerPlan* lower = task.lower && plan.grasp && plan.grasp->lower ? &*plan.grasp->lower : nullptr;
-  tell_beyond_calibration(task.scene.rod, plan.moments, plan.turns, lower != nullptr ? "upper finger: " : "",
-                          plan.notes);
+  const RodSpec& rod = task.scene.rod;
+  const bool turned = rod.base_angle_range && !plan.backbone.empty();
+  tell_beyond_calibration(task.scene, plan.moments, plan.turns, turned ? plan.backbone.front().angle : rod.base_angle,
+                          lower != nullptr ? "upper finger: " : "", plan.notes);
   if (lower != nullptr) {
-    tell_beyond_calibration(task.lower->scene.rod, lower->moments, lower->turns, "lower finger: ", plan.notes);
+    const Scene& own = task.lower->scene;
+    tell_beyond_calibration(own, lower->moments, lower->turns, own.rod.base_angle, "lower finger: ", plan.notes);
   }
   judge_cones(task.scene, task.scale.force(), plan);
   if (task.palm) {

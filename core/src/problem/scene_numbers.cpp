@@ -55,8 +55,9 @@ struct Setting {
 /// Collects entries of one scene.
 class Collector {
  public:
-  explicit Collector(const Setting& setting)
-      : setting_(setting), scene_(setting.scene), scale_(setting.scale), rod_(setting.rod) {}
+  /// `keys`: of the numbers that are asked for; empty: all.
+  explicit Collector(const Setting& setting, std::vector<std::string> keys = {})
+      : setting_(setting), keys_(std::move(keys)), scene_(setting.scene), scale_(setting.scale), rod_(setting.rod) {}
 
   std::vector<SceneEntry> collect();
   SceneEntry held_moment(int actuator, double moment);
@@ -64,7 +65,13 @@ class Collector {
  private:
   using Place = std::function<double&(Scene&)>;  ///< of a number in a scene
 
+  /// Whether a key is asked for that begins so.
+  bool asks_for(std::string_view begin) const {
+    return keys_.empty() ||
+           std::any_of(keys_.begin(), keys_.end(), [&](const std::string& key) { return key.starts_with(begin); });
+  }
   void add(std::string key, double value, const Dimension& dimension, std::function<void(SceneChange&)> change) {
+    if (!asks_for(key)) return;
     entries_.push_back(
         {{std::move(key), value, std::string(dimension.unit)}, [setting = setting_, change = std::move(change)] {
            SceneChange c;
@@ -95,6 +102,7 @@ class Collector {
                                         int column) const;
 
   Setting setting_;
+  std::vector<std::string> keys_;
   const Scene& scene_;
   const Scale& scale_;
   const Rod& rod_;
@@ -333,6 +341,7 @@ void Collector::add_motion(const std::string& key, double value, const Dimension
 }
 
 void Collector::add_obstacle(int index) {
+  if (!asks_for("obstacle[" + std::to_string(index) + ']')) return;
   const ObstacleSpec& spec = scene_.obstacles[static_cast<std::size_t>(index)];
   const std::optional<Component<Obstacle>> component = builtin_shape(spec.shape);
   if (!component) return;
@@ -424,8 +433,9 @@ SceneEntry Collector::held_moment(int actuator, double moment) {
 
 }  // namespace
 
-std::vector<SceneEntry> scene_entries(const Scene& scene, const Scale& scale, const Rod& rod) {
-  return Collector({scene, scale, rod}).collect();
+std::vector<SceneEntry> scene_entries(const Scene& scene, const Scale& scale, const Rod& rod,
+                                      const std::vector<std::string>& keys) {
+  return Collector({scene, scale, rod}, keys).collect();
 }
 
 SceneEntry held_moment(const Scene& scene, const Scale& scale, const Rod& rod, int actuator, double moment) {
@@ -436,7 +446,7 @@ std::vector<SceneNumber> scene_numbers(const Scene& scene) {
   const Scale scale = scale_of(scene);
   const Rod rod = make_rod(scene, scale);
   std::vector<SceneNumber> numbers;
-  for (SceneEntry& entry : scene_entries(scene, scale, rod)) numbers.push_back(std::move(entry.number));
+  for (SceneEntry& entry : scene_entries(scene, scale, rod, {})) numbers.push_back(std::move(entry.number));
   return numbers;
 }
 

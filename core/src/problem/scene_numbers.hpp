@@ -37,8 +37,10 @@ struct SceneEntry {
   std::function<SceneChange()> change;
 };
 
-/// Those of scene_numbers(). What is handed over is borrowed by the changes.
-std::vector<SceneEntry> scene_entries(const Scene& scene, const Scale& scale, const Rod& rod);
+/// Those of scene_numbers() with these keys, if not more; without keys all. What else is handed over is borrowed by the
+/// changes.
+std::vector<SceneEntry> scene_entries(const Scene& scene, const Scale& scale, const Rod& rod,
+                                      const std::vector<std::string>& keys);
 /// A moment that is held, N m.
 SceneEntry held_moment(const Scene& scene, const Scale& scale, const Rod& rod, int actuator, double moment);
 

@@ -63,10 +63,18 @@ class Differentiator {
       shape_.push_back(places_.add_fixed(static_cast<double>(i) / shape_points));
     }
     shape_.push_back(tip_);
+    const auto count = static_cast<Eigen::Index>(shape_.size());
     places_.move(p_.x.head(at_.coordinates),
                  {p_.x.data() + at_.first_arc_length, static_cast<std::size_t>(at_.arc_lengths)});
     places_.differentiate();
     row_.setZero(p_.program.variable_count());
+    shape_rows_.resize(p_.program.variable_count(), 2 * count);
+    for (Eigen::Index i = 0; i < 2 * count; ++i) {
+      row_.setZero();
+      places_.row(shape_[static_cast<std::size_t>(i / 2)], i % 2 == 0 ? Vec2{1.0, 0.0} : Vec2{0.0, 1.0},
+                  {row_.data(), row_.data() + at_.first_arc_length});
+      shape_rows_.col(i) = row_;
+    }
   }
 
   /// Held moments: the equations alone decide. In words why they do not; empty: they do.
@@ -84,7 +92,6 @@ class Differentiator {
   /// Rates of all variables.
   Eigen::VectorXd follow(const SceneChange& change, const ProgramRates& rates);
   double bound_rate(const SceneChange& change, int variable) const;
-  Vec2 moving(int place, const Motion& base, const Eigen::VectorXd& rate);
   double turning(const Motion& base, const Eigen::VectorXd& rate);
 
   PlanPoint& p_;
@@ -93,6 +100,7 @@ class Differentiator {
   int tip_ = 0;
   std::vector<int> shape_;
   Eigen::VectorXd row_, multipliers_;
+  Eigen::MatrixXd shape_rows_;               ///< of x and y of the shape's points in turn, by the variables
   std::vector<int> free_, active_, pinned_;  ///< variables, rows, variables at a bound
   std::vector<bool> at_upper_;               ///< of the pinned ones
   Eigen::PartialPivLU<Eigen::MatrixXd> factors_;
@@ -298,16 +306,6 @@ Eigen::VectorXd Differentiator::follow(const SceneChange& change, const ProgramR
   return rate;
 }
 
-Vec2 Differentiator::moving(int place, const Motion& base, const Eigen::VectorXd& rate) {
-  Vec2 out = base.at(places_.point(place));
-  const auto along = [&](Vec2 direction) {
-    row_.setZero();
-    places_.row(place, direction, {row_.data(), row_.data() + at_.first_arc_length});
-    return row_.dot(rate);
-  };
-  return out + Vec2{along({1.0, 0.0}), along({0.0, 1.0})};
-}
-
 double Differentiator::turning(const Motion& base, const Eigen::VectorXd& rate) {
   row_.setZero();
   places_.angle_row(tip_, {row_.data(), row_.data() + at_.first_arc_length});
@@ -358,12 +356,14 @@ Sensitivity::Column Differentiator::column(const SceneEntry& entry) {
     const double unit_rate = d.length * change.length + d.force * (change.stiffness - 2.0 * change.length);
     return scale.unit(d) * (by + unit_rate * value);
   };
-  const auto place = [&](int p) {
-    const Vec2 point = places_.point(p);
-    const Vec2 by = moving(p, base, rate);
-    return Vec2{si(dimension::length, point.x, by.x), si(dimension::length, point.y, by.y)};
-  };
-  const Vec2 tip = place(tip_);
+  const Eigen::VectorXd moving = shape_rows_.transpose() * rate;
+  const double metre = scale.unit(dimension::length);
+  for (std::size_t i = 0; i < shape_.size(); ++i) {
+    const Vec2 point = places_.point(shape_[i]);
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    out.shape.push_back(metre * (base.at(point) + Vec2{moving[row], moving[row + 1]} + change.length * point));
+  }
+  const Vec2 tip = out.shape.back();
   out.rates = {tip.x, tip.y, turning(base, rate)};
   for (int k = 0; k < at_.forces; ++k) {
     const int f = p_.program.force_variable(k);
@@ -371,7 +371,6 @@ Sensitivity::Column Differentiator::column(const SceneEntry& entry) {
     const int s = p_.program.arc_length_variable(k);
     if (s >= 0) out.rates.push_back(si(dimension::length, p_.x[s], rate[s]));
   }
-  for (const int p : shape_) out.shape.push_back(place(p));
   if (std::isfinite(margin_)) out.margin = margin_slope_.dot(rate) + stability_.rate(rates);
   if (!replanned_) return out;
   for (std::size_t a = 0; a < p_.rod.actuators.size(); ++a) {
@@ -434,7 +433,7 @@ Sensitivity differentiate_held(PlanPoint point, const std::vector<std::string>& 
   Differentiator differentiator(point);
   out.trouble = differentiator.hold();
   if (!out.trouble.empty()) return out;
-  std::vector<SceneEntry> entries = scene_entries(point.scene, point.scale, point.rod);
+  std::vector<SceneEntry> entries = scene_entries(point.scene, point.scale, point.rod, keys);
   add_held_moments(entries, point);
   add_columns(differentiator, entries, keys, out);
   return out;
@@ -498,7 +497,7 @@ Sensitivity Problem::sensitivity(const Plan& plan, SensitivityKind kind, const s
   PlanPoint point{d.scene, d.scale, d.rod, program, polished.x, d.objective_scale, term_of};
   Differentiator differentiator(point);
   out.trouble = differentiator.replan(polished);
-  if (out.trouble.empty()) add_columns(differentiator, scene_entries(d.scene, d.scale, d.rod), keys, out);
+  if (out.trouble.empty()) add_columns(differentiator, scene_entries(d.scene, d.scale, d.rod, keys), keys, out);
   return out;
 }
 

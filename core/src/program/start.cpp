@@ -199,9 +199,15 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
                              upper()[variable]);
   }
 
-  // Contacts start where the shape comes nearest to their obstacles.
+  // Contacts start where the shape comes nearest to their obstacles, unless it says where they are.
+  const auto placed = [&](int k) {
+    const auto i = static_cast<std::size_t>(k);
+    return i < shape.arc_lengths.size() && std::isfinite(shape.arc_lengths[i]);
+  };
+  bool drawn = at.palm >= 0 && !std::isfinite(shape.palm_distance);
+  for (int k = 0; k < at.arc_lengths; ++k) drawn = drawn || !placed(k);
   std::vector<OutlinePoint> line;
-  if (at.arc_lengths > 0 || d.spec.palm) outline(*d.spec.rod, shape.curvature, 400, line);
+  if (drawn) outline(*d.spec.rod, shape.curvature, 400, line);
   if (d.spec.palm) {
     const double distance = at.palm < 0 ? d.spec.palm->minimum : start_distance(*this, shape, line);
     if (at.palm >= 0) x[at.palm] = distance;
@@ -212,7 +218,7 @@ Eigen::VectorXd PoseProgram::start_from(const StartShape& shape) const {
     const double low = std::max(lower()[variable], d.spec.rod->draws() ? x[at.first_arc_length - 1] : 0.0);
     const double high = upper()[variable];
     const auto index = static_cast<std::size_t>(k);
-    if (index < shape.arc_lengths.size() && std::isfinite(shape.arc_lengths[index])) {
+    if (placed(k)) {
       x[variable] = std::clamp(shape.arc_lengths[index], low, high);
       continue;
     }

@@ -334,6 +334,15 @@ void validate_moves(const Scene& scene) {
   }
 }
 
+void require_range(const std::optional<LoadRange>& range, const std::string& path) {
+  if (!range) return;
+  const auto& [low, high] = *range;
+  if (!(low.x <= high.x && low.y <= high.y)) {
+    throw SceneError(path, "found a range from (" + shown(low.x) + ", " + shown(low.y) + ") to (" + shown(high.x) +
+                               ", " + shown(high.y) + "), expected the least coordinates first");
+  }
+}
+
 /// `at`: the table of the rod.
 void validate_rod(const RodSpec& rod, const std::string& at) {
   if (rod.segments.empty()) throw SceneError(at, "the rod has no length");
@@ -363,9 +372,13 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
   require_finite(rod.base_position.y, at + ".base.position");
   require_finite(rod.base_angle, at + ".base.angle");
   validate_place(rod, at);
+  require_range(rod.calibrated_gravity, at + ".calibrated_gravity");
+  require_range(rod.calibrated_tip_force, at + ".calibrated_tip_force");
   const double length = rod.length();
   for (std::size_t i = 0; i < rod.loads.size(); ++i) {
-    validate_load(rod.loads[i], length, at + ".load[" + std::to_string(i) + "]");
+    const std::string path = at + ".load[" + std::to_string(i) + "]";
+    validate_load(rod.loads[i], length, path);
+    require_range(rod.loads[i].calibrated, path + ".calibrated");
   }
   for (std::size_t i = 0; i < rod.actuators.size(); ++i) {
     const std::string path = at + ".actuator[" + std::to_string(i) + "]";
