@@ -241,6 +241,10 @@ Table<ObstacleDraft> obstacle_table() {
                        "Turned so far, about the point that stands for it: the centre of a circle, the point of a "
                        "wall, the middle of others.",
                        [](T& t, double v) { t.spec.place.turn = v; }),
+           point<T>("pivot", dimension::length, "that point", "What it is turned about instead, before any shift.",
+                    [](T& t, Vec2 v) {
+                      t.spec.options["pivot"] = list_of({v.x, v.y}, {});
+                    }),
            point<T>("shift", dimension::length, "[0, 0]", "Moved so far from where its shape has it, after the turn.",
                     [](T& t, Vec2 v) { t.spec.place.shift = v; }),
            table<T>(
