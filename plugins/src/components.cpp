@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "tendril/pivot.hpp"
 #include "use_guard.hpp"
 
 namespace tendril::plugins {
@@ -46,9 +47,19 @@ std::vector<std::unique_ptr<Obstacle>> make_obstacles(Registry& registry, const 
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const ObstacleSpec& spec = scene.obstacles[i];
     run(at, numbered("obstacle", i), [&] {
+      RawOptions own = spec.options;
+      RawOptions pivot;
+      if (auto given = own.extract(pivot_option().name)) pivot.insert(std::move(given));
       made.push_back(guarded_if_foreign(registry, ComponentKind::obstacle, spec.shape,
-                                        make(registry.obstacle(spec.shape), spec.options, "obstacle shape")));
-      made.back() = moved(std::move(made.back()), (1.0 / make.scale.length) * spec.place.shift, spec.place.turn);
+                                        make(registry.obstacle(spec.shape), own, "obstacle shape")));
+      const Vec2 shift = (1.0 / make.scale.length) * spec.place.shift;
+      if (pivot.empty()) {
+        made.back() = moved(std::move(made.back()), shift, spec.place.turn);
+        return;
+      }
+      const Options options = resolve_options({pivot_option()}, pivot, make.scale, scene.read_quantity, spec.shape);
+      const NumberTable& pivoted = options.table(pivot_option().name);
+      made.back() = moved_about(std::move(made.back()), {pivoted(0, 0), pivoted(0, 1)}, shift, spec.place.turn);
     });
   }
   return made;

@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <random>
 
@@ -219,8 +223,29 @@ TEST(OutlineFile, ALineOfADrawingThatCrossesItselfIsNotPassedOver) {
 TEST(OutlineFile, WhatADrawingHoldsBesideOutlinesIsTold) {
   const Outlined r("part.svg", drawing);
   ASSERT_EQ(r.message, "");
-  ASSERT_EQ(r.scene.left_out.size(), 1U);
+  ASSERT_EQ(r.scene.left_out.size(), 2U);
   EXPECT_EQ(r.scene.left_out[0].what, "1 <text> of part.svg");
+  EXPECT_TRUE(contains_text(r.scene.left_out[1].what, "crossings of outlines of part.svg: "));
+}
+
+// Bodies that overlap are one, which a report tells; lines of one path that cross have no rule that all readers share.
+TEST(OutlineFile, CrossingOutlinesAreTold) {
+  const std::string squares = "x,y,part\n0,0,1\n2,0,1\n2,2,1\n0,2,1\n1,1,2\n3,1,2\n3,3,2\n1,3,2\n";
+  const Read table("part.csv", squares + "9,9,3\n10,9,3\n9,10,3\n");
+  ASSERT_EQ(table.message, "");
+  ASSERT_EQ(table.scene.left_out.size(), 1U);
+  EXPECT_EQ(table.scene.left_out[0].what, "crossings of outlines of part.csv: 1 and 2");
+  const Read touching("part.csv", "x,y,part\n0,0,1\n2,0,1\n2,2,1\n0,2,1\n2,0,2\n4,0,2\n4,2,2\n2,2,2\n");
+  EXPECT_TRUE(touching.scene.left_out.empty());
+  const Read two("part.svg", R"(<svg><rect width="20" height="20"/><rect x="10" y="9" width="20" height="20"/></svg>)");
+  ASSERT_EQ(two.message, "");
+  ASSERT_EQ(two.scene.left_out.size(), 1U);
+  EXPECT_EQ(two.scene.left_out[0].what, "crossings of outlines of part.svg: 1 and 2");
+  for (const char* rule : {"nonzero", "evenodd"}) {
+    const Read one("part.svg",
+                   fmt::format("<svg>\n<path fill-rule=\"{}\" d=\"M0 0h20v20h-20zM10 9h20v20h-20z\"/></svg>", rule));
+    EXPECT_TRUE(contains_text(one.message, "part.svg:2:1: found lines 1 and 2 of one path that cross each other"));
+  }
 }
 
 /// A box from the origin to (2, 3, 4), its facets counterclockwise from outside, without the first `missing` of them.
@@ -280,6 +305,85 @@ TEST(OutlineFile, ABodyHasItsSections) {
   }
 }
 
+/// A tube of so many facets as a file, written piece by piece: a cylinder around z of radius 10 and height 1.
+void write_tube(const std::filesystem::path& path, int sides, int layers, bool binary) {
+  std::ofstream file(path, std::ios::binary);
+  const auto count = static_cast<std::uint32_t>(2 * sides * layers);
+  if (binary) {
+    file << std::string(80, ' ');
+    file.write(reinterpret_cast<const char*>(&count), 4);
+  } else {
+    file << "solid tube\n";
+  }
+  const auto at = [&](int side, int layer) {
+    const double angle = 2.0 * pi * (side % sides) / sides;
+    return std::array<float, 3>{static_cast<float>(10.0 * std::cos(angle)), static_cast<float>(10.0 * std::sin(angle)),
+                                static_cast<float>(layer) / static_cast<float>(layers)};
+  };
+  const auto facet = [&](const std::array<std::array<float, 3>, 3>& corners) {
+    if (binary) {
+      std::array<char, 50> bytes{};
+      std::memcpy(bytes.data() + 12, corners.data(), sizeof corners);
+      file.write(bytes.data(), bytes.size());
+      return;
+    }
+    file << "facet normal 0 0 0\nouter loop\n";
+    for (const auto& p : corners) file << fmt::format("vertex {:.9g} {:.9g} {:.9g}\n", p[0], p[1], p[2]);
+    file << "endloop\nendfacet\n";
+  };
+  for (int layer = 0; layer < layers; ++layer) {
+    for (int side = 0; side < sides; ++side) {
+      facet({at(side, layer), at(side + 1, layer), at(side + 1, layer + 1)});
+      facet({at(side, layer), at(side + 1, layer + 1), at(side, layer + 1)});
+    }
+  }
+}
+
+/// KiB of memory that this process has held at most.
+long most_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss;
+}
+
+// 60 MB of facets as numbers and 20 MB of text: read piece by piece, of which the section alone is kept.
+TEST(OutlineFile, ALargeBodyIsReadPieceByPiece) {
+  for (const bool binary : {true, false}) {
+    const TemporaryDirectory directory;
+    const std::filesystem::path path = directory / "body.stl";
+    write_tube(path, 1000, binary ? 600 : 50, binary);
+    ASSERT_GT(std::filesystem::file_size(path), std::uintmax_t{4} << 20);
+    const std::string scene =
+        directory.write("s.toml",
+                        "[rod]\nlength = 1\nbending_stiffness = 1\n[[obstacle]]\nshape = \"polygon\"\nfile = {name = "
+                        "\"body.stl\", height = \"0.512345 mm\", tolerance = \"1 um\"}\n");
+    const long before = most_memory();
+    const Scene read = read_scene(Document::read(scene), std::make_shared<Units>());
+    EXPECT_LT(most_memory() - before, 16 * 1024);
+    const auto& corners = std::get<RawValue::List>(read.obstacles.at(0).options.at("vertices").value);
+    EXPECT_GT(corners.size(), 100U);
+    for (const RawValue& corner : corners) {
+      const auto& p = std::get<RawValue::List>(corner.value);
+      EXPECT_NEAR(std::hypot(std::get<double>(p[0].value), std::get<double>(p[1].value)), 0.01, 2e-6);
+    }
+  }
+}
+
+TEST(OutlineFile, RefusesABodyThatIsTooLargeBeforeItIsRead) {
+  const TemporaryDirectory directory;
+  const std::string scene = directory.write(
+      "s.toml",
+      "[rod]\nlength = 1\nbending_stiffness = 1\n[[obstacle]]\nshape = \"polygon\"\nfile = {name = \"body.stl\"}\n");
+  std::ofstream(directory / "body.stl") << "solid";
+  std::filesystem::resize_file(directory / "body.stl", (std::uintmax_t{256} << 20) + 1);
+  try {
+    (void)read_scene(Document::read(scene), std::make_shared<Units>());
+    FAIL() << "nothing was refused";
+  } catch (const InputError& error) {
+    EXPECT_TRUE(contains_text(error.what(), "body.stl' is larger than 256 MiB, the most that is read"));
+  }
+}
+
 TEST(OutlineFile, RefusesWhatHoldsNoOutline) {
   const auto refused = [](const Outlined& r, const std::string& reason) {
     EXPECT_TRUE(contains_text(r.message, reason));
@@ -304,6 +408,7 @@ TEST(OutlineFile, RefusesWhatHoldsNoOutline) {
   refused({"body.stl", binary(1), R"(, plane = "x", height = "1 mm")"}, "not closed at the section: a side ends at (");
   refused({"body.stl", binary(), R"(, height = "5 mm")"},
           "found nothing at z = 0.005 m, expected a height between 0 m");
+  refused({"body.stl", binary() + "x"}, "found neither");
   refused({"body.stl", "no body"}, "found neither an STL in text");
   refused({"body.stl", "solid a\nvertex 0 0 0\nvertex 0 q 0\n"},
           "body.stl:3: found 'q', expected a number of a vertex");

@@ -233,6 +233,26 @@ TEST(FarAway, IsToldOfATarget) {
       contains_text(result["notes"].dump(), "lies out of reach, by 9.89e+04 % of the length: is its unit right?"));
 }
 
+// Whatever its ends are: what lies beside its walls is told with its depth, by plans and by execution.
+TEST(Channel, HasNoRoomForABaseBesideIt) {
+  const TemporaryDirectory directory;
+  const std::string peg = "shape = \"circle\"\ncenter = [\"60 mm\", \"0 mm\"]\nradius = \"8 mm\"";
+  for (const char* closed : {"none", "start", "end", "both"}) {
+    const std::string scene = directory.write(
+        "s.toml",
+        test::brace_with(peg, std::string("name = \"pipe\"\nshape = \"channel\"\npoints = [[-0.01, 0.04], [0.2, "
+                                          "0.04]]\nwidth = \"20 mm\"\nwall = \"6 mm\"\nclosed = \"") +
+                                  closed + "\""));
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"plan", scene}, {"execute", scene, "--moments", "0"}}) {
+      test::expect_refused(
+          tendril(command),
+          "pipe holds no room for the rod's base, which lies outside of it (0.03 m deep): its wall is in "
+          "between, expected a base in the channel or in front of an open end");
+    }
+  }
+}
+
 TEST(OutlineFile, HasKeysOfItsKindOnly) {
   const std::string csv = "x [mm],y [mm]\n50,-20\n70,-20\n60,5\n";
   const std::string svg = R"(<svg width="99mm" viewBox="0 0 99 99"><rect id="a" width="9" height="9"/></svg>)";

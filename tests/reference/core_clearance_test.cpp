@@ -232,6 +232,49 @@ TEST(CoreClearanceReference, DepthAtTheEndsOfTheRod) {
   }
 }
 
+// The tip against bodies of hundreds of sides, on a side, over an edge and in a notch: the bound is never below the
+// depth of the tip itself, and sharp where it is shallow. Many bodies: each is bounded on its own.
+TEST(CoreClearanceReference, DepthAtTheTipInBodiesOfManySides) {
+  std::mt19937 random(31);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  int touched = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const Arc arc(trial % 2 == 0 ? 1.0 : -2.0);
+    constexpr double rounding = 1e-3;
+    const double radius = 0.05 + 0.1 * unit(random);
+    const double turn = 2.0 * pi * unit(random);
+    ClosedLine line;
+    for (int i = 0; i < 400; ++i) {
+      const double angle = turn + 2.0 * pi * i / 400;
+      line.push_back((i % 2 == 0 ? 1.0 : 0.97) * radius * Vec2{std::cos(angle), std::sin(angle)});
+    }
+    // Ahead of the tip, so that it alone comes near; no deeper than the rounding.
+    const Vec2 tip = arc.at(1.0);
+    const double depth = rounding * (2.0 * unit(random) - 1.0);
+    const auto body_at = [&](double away) {
+      ClosedLine there = line;
+      for (Vec2& p : there) p = p + tip + away * arc.tangent(1.0);
+      return Part({there}, rounding);
+    };
+    double near = 0.5 * radius;
+    double far = 2.0 * radius;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (near + far);
+      (body_at(middle).at(tip).distance < -depth ? near : far) = middle;
+    }
+    const Part body = body_at(far);
+    const double exact = std::max(0.0, -body.at(tip).distance);
+    EXPECT_NEAR(exact, std::max(0.0, depth), 1e-12) << trial;
+    const double bound = certified_depth(arc.curve, body);
+    EXPECT_GE(bound, exact - 1e-15) << trial;
+    EXPECT_LE(bound, exact + 1e-9) << trial;
+    const std::vector<ClosestApproach> approaches = closest_approaches(arc.curve, body, infinity);
+    EXPECT_TRUE(std::any_of(approaches.begin(), approaches.end(), [](const auto& a) { return a.arc_length == 1.0; }));
+    touched += depth > 0.0 ? 1 : 0;
+  }
+  EXPECT_GT(touched, 15);
+}
+
 // The hardest case: every point of the rod is equally near, outside and inside of the bend.
 TEST(CoreClearanceReference, DepthOfACircleThatTheRodFollows) {
   for (const double turn : {0.5, 2.0, 5.0}) {

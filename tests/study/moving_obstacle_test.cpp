@@ -43,6 +43,31 @@ TEST(MovingObstacle, OfASceneIsWhatItsOptionsCouldHaveSaid) {
   EXPECT_EQ(moved["obstacles"][0]["shift"], json({1e-3, -2e-3}));
 }
 
+// A quarter turn about a point 20 mm below its centre takes the peg there and 20 mm to the left.
+TEST(MovingObstacle, TurnsAboutItsPivot) {
+  const TemporaryDirectory directory;
+  const std::string scene = directory.write(
+      "s.toml",
+      replaced(replaced(brace(), "center = [\"60 mm\", \"0 mm\"]", "center = [\"80 mm\", \"20 mm\"]"),
+               "radius = \"8 mm\"",
+               "radius = \"8 mm\"\npivot = [\"80 mm\", \"0 mm\"]\nturn = \"90 deg\"\nshift = [0, \"-2 mm\"]"));
+  const std::string out = directory / "out";
+  const test::CommandRun run = tendril({"plan", scene, "--json", "--output", out});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json turned = json::parse(run.out);
+  EXPECT_NEAR(turned["objective"], plan_with_peg_at(directory, 0.0, -2.0)["objective"], 1e-12);
+  EXPECT_EQ(turned["obstacles"][0]["pivot"], json({0.08, 0.0}));
+  EXPECT_GT(read_file(out + "/figure.svg").size(), 1000U);
+  // So do the turns of a trajectory.
+  const std::string steps = directory.write(
+      "t.toml", replaced(replaced(read_file(scene), "problem = \"pose\"", "problem = \"trajectory\""),
+                         "turn = \"90 deg\"\n", "") +
+                    "[[trajectory.obstacle]]\nname = \"obstacle 1\"\nturns = [\"60 deg\", \"90 deg\"]\n");
+  const test::CommandRun carried = tendril({"plan", steps, "--json", "--verify"});
+  ASSERT_EQ(carried.exit_code, 0) << carried.err;
+  EXPECT_NEAR(json::parse(carried.out)["steps"][1]["objective"], turned["objective"], 1e-9);
+}
+
 TEST(MovingObstacle, OfAStudyIsSweptAndDrawn) {
   const TemporaryDirectory directory;
   const std::string scene = directory.write("s.toml", brace() + R"(

@@ -11,11 +11,13 @@
 #include <string>
 
 #include "obstacle/part.hpp"
+#include "obstacle/room.hpp"
 #include "obstacle/rounded_hull.hpp"
 #include "obstacle/shape_options.hpp"
 #include "raw_values.hpp"
 #include "support/contains.hpp"
 #include "support/random_outline.hpp"
+#include "tendril/pivot.hpp"
 
 namespace tendril {
 namespace {
@@ -345,6 +347,33 @@ TEST(Channel, IsFreeWithinHalfOfItsWidth) {
     }
   }
   EXPECT_GT(beside, 500);
+}
+
+// A base beside the walls is as deep outside as it is far from the room; one that sees an open end may go in there.
+// What is no channel keeps no room.
+TEST(Channel, KeepsRoomWithinItsWallsAndInFrontOfOpenEnds) {
+  const std::vector<Vec2> line{{0, 0}, {1, 0}};
+  RawOptions options{{"width", {0.2}}, {"wall", {0.1}}, {"rounding", {0.02}}};
+  for (const char* closed : {"none", "start", "end", "both"}) {
+    options["closed"] = {std::string(closed)};
+    const auto walls = channel(line, options);
+    for (const double x : {0.0, 0.5, 1.0}) EXPECT_EQ(outside_room(*walls, {x, 0.09}), 0.0) << closed;
+    EXPECT_NEAR(outside_room(*walls, {0.5, 0.3}), 0.2, 1e-15) << closed;
+    EXPECT_NEAR(outside_room(*walls, {0.5, -1.1}), 1.0, 1e-15) << closed;
+    const std::string ends = closed;
+    const bool start = ends == "start" || ends == "both";
+    const bool end = ends == "end" || ends == "both";
+    EXPECT_NEAR(outside_room(*walls, {-0.5, 0.0}), start ? 0.5 : 0.0, 1e-15) << closed;
+    EXPECT_NEAR(outside_room(*walls, {1.5, 0.05}), end ? 0.5 : 0.0, 1e-15) << closed;
+  }
+  // Nearer to a wall of the other arm than to the open end that it sees.
+  const auto bent = channel({{0, 0}, {1, 0}, {1, 0.6}, {-0.5, 0.6}}, {{"width", {0.2}}, {"wall", {0.05}}});
+  EXPECT_EQ(outside_room(*bent, {-0.2, 0.3}), 0.0);
+  EXPECT_NEAR(outside_room(*bent, {0.5, -0.3}), 0.2, 1e-12);
+  const Vec2 pivot{1.0, 1.0};
+  const auto elsewhere = moved_about(channel(line, options), pivot, {2.0, 0.0}, 0.5 * std::numbers::pi);
+  EXPECT_NEAR(outside_room(*elsewhere, pivot + Vec2{2.0, 0.0} + turned(Vec2{0.5, 0.3} - pivot)), 0.2, 1e-15);
+  EXPECT_EQ(outside_room(RoundedHull({{0, 0}, {1, 0}}, 0.1), {0.5, 0.5}), infinity);
 }
 
 TEST(Channel, WidensBetweenItsPoints) {

@@ -15,6 +15,7 @@
 #include "obstacle/wall.hpp"
 #include "raw_values.hpp"
 #include "support/contains.hpp"
+#include "tendril/pivot.hpp"
 #include "tendril/plugins/registry.hpp"
 
 namespace tendril {
@@ -227,6 +228,23 @@ TEST(MovedShape, IsThatOfItsOwnPlace) {
     }
     EXPECT_NEAR(made->core_distance(p), expected.core_distance(p), 1e-14);
   }
+}
+
+TEST(MovedShape, TurnsAboutItsPivotWhereItHasOne) {
+  const Vec2 center{0.3, -0.2};
+  const Vec2 pivot{-0.4, 0.5};
+  const Vec2 shift{0.1, 0.7};
+  const double turn = 1.1;
+  const Vec2 d = center - pivot;
+  const Vec2 there =
+      pivot + shift + Vec2{std::cos(turn) * d.x - std::sin(turn) * d.y, std::sin(turn) * d.x + std::cos(turn) * d.y};
+  const auto made = moved_about(std::make_unique<Circle>(center, 0.4), pivot, shift, turn);
+  EXPECT_NEAR(norm(made->reference_point() - there), 0.0, 1e-15);
+  EXPECT_NEAR(norm(pivot_of(*made) - pivot - shift), 0.0, 1e-15);
+  for (const Vec2 p : {Vec2{}, Vec2{1.0, 2.0}, Vec2{-3.0, 0.1}}) {
+    EXPECT_NEAR(made->at(p).distance, norm(p - there) - 0.4, 1e-14);
+  }
+  EXPECT_EQ(norm(pivot_of(Circle(center, 0.4)) - center), 0.0);
 }
 
 TEST(MovedShape, IsTheShapeItselfWhereItDoesNotMove) {

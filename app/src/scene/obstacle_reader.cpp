@@ -115,6 +115,22 @@ class FileReader {
     return draft_.position + p.x * along + p.y * turned(along);
   }
 
+  /// Bodies of one part may overlap, but seldom are meant to.
+  void tell_crossings(const std::vector<Outline>& lines) {
+    std::string first;
+    int more = -1;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        if (!cross_each_other(lines[k], lines[i])) continue;
+        if (++more == 0) first = fmt::format("{} and {}", k + 1, i + 1);
+      }
+    }
+    if (first.empty()) return;
+    scene_.left_out.push_back({fmt::format("crossings of outlines of {}: {}{}", draft_.name, first,
+                                           more > 0 ? fmt::format(", {} more", more) : ""),
+                               "what lies in any of them, less their holes, is one body"});
+  }
+
   /// Unless it is given: a thousandth of the outline.
   double tolerance_for(Vec2 low, Vec2 high) const { return draft_.tolerance.value_or(1e-3 * norm(high - low)); }
 
@@ -129,6 +145,7 @@ class FileReader {
         high = {std::max(high.x, p.x), std::max(high.y, p.y)};
       }
     }
+    tell_crossings(lines);
     return simplified(lines, tolerance_for(low, high));
   }
 
@@ -159,6 +176,7 @@ class FileReader {
       fail(fmt::format("found {} corners at a tolerance of {} m, expected at most {}: a larger tolerance needs fewer",
                        corners, tolerance, most_points));
     }
+    tell_crossings(lines);
     return simplified(lines, 0.75 * tolerance);
   }
 
@@ -196,6 +214,7 @@ class FileReader {
     }
     // A single outline may run either way.
     if (lines.size() == 1 && twice_area(lines[0]) < 0.0) std::reverse(lines[0].begin(), lines[0].end());
+    tell_crossings(lines);
     return simplified(lines, draft_.tolerance.value_or(0.0));
   }
 
@@ -241,6 +260,10 @@ Table<ObstacleDraft> obstacle_table() {
                        "Turned so far, about the point that stands for it: the centre of a circle, the point of a "
                        "wall, the middle of others.",
                        [](T& t, double v) { t.spec.place.turn = v; }),
+           point<T>("pivot", dimension::length, "that point", "What it is turned about instead, before any shift.",
+                    [](T& t, Vec2 v) {
+                      t.spec.options["pivot"] = list_of({v.x, v.y}, {});
+                    }),
            point<T>("shift", dimension::length, "[0, 0]", "Moved so far from where its shape has it, after the turn.",
                     [](T& t, Vec2 v) { t.spec.place.shift = v; }),
            table<T>(

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <queue>
+#include <utility>
 
 namespace tendril::app {
 
@@ -11,13 +12,15 @@ namespace {
 
 double side(Vec2 a, Vec2 b, Vec2 p) { return cross(b - a, p - a); }
 
+/// Whether the boxes around two stretches meet.
+bool are_near(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+  return std::max(a.x, b.x) >= std::min(c.x, d.x) && std::max(c.x, d.x) >= std::min(a.x, b.x) &&
+         std::max(a.y, b.y) >= std::min(c.y, d.y) && std::max(c.y, d.y) >= std::min(a.y, b.y);
+}
+
 /// Whether two stretches have a point in common.
 bool meet(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
-  if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
-      std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y)) {
-    return false;
-  }
-  return side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0;
+  return are_near(a, b, c, d) && side(a, b, c) * side(a, b, d) <= 0.0 && side(c, d, a) * side(c, d, b) <= 0.0;
 }
 
 /// Whether a triangle that runs either way holds a point.
@@ -188,6 +191,31 @@ double twice_area(const Outline& line) {
   double area = 0.0;
   for (std::size_t i = 1; i + 1 < line.size(); ++i) area += cross(line[i] - line[0], line[i + 1] - line[0]);
   return area;
+}
+
+bool cross_each_other(const Outline& a, const Outline& b) {
+  const auto corners = [](const Outline& line) {
+    std::pair box{line.front(), line.front()};
+    for (const Vec2 p : line) {
+      box.first = {std::min(box.first.x, p.x), std::min(box.first.y, p.y)};
+      box.second = {std::max(box.second.x, p.x), std::max(box.second.y, p.y)};
+    }
+    return box;
+  };
+  const auto [a_low, a_high] = corners(a);
+  const auto [b_low, b_high] = corners(b);
+  if (!are_near(a_low, a_high, b_low, b_high)) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const Vec2 from = a[i];
+    const Vec2 to = a[(i + 1) % a.size()];
+    if (!are_near(from, to, b_low, b_high)) continue;
+    for (std::size_t k = 0; k < b.size(); ++k) {
+      const Vec2 c = b[k];
+      const Vec2 d = b[(k + 1) % b.size()];
+      if (side(from, to, c) * side(from, to, d) < 0.0 && side(c, d, from) * side(c, d, to) < 0.0) return true;
+    }
+  }
+  return false;
 }
 
 std::vector<Outline> simplified(const std::vector<Outline>& lines, double tolerance) {

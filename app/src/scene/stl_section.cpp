@@ -14,7 +14,7 @@
 #include <string_view>
 #include <utility>
 
-#include "tendril/app/files.hpp"
+#include "system/input_file.hpp"
 #include "tendril/app/input_error.hpp"
 #include "tendril/numbers.hpp"
 
@@ -25,65 +25,99 @@ namespace {
 using Point = std::array<double, 3>;
 using Triangle = std::array<Point, 3>;
 
-constexpr std::size_t header = 80, count_size = 4, facet_size = 50, normal_size = 12;
+constexpr std::size_t header = 80, count_size = 4, facet_size = 50, normal_size = 12, block_size = 1 << 16;
 
-std::vector<Triangle> binary_triangles(const std::string& bytes, std::size_t count) {
-  std::vector<Triangle> all(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    std::array<float, 9> numbers{};
-    std::memcpy(numbers.data(), bytes.data() + header + count_size + i * facet_size + normal_size, sizeof numbers);
-    for (std::size_t k = 0; k < 9; ++k) all[i][k / 3][k % 3] = static_cast<double>(numbers[k]);
+/// Tells `take` each facet of a binary file, of which the count of facets was read.
+template <class Take>
+void binary_facets(InputFile& file, const std::filesystem::path& path, const Take& take) {
+  std::vector<char> block(block_size / facet_size * facet_size);
+  while (const std::size_t size = file.read(block)) {
+    if (size % facet_size != 0) throw InputError(path.string() + ": the file ends within a facet");
+    for (std::size_t at = 0; at < size; at += facet_size) {
+      std::array<float, 9> numbers{};
+      std::memcpy(numbers.data(), block.data() + at + normal_size, sizeof numbers);
+      Triangle facet;
+      for (std::size_t k = 0; k < 9; ++k) facet[k / 3][k % 3] = static_cast<double>(numbers[k]);
+      take(facet);
+    }
   }
-  return all;
 }
 
-std::vector<Triangle> text_triangles(const std::string& text, const std::filesystem::path& path) {
-  std::vector<Point> points;
-  std::size_t at = 0;
-  int line = 1;
-  const auto word = [&] {
-    for (; at < text.size() && std::isspace(static_cast<unsigned char>(text[at])) != 0; ++at)
-      line += text[at] == '\n' ? 1 : 0;
-    const std::size_t begin = at;
-    while (at < text.size() && std::isspace(static_cast<unsigned char>(text[at])) == 0) ++at;
-    return std::string_view(text).substr(begin, at - begin);
-  };
-  for (std::string_view next = word(); !next.empty(); next = word()) {
-    if (next != "vertex") continue;
-    Point& point = points.emplace_back();
-    for (double& number : point) {
-      std::string_view digits = word();
-      const std::string found(digits);
+/// The words of a text that is read piece by piece.
+class Words {
+ public:
+  /// `begin`: what was read already.
+  Words(InputFile& file, std::string begin) : file_(file), block_(std::move(begin)) {}
+
+  /// Empty at the end.
+  const std::string& next() {
+    word_.clear();
+    std::optional<char> c = character();
+    for (; c && is_blank(*c); c = character()) line_ += *c == '\n' ? 1 : 0;
+    for (; c && !is_blank(*c); c = character()) word_ += *c;
+    if (c) --at_;
+    return word_;
+  }
+  int line() const { return line_; }
+
+ private:
+  static bool is_blank(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; }
+  std::optional<char> character() {
+    if (at_ == block_.size()) {
+      block_.resize(block_size);
+      block_.resize(file_.read(block_));
+      at_ = 0;
+      if (block_.empty()) return std::nullopt;
+    }
+    return block_[at_++];
+  }
+
+  InputFile& file_;
+  std::string block_, word_;
+  std::size_t at_ = 0;
+  int line_ = 1;
+};
+
+template <class Take>
+void text_facets(Words words, const std::filesystem::path& path, const Take& take) {
+  Triangle facet;
+  std::size_t vertices = 0;
+  for (const std::string* word = &words.next(); !word->empty(); word = &words.next()) {
+    if (*word != "vertex") continue;
+    for (double& number : facet[vertices % 3]) {
+      const std::string& found = words.next();
+      std::string_view digits = found;
       if (digits.starts_with('+')) digits.remove_prefix(1);
       const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
       if (error != std::errc{} || end != digits.data() + digits.size()) {
-        throw InputError(fmt::format("{}:{}: found '{}', expected a number of a vertex", path.string(), line, found));
+        throw InputError(
+            fmt::format("{}:{}: found '{}', expected a number of a vertex", path.string(), words.line(), found));
       }
     }
+    if (++vertices % 3 == 0) take(facet);
   }
-  if (points.size() % 3 != 0) {
-    throw InputError(fmt::format("{}: found {} vertices, expected three for each facet", path.string(), points.size()));
+  if (vertices % 3 != 0) {
+    throw InputError(fmt::format("{}: found {} vertices, expected three for each facet", path.string(), vertices));
   }
-  std::vector<Triangle> all;
-  all.reserve(points.size() / 3);
-  for (std::size_t i = 0; i < points.size(); i += 3) all.push_back({points[i], points[i + 1], points[i + 2]});
-  return all;
 }
 
-std::vector<Triangle> triangles_of(const std::filesystem::path& path) {
-  const std::string bytes = read_input(path, "obstacle.file");
+template <class Take>
+void each_facet(const std::filesystem::path& path, const Take& take) {
+  InputFile file(path, "obstacle.file", largest_body);
+  std::string begin(header + count_size, '\0');
+  begin.resize(file.read(begin));
   // A binary file says how many facets follow, which is the only thing that tells it from a text that begins alike.
-  if (bytes.size() >= header + count_size) {
+  if (begin.size() == header + count_size) {
     std::uint32_t count = 0;
-    std::memcpy(&count, bytes.data() + header, count_size);
-    if (bytes.size() == header + count_size + std::size_t{count} * facet_size) return binary_triangles(bytes, count);
+    std::memcpy(&count, begin.data() + header, count_size);
+    if (file.size() == begin.size() + std::size_t{count} * facet_size) return binary_facets(file, path, take);
   }
-  if (!bytes.starts_with("solid")) {
+  if (!begin.starts_with("solid")) {
     throw InputError(path.string() +
                      ": found neither an STL in text, which begins with \"solid\", nor a binary one of the length that "
                      "its number of facets asks for");
   }
-  return text_triangles(bytes, path);
+  text_facets({file, std::move(begin)}, path, take);
 }
 
 /// Where triangles cross the plane: stretches with the body on their left.
@@ -155,19 +189,20 @@ std::vector<Outline> read_stl_section(const std::filesystem::path& path, char ax
   Section section(axis, height, unit);
   double low = infinity;
   double high = -infinity;
-  const std::vector<Triangle> triangles = triangles_of(path);
-  for (const Triangle& triangle : triangles) {
+  std::size_t facets = 0;
+  each_facet(path, [&](const Triangle& triangle) {
+    ++facets;
     for (const Point& p : triangle) {
       const double along = unit * p[static_cast<std::size_t>(axis - 'x')];
       if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) {
-        throw InputError(fmt::format("{}: facet {} has a vertex that is not finite, expected numbers", path.string(),
-                                     &triangle - triangles.data() + 1));
+        throw InputError(
+            fmt::format("{}: facet {} has a vertex that is not finite, expected numbers", path.string(), facets));
       }
       low = std::min(low, along);
       high = std::max(high, along);
     }
     section.add(triangle);
-  }
+  });
   if (!(low <= high)) throw InputError(path.string() + ": found no facets, expected those of a closed body");
   std::vector<Outline> lines = section.outlines(path);
   std::erase_if(lines, [](const Outline& line) { return line.size() < 3; });

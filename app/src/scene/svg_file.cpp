@@ -312,14 +312,23 @@ class SvgReader {
   void fill(const std::vector<CurvedLine>& lines, bool even_odd) {
     std::vector<Outline> rough;
     for (const CurvedLine& line : lines) {
-      rough.emplace_back();
-      for (const Cubic& c : line) rough.back().insert(rough.back().end(), {c[0], middle_of(c)});
+      Outline& points = rough.emplace_back();
+      for (const Cubic& c : line) {
+        for (int k = 0; k < 8; ++k) points.push_back(point_of(c, 0.125 * k));
+      }
+      for (std::size_t k = 0; k + 1 < rough.size(); ++k) {
+        if (!cross_each_other(rough[k], points)) continue;
+        fail(
+            fmt::format("found lines {} and {} of one path that cross each other, expected a path for each: what lies "
+                        "in any of several paths is the body",
+                        k + 1, rough.size()));
+      }
     }
     for (std::size_t i = 0; i < lines.size(); ++i) {
       const bool left = twice_area(lines[i]) > 0.0;
       int outside = 0;
       for (std::size_t k = 0; k < lines.size(); ++k) {
-        if (k == i || !lies_inside(rough[k], rough[i][1])) continue;
+        if (k == i || !lies_inside(rough[k], rough[i][4])) continue;
         outside += even_odd || twice_area(lines[k]) > 0.0 ? 1 : -1;
       }
       const int inside = outside + (even_odd || left ? 1 : -1);
@@ -329,7 +338,10 @@ class SvgReader {
     }
   }
 
-  static Vec2 middle_of(const Cubic& c) { return 0.125 * (c[0] + c[3]) + 0.375 * (c[1] + c[2]); }
+  static Vec2 point_of(const Cubic& c, double t) {
+    const double u = 1.0 - t;
+    return u * u * (u * c[0] + 3.0 * t * c[1]) + t * t * (3.0 * u * c[2] + t * c[3]);
+  }
 
   void finish() {
     for (const auto& [name, count] : unread_) drawing_.unread.push_back(fmt::format("{} <{}>", count, name));

@@ -10,7 +10,9 @@
 #include <cstdlib>
 #include <optional>
 #include <system_error>
+#include <utility>
 
+#include "system/input_file.hpp"
 #include "tendril/app/input_error.hpp"
 
 namespace tendril::app {
@@ -44,21 +46,6 @@ std::string too_large(std::size_t largest) {
 /// Tells a process where the standard input of the one that started it stands.
 constexpr const char* shared_input = "TENDRIL_STANDARD_INPUT";
 
-/// Everything that an open file holds; the size of a device or a pipe is not known beforehand, so the limit is kept
-/// while reading.
-std::string read_all(int file, const std::string& name, std::size_t largest = largest_input) {
-  std::string text;
-  std::string block(std::size_t{1} << 16, '\0');
-  while (true) {
-    const ssize_t count = ::read(file, block.data(), std::min(block.size(), largest + 1 - text.size()));
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw InputError("cannot read " + name + ": " + reason(errno));
-    if (count == 0) return text;
-    text.append(block, 0, static_cast<std::size_t>(count));
-    if (text.size() > largest) throw InputError(name + too_large(largest));
-  }
-}
-
 }  // namespace
 
 void synchronize(const fs::path& path) {
@@ -85,21 +72,51 @@ void synchronize_entries(const std::vector<fs::path>& made) {
   for (const fs::path& path : made) synchronize(path.has_parent_path() ? path.parent_path() : fs::path("."));
 }
 
-std::string read_input(const fs::path& path, const std::string& what, std::size_t largest) {
-  const std::string name = what + " '" + path.string() + "'";
-  // Opening a pipe would wait for somebody to write into it.
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file.valid()) throw InputError("cannot open " + name + ": " + reason(errno));
+// Opening a pipe would wait for somebody to write into it.
+InputFile::InputFile(const fs::path& path, const std::string& what, std::size_t largest)
+    : InputFile(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK), what + " '" + path.string() + "'", largest) {
   struct stat status {};
-  if (::fstat(file.get(), &status) != 0) throw InputError("cannot read " + name + ": " + reason(errno));
-  if (S_ISDIR(status.st_mode)) throw InputError("cannot read " + name + ": it is a directory, expected a file");
+  if (::fstat(descriptor_, &status) != 0) throw InputError("cannot read " + name_ + ": " + reason(errno));
+  if (S_ISDIR(status.st_mode)) throw InputError("cannot read " + name_ + ": it is a directory, expected a file");
   if (S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode)) {
-    throw InputError("cannot read " + name + ": it is a pipe, expected a file");
+    throw InputError("cannot read " + name_ + ": it is a pipe, expected a file");
   }
-  if (S_ISREG(status.st_mode) && static_cast<std::size_t>(status.st_size) > largest) {
-    throw InputError(name + too_large(largest));
+  if (!S_ISREG(status.st_mode)) return;
+  size_ = static_cast<std::size_t>(status.st_size);
+  if (*size_ > largest) throw InputError(name_ + too_large(largest));
+}
+
+InputFile::InputFile(int descriptor, std::string name, std::size_t largest)
+    : name_(std::move(name)), largest_(largest), descriptor_(descriptor) {
+  if (descriptor_ < 0) throw InputError("cannot open " + name_ + ": " + reason(errno));
+}
+
+InputFile::~InputFile() { ::close(descriptor_); }
+
+std::size_t InputFile::read(std::span<char> room) {
+  std::size_t count = 0;
+  while (count < room.size()) {
+    const ssize_t more = ::read(descriptor_, room.data() + count, room.size() - count);
+    if (more < 0 && errno == EINTR) continue;
+    if (more < 0) throw InputError("cannot read " + name_ + ": " + reason(errno));
+    if (more == 0) break;
+    count += static_cast<std::size_t>(more);
   }
-  return read_all(file.get(), name, largest);
+  // The size of a device or a pipe is not known beforehand.
+  done_ += count;
+  if (done_ > largest_) throw InputError(name_ + too_large(largest_));
+  return count;
+}
+
+std::string InputFile::rest() {
+  std::string text;
+  std::string block(std::size_t{1} << 16, '\0');
+  while (const std::size_t count = read(block)) text.append(block, 0, count);
+  return text;
+}
+
+std::string read_input(const fs::path& path, const std::string& what, std::size_t largest) {
+  return InputFile(path, what, largest).rest();
 }
 
 std::string read_scene_input(const fs::path& path) {
@@ -107,7 +124,8 @@ std::string read_scene_input(const fs::path& path) {
   static std::optional<std::string> text;
   if (text) return *text;
   const char* shared = std::getenv(shared_input);  // NOLINT(concurrency-mt-unsafe): before any thread
-  text = shared != nullptr ? read_input(shared, "scene") : read_all(STDIN_FILENO, "the scene on standard input");
+  text = shared != nullptr ? read_input(shared, "scene")
+                           : InputFile(::dup(STDIN_FILENO), "the scene on standard input", largest_input).rest();
   return *text;
 }
 

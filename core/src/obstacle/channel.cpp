@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "obstacle/part.hpp"
+#include "obstacle/room.hpp"
 #include "obstacle/shape_options.hpp"
 #include "tendril/numbers.hpp"
 
@@ -111,6 +113,36 @@ CenterLine line_of(const Options& options) {
   return line;
 }
 
+/// The walls, which know what room they keep.
+class Channel : public Part, public Room {
+ public:
+  /// `mouths`: the middle of each open end.
+  Channel(const std::vector<ClosedLine>& walls, double rounding, std::vector<ClosedLine> room, std::vector<Vec2> mouths)
+      : Part(walls, rounding), room_(std::move(room)), mouths_(std::move(mouths)) {}
+  ~Channel() override;
+
+  double outside_room(Vec2 point) const override {
+    Vec2 nearest{infinity, infinity};
+    for (const ClosedLine& part : room_) {
+      if (lies_inside(part, point)) return 0.0;
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        const Vec2 side = part[(i + 1) % part.size()] - part[i];
+        const double t = std::clamp(dot(point - part[i], side) / dot(side, side), 0.0, 1.0);
+        const Vec2 there = part[i] + t * side;
+        if (norm(there - point) < norm(nearest - point)) nearest = there;
+      }
+    }
+    const auto open = [&](Vec2 there) { return !separates(point, there); };
+    return open(nearest) || std::any_of(mouths_.begin(), mouths_.end(), open) ? 0.0 : norm(nearest - point);
+  }
+
+ private:
+  std::vector<ClosedLine> room_;
+  std::vector<Vec2> mouths_;
+};
+
+Channel::~Channel() = default;
+
 std::unique_ptr<Obstacle> make_channel(const Options& options) {
   const CenterLine line = line_of(options);
   const auto [narrowest, widest] = std::minmax_element(line.widths.begin(), line.widths.end());
@@ -124,9 +156,13 @@ std::unique_ptr<Obstacle> make_channel(const Options& options) {
   const double shut = wall - rounding;
   const double start = closed == "start" || closed == "both" ? shut : 0.0;
   const double end = closed == "end" || closed == "both" ? shut : 0.0;
+  std::vector<Vec2> mouths;
+  if (start == 0.0) mouths.push_back(line.points.front());
+  if (end == 0.0) mouths.push_back(line.points.back());
   // The core of the walls stands back by the rounding, with which they reach the width again.
-  return std::make_unique<Part>(
-      boundary_of(strip(line, wall - rounding, start, end), strip(line, rounding, rounding, rounding)), rounding);
+  return std::make_unique<Channel>(
+      boundary_of(strip(line, wall - rounding, start, end), strip(line, rounding, rounding, rounding)), rounding,
+      strip(line, 0.0, 0.0, 0.0), std::move(mouths));
 }
 
 OptionSpec length_option(std::string name, std::string description) {

@@ -5,20 +5,23 @@
 #include <utility>
 #include <vector>
 
+#include "obstacle/room.hpp"
+#include "obstacle/shape_options.hpp"
 #include "tendril/numbers.hpp"
 #include "tendril/obstacle.hpp"
+#include "tendril/pivot.hpp"
 
 namespace tendril {
 namespace {
 
 bool is_finite(Vec2 v) { return std::isfinite(v.x) && std::isfinite(v.y); }
 
-/// An obstacle elsewhere: turned about its reference point, then shifted.
-class Elsewhere : public Obstacle {
+/// An obstacle elsewhere: turned about a point, then shifted.
+class Elsewhere : public Obstacle, public Room {
  public:
-  Elsewhere(std::unique_ptr<Obstacle> still, Vec2 shift, double turn)
+  Elsewhere(std::unique_ptr<Obstacle> still, Vec2 center, Vec2 shift, double turn)
       : still_(std::move(still)),
-        center_(still_->reference_point()),
+        center_(center),
         moved_center_(center_ + shift),
         turns_(turn != 0.0),
         along_{std::cos(turn), std::sin(turn)} {}
@@ -42,11 +45,13 @@ class Elsewhere : public Obstacle {
     }
     return here;
   }
-  Vec2 reference_point() const override { return moved_center_; }
+  Vec2 reference_point() const override { return there(still_->reference_point()); }
+  Vec2 pivot() const { return moved_center_; }
   double smallest_radius() const override { return still_->smallest_radius(); }
   double core_distance(Vec2 point) const override { return still_->core_distance(back(point)); }
   double rounding() const override { return still_->rounding(); }
   bool convex() const override { return still_->convex(); }
+  double outside_room(Vec2 point) const override { return tendril::outside_room(*still_, back(point)); }
   void bounding_box(Vec2& low, Vec2& high) const override {
     still_->bounding_box(low, high);
     const std::array<Vec2, 4> corners{low, Vec2{high.x, low.y}, high, Vec2{low.x, high.y}};
@@ -106,7 +111,22 @@ Elsewhere::~Elsewhere() = default;
 
 std::unique_ptr<Obstacle> moved(std::unique_ptr<Obstacle> obstacle, Vec2 shift, double turn) {
   if (shift.x == 0.0 && shift.y == 0.0 && turn == 0.0) return obstacle;
-  return std::make_unique<Elsewhere>(std::move(obstacle), shift, turn);
+  const Vec2 center = obstacle->reference_point();
+  return std::make_unique<Elsewhere>(std::move(obstacle), center, shift, turn);
+}
+
+const OptionSpec& pivot_option() {
+  static const OptionSpec option = point_option("pivot", "what it is turned about");
+  return option;
+}
+
+std::unique_ptr<Obstacle> moved_about(std::unique_ptr<Obstacle> obstacle, Vec2 pivot, Vec2 shift, double turn) {
+  return std::make_unique<Elsewhere>(std::move(obstacle), pivot, shift, turn);
+}
+
+Vec2 pivot_of(const Obstacle& obstacle) {
+  const auto* elsewhere = dynamic_cast<const Elsewhere*>(&obstacle);
+  return elsewhere == nullptr ? obstacle.reference_point() : elsewhere->pivot();
 }
 
 }  // namespace tendril

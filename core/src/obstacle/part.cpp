@@ -112,6 +112,11 @@ std::span<const Seam> Part::seams(int patch) const {
 
 double Part::core_distance(Vec2 point) const { return std::max(0.0, at(point).distance + rounding_); }
 
+bool Part::separates(Vec2 a, Vec2 b) const {
+  return std::any_of(edges_.begin(), edges_.end(),
+                     [&](const Edge& e) { return cross_inside(a, b, e.from, edge(e.next).from); });
+}
+
 void Part::bounding_box(Vec2& low, Vec2& high) const {
   Box box;
   for (const Edge& e : edges_) box.add(e.from);

@@ -29,6 +29,8 @@ class TENDRIL_API Part : public Obstacle {
   Vec2 reference_point() const override { return reference_; }
   double smallest_radius() const override { return rounding_; }
   double core_distance(Vec2 point) const override;
+  /// Whether the core lies between two points.
+  bool separates(Vec2 a, Vec2 b) const;
   double rounding() const override { return rounding_; }
   bool convex() const override { return false; }
   void bounding_box(Vec2& low, Vec2& high) const override;

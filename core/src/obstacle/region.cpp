@@ -24,10 +24,6 @@ Box box_of(const ClosedLine& line) {
 /// On which side of the line through a and b a point lies: > 0, on the left.
 double side(Vec2 a, Vec2 b, Vec2 p) { return cross(b - a, p - a); }
 
-bool cross_inside(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
-  return side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0;
-}
-
 /// Whether p lies on the stretch from a to b, up to `reach`.
 bool lies_on(Vec2 a, Vec2 b, Vec2 p, double reach) {
   const double length = norm(b - a);

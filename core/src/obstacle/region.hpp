@@ -16,6 +16,11 @@ using ClosedLine = std::vector<Vec2>;
 /// Twice the area inside, > 0 if it runs counterclockwise.
 TENDRIL_API double twice_area(const ClosedLine& line);
 
+/// Whether the stretches from a to b and from c to d cross, not at their ends.
+inline bool cross_inside(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+  return cross(b - a, c - a) * cross(b - a, d - a) < 0.0 && cross(d - c, a - c) * cross(d - c, b - c) < 0.0;
+}
+
 /// What is wrong with a line, for a user: "found ..., expected ...".
 struct LineFault {
   std::string found, expected;

@@ -50,15 +50,8 @@ class Executor {
       throw Error("expected " + std::to_string(obstacles.size()) + " ratios of friction, one per obstacle, found " +
                   std::to_string(control.friction.size()));
     }
-    for (std::size_t i = 0; i < obstacles.size(); ++i) {
-      obstacles_.push_back(obstacles[i].get());
-      if (!rod_.moves.empty()) continue;
-      const double distance = obstacles_.back()->at(rod_.base).distance - rod_.radius_at(0.0).value;
-      if (distance >= 0.0) continue;
-      throw SceneError("obstacle[" + std::to_string(i) + "]", names_[i] + " lies around the rod's base (" +
-                                                                  shown(-scale_.to_si(distance, dimension::length)) +
-                                                                  " m deep): no shape is free of it");
-    }
+    for (const std::unique_ptr<Obstacle>& obstacle : obstacles) obstacles_.push_back(obstacle.get());
+    require_free_base(scene, rod_, obstacles_, scale_);
   }
 
   Execution run();

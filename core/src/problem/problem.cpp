@@ -27,16 +27,8 @@ namespace {
 
 void take_obstacles(Task& d, const Scene& scene) {
   if (d.components.obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
-  for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
-    const Obstacle& o = *d.components.obstacles[i];
-    d.obstacles.push_back(&o);
-    if (!d.rod.moves.empty()) continue;
-    if (const double distance = o.at(d.rod.base).distance - d.rod.radius_at(0.0).value; !(distance >= 0.0)) {
-      throw SceneError("obstacle[" + std::to_string(i) + "]", d.obstacle_names[i] + " lies around the rod's base (" +
-                                                                  shown(-d.scale.to_si(distance, dimension::length)) +
-                                                                  " m deep): no shape is free of it");
-    }
-  }
+  for (const std::unique_ptr<Obstacle>& obstacle : d.components.obstacles) d.obstacles.push_back(obstacle.get());
+  require_free_base(scene, d.rod, d.obstacles, d.scale);
 }
 
 /// An objective reads nothing that the scene has not.

@@ -7,6 +7,7 @@
 
 #include "obstacle/shape_options.hpp"
 #include "scene/make_rod.hpp"
+#include "tendril/pivot.hpp"
 
 namespace tendril {
 namespace {
@@ -347,7 +348,9 @@ void Collector::add_obstacle(int index) {
   if (!component) return;
   Options options;
   try {
-    options = resolve_options(component->options, spec.options, Scale{}, scene_.read_quantity, spec.shape);
+    RawOptions own = spec.options;
+    own.erase(pivot_option().name);
+    options = resolve_options(component->options, own, Scale{}, scene_.read_quantity, spec.shape);
   } catch (const OptionError&) {
     return;  // told by whoever makes the obstacle
   }

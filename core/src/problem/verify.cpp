@@ -7,6 +7,7 @@
 #include "tendril/execute.hpp"
 #include "tendril/leading.hpp"
 #include "tendril/numbers.hpp"
+#include "tendril/pivot.hpp"
 #include "tendril/problem.hpp"
 #include "tendril/scale.hpp"
 #include "tendril/tolerances.hpp"
@@ -137,7 +138,7 @@ int stretches(const Scene& scene, const ObstaclesAt& obstacles, const TargetSpec
     made[o]->bounding_box(low, high);
     const ObstaclePlace& a = from.obstacles[i].place;
     const ObstaclePlace& b = to.obstacles[i].place;
-    const Vec2 center = made[o]->reference_point();
+    const Vec2 center = pivot_of(*made[o]);
     const double arm = norm(0.5 * (low + high) - center) + 0.5 * norm(high - low);
     const double way = norm(b.shift - a.shift) / length + std::abs(b.turn - a.turn) * arm;
     most = std::max(most, way / (0.5 * made[o]->rounding()));

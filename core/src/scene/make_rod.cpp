@@ -4,7 +4,9 @@
 #include <string>
 #include <utility>
 
+#include "obstacle/room.hpp"
 #include "program/pose_program.hpp"
+#include "scene/plan_report.hpp"
 #include "tendril/error.hpp"
 
 namespace tendril {
@@ -146,6 +148,29 @@ Rod make_rod(const Scene& scene, const Scale& scale) {
                    scale.to_dimensionless(scene.tip_load.force.y, dimension::force)};
   add_moves(scene.rod, scale, rod);
   return rod;
+}
+
+void require_free_base(const Scene& scene, const Rod& rod, const std::vector<const Obstacle*>& obstacles,
+                       const Scale& scale) {
+  if (!rod.moves.empty()) return;
+  const std::vector<std::string> names = obstacle_names(scene);
+  const auto refuse = [&](std::size_t i, const std::string& where, double depth, const std::string& why) {
+    throw SceneError("obstacle[" + std::to_string(i) + "]",
+                     names[i] + where + " (" + shown(scale.to_si(depth, dimension::length)) + " m deep): " + why);
+  };
+  double least = infinity;
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    const double depth = rod.radius_at(0.0).value - obstacles[i]->at(rod.base).distance;
+    if (!(depth <= 0.0)) refuse(i, " lies around the rod's base", depth, "no shape is free of it");
+    const double outside = outside_room(*obstacles[i], rod.base);
+    if (outside < least) nearest = i;
+    least = std::min(least, outside);
+  }
+  if (least > 0.0 && least < infinity) {
+    refuse(nearest, " holds no room for the rod's base, which lies outside of it", least,
+           "its wall is in between, expected a base in the channel or in front of an open end");
+  }
 }
 
 void let_base_move(Rod& rod) {
