@@ -158,6 +158,45 @@ shifts = [["0 mm", "-8 mm"], ["0 mm", "16 mm"]]
   EXPECT_GT(far["contacts"][0]["normal"][1].get<double>(), 0.5);
 }
 
+// A peg near the tip that is pushed up until the rod slips off it: told once, at the same place, whether it is led
+// there in one step or moved in steps that are as short.
+TEST(MovingObstacle, TellsWhereTheRodSnapsWhileItIsLed) {
+  const TemporaryDirectory directory;
+  std::string text = replaced(brace(), "problem = \"pose\"", "problem = \"trajectory\"");
+  text = replaced(replaced(text, "radius = \"8 mm\"", "radius = \"4 mm\""), "[\"60 mm\"", "[\"85 mm\"");
+  const std::string scene = directory.write(
+      "s.toml", text + "[[trajectory.obstacle]]\nname = \"obstacle 1\"\nshifts = [[0, \"-8 mm\"], [0, \"72 mm\"]]\n");
+  const std::string out = directory / "out";
+  (void)tendril({"plan", scene, "--output", out});
+  json held = json::parse(read_file(out + "/result.json"));
+  for (json& step : held["steps"]) step["moments"] = {1e-3};
+  const auto carried = [&](int steps) {
+    json more = held;
+    more["steps"] = json::array();
+    for (int i = 0; i <= steps; ++i) {
+      json& step = more["steps"].emplace_back(held["steps"][0]);
+      step["moved_obstacles"][0]["shift"][1] = 1e-3 * (-8.0 + 80.0 * i / steps);
+    }
+    const test::CommandRun run =
+        tendril({"execute", scene, "--plan", directory.write("held.json", more.dump()), "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return json::parse(run.out)["steps"];
+  };
+  const json far = carried(1);
+  ASSERT_EQ(far[1]["snaps"].size(), 1U);
+  const json near = carried(80);
+  std::vector<double> places;
+  for (std::size_t i = 1; i < near.size(); ++i) {
+    for (const json& snap : near[i]["snaps"]) {
+      places.push_back((static_cast<double>(i) - 1.0 + snap["load"].get<double>()) / 80.0);
+      EXPECT_EQ(snap["kind"], far[1]["snaps"][0]["kind"]);
+    }
+  }
+  ASSERT_EQ(places.size(), 1U);
+  // Each stretch says which of its shapes was left, so to the length of one.
+  EXPECT_NEAR(far[1]["snaps"][0]["load"], places[0], 1.0 / 80.0);
+}
+
 TEST(MovingObstacle, RefusesWhatMakesNoSense) {
   const TemporaryDirectory directory;
   const std::string trajectory = replaced(brace(), "problem = \"pose\"", "problem = \"trajectory\"");

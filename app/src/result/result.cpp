@@ -351,6 +351,19 @@ Json state_json(const std::vector<BackbonePoint>& shape, const std::vector<Plann
 
 }  // namespace
 
+Json snaps_json(const std::vector<Snap>& snaps) {
+  Json all = Json::array();
+  for (const Snap& snap : snaps) {
+    all.push_back({{"kind", to_string(snap.kind)},
+                   {"load", number(snap.load)},
+                   {"moments", numbers(snap.moments)},
+                   {"stability_after", number(snap.stability_after)},
+                   {"before", state_json(snap.before, snap.contacts_before)},
+                   {"after", state_json(snap.after, snap.contacts_after)}});
+  }
+  return all;
+}
+
 Json plan_result(const Scene& scene, const Plan& plan, const RunInfo& run) {
   Json json = plan_object(scene, plan);
   if (!plan.start_backbone.empty()) json["start_backbone"] = backbone_json(plan.start_backbone);
@@ -373,16 +386,7 @@ Json execution_result(const Scene& scene, const Execution& execution, const RunI
       {"reached", number(execution.load)}, {"steps", execution.steps}, {"contact_changes", execution.contact_changes}};
   if (execution.tendon_changes > 0) json["load"]["tendon_changes"] = execution.tendon_changes;
   json["basis"] = {{"name", LegendreBasis::name}, {"order", execution.result.order}, {"pieces", execution.pieces}};
-  Json snaps = Json::array();
-  for (const Snap& snap : execution.snaps) {
-    snaps.push_back({{"kind", to_string(snap.kind)},
-                     {"load", number(snap.load)},
-                     {"moments", numbers(snap.moments)},
-                     {"stability_after", number(snap.stability_after)},
-                     {"before", state_json(snap.before, snap.contacts_before)},
-                     {"after", state_json(snap.after, snap.contacts_after)}});
-  }
-  json["snaps"] = std::move(snaps);
+  json["snaps"] = snaps_json(execution.snaps);
   return json;
 }
 

@@ -17,6 +17,7 @@ Json numbers(const std::vector<double>& values);
 /// `finger`: whose they are; empty: a plan of one rod.
 Json contacts_json(const std::vector<PlannedContact>& contacts, const std::string& finger = "");
 Json backbone_json(const std::vector<BackbonePoint>& points);
+Json snaps_json(const std::vector<Snap>& snaps);
 
 /// A plan as it stands in every result, without what the command did around it.
 Json plan_object(const Scene& scene, const Plan& plan);

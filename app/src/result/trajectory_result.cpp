@@ -65,6 +65,10 @@ std::string status_of(const Trajectory& trajectory) {
   return "solved";
 }
 
+bool executed(const TrajectoryStep& step) {
+  return step.method == StepMethod::executed || !step.plan.verification.empty();
+}
+
 bool verified(const Trajectory& trajectory) {
   return std::any_of(trajectory.steps.begin(), trajectory.steps.end(),
                      [](const TrajectoryStep& step) { return !step.plan.verification.empty(); });
@@ -94,6 +98,7 @@ Json trajectory_object(const Scene& scene, const Trajectory& trajectory) {
     one["target"] = target_json(step.target);
     if (!step.target.obstacles.empty()) one["moved_obstacles"] = moved_obstacles_json(scene, step.target.obstacles);
     one["method"] = to_string(step.method);
+    if (executed(step)) one["snaps"] = snaps_json(step.snaps);
     one["intermediate_targets"] = step.intermediate;
     one["effort"] = effort_json(step.effort);
     if (scene.trajectory.cold_starts) one["cold_start"] = effort_json(step.cold);
@@ -217,6 +222,9 @@ std::string trajectory_report(const Scene& scene, const Trajectory& trajectory) 
   }
   for (std::size_t i = 0; i < trajectory.steps.size(); ++i) {
     const Plan& plan = trajectory.steps[i].plan;
+    for (const Snap& snap : trajectory.steps[i].snaps) {
+      text += fmt::format("step {}: the rod snaps at {:.4g} of the way ({})\n", i + 1, snap.load, to_string(snap.kind));
+    }
     if (!plan.message.empty()) text += fmt::format("step {}: {}\n", i + 1, printable(plan.message));
   }
   return text;

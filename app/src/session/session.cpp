@@ -414,13 +414,15 @@ Trajectory Session::execute(const std::vector<TrajectoryStep>& steps, const std:
     aimed.target = step.target;
     ExecuteControl control = execute_control(state);
     control.place = step.plan.place;
-    std::optional<Plan> led;
+    std::optional<Led> led;
     if (done.steps.size() > 1) {
       const ObstaclesAt at = [this](const TargetSpec& where) { return make_obstacles(where); };
       led = located("", [&] { return led_near(aimed, at, (&reached - 1)->target, *state, step, control); });
     }
-    if (led) control.start = &*led;
-    reached.plan = located("", [&] { return tendril::execute(aimed, obstacles, step.plan, control).result; });
+    if (led) control.start = &led->at;
+    Execution rest = located("", [&] { return tendril::execute(aimed, obstacles, step.plan, control); });
+    reached.snaps = snaps_of(led, rest);
+    reached.plan = std::move(rest.result);
     done.interrupted = stop().load();
     if (done.interrupted || reached.plan.backbone.empty()) break;
     find_uncertainty(reached.plan, true);

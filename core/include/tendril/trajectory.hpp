@@ -36,6 +36,8 @@ struct TrajectoryStep {
   int intermediate = 0;                    ///< targets that were put between this one and the one before
   Effort effort;                           ///< of everything planned for this step
   Effort cold;  ///< of a plan for this target from the scene's own start, if it was asked for
+  /// Of its execution, obstacles that were led along included. `load`: share of the way from the step before.
+  std::vector<Snap> snaps{};
 };
 
 /// Plans for a row of targets.
@@ -75,8 +77,8 @@ TENDRIL_API Scene with_obstacles(Scene scene, const TargetSpec& step);
 using ObstaclesAt = std::function<std::vector<std::unique_ptr<Obstacle>>(const TargetSpec& step)>;
 
 /// Executes every step from where the one before came to rest, the first one from `control.start` or the scene's start,
-/// and fills and judges its plan as verify() of one plan does. After a step that does not come to rest the next one
-/// starts from that step's own shape.
+/// and fills and judges its plan as verify() of one plan does; snaps on the way are the step's. After a step that does
+/// not come to rest the next one starts from that step's own shape.
 TENDRIL_API void verify(const Scene& scene, const ObstaclesAt& obstacles, Trajectory& trajectory,
                         const ExecuteControl& control = {});
 

@@ -123,7 +123,8 @@ namespace {
 /// In so many stretches obstacles are led from one step to the next, at most.
 constexpr int most_stretches = 200;
 
-/// How many it takes so that no point of an obstacle goes farther in one than half of its rounding.
+/// How many it takes so that no point of an obstacle goes farther in one than a quarter of its rounding: a rod that
+/// lies half of it deep when the obstacle is set there may come to the other side.
 int stretches(const Scene& scene, const ObstaclesAt& obstacles, const TargetSpec& from, const TargetSpec& to) {
   if (from.obstacles.empty() || from.obstacles.size() != to.obstacles.size()) return 1;
   const std::vector<std::unique_ptr<Obstacle>> made = obstacles(from);
@@ -141,7 +142,7 @@ int stretches(const Scene& scene, const ObstaclesAt& obstacles, const TargetSpec
     const Vec2 center = pivot_of(*made[o]);
     const double arm = norm(0.5 * (low + high) - center) + 0.5 * norm(high - low);
     const double way = norm(b.shift - a.shift) / length + std::abs(b.turn - a.turn) * arm;
-    most = std::max(most, way / (0.5 * made[o]->rounding()));
+    most = std::max(most, way / (0.25 * made[o]->rounding()));
   }
   return static_cast<int>(std::ceil(std::min(most, static_cast<double>(most_stretches))));
 }
@@ -156,30 +157,47 @@ RodPlace between(const RodPlace& a, const RodPlace& b, double share) {
   return middle;
 }
 
+/// Snaps of an execution that went from one share of the way to another.
+void add_snaps(const std::vector<Snap>& snaps, double from, double to, std::vector<Snap>& all) {
+  for (const Snap& snap : snaps) {
+    all.push_back(snap);
+    all.back().load = from + snap.load * (to - from);
+  }
+}
+
 }  // namespace
 
-std::optional<Plan> led_near(const Scene& scene, const ObstaclesAt& obstacles, const TargetSpec& from,
-                             const Plan& before, const TrajectoryStep& step, const ExecuteControl& control) {
+std::optional<Led> led_near(const Scene& scene, const ObstaclesAt& obstacles, const TargetSpec& from,
+                            const Plan& before, const TrajectoryStep& step, const ExecuteControl& control) {
   const int count = stretches(scene, obstacles, from, step.target);
   const std::vector<double> first = held_of(scene, before);
   const std::vector<double> last = held_of(scene, step.plan);
-  std::optional<Plan> at;
+  std::optional<Led> led;
   ExecuteControl leading = control;
   for (int i = 1; i < count; ++i) {
     const double share = static_cast<double>(i) / count;
     std::vector<double> held = first;
     for (std::size_t a = 0; a < held.size(); ++a) held[a] += share * (last[a] - first[a]);
-    leading.start = at ? &*at : &before;
+    leading.start = led ? &led->at : &before;
     leading.place = between(before.place, step.plan.place, share);
     try {
-      Plan next = execute(scene, obstacles(between(from, step.target, share)), held, leading).result;
-      if (next.status != PlanStatus::solved) break;
-      at = std::move(next);
+      Execution next = execute(scene, obstacles(between(from, step.target, share)), held, leading);
+      if (next.result.status != PlanStatus::solved) break;
+      const double start = led ? led->share : 0.0;
+      std::vector<Snap> snaps = led ? std::move(led->snaps) : std::vector<Snap>{};
+      add_snaps(next.snaps, start, share, snaps);
+      led = Led{std::move(next.result), share, std::move(snaps)};
     } catch (const SceneError&) {
       break;  // an obstacle that is smaller than its stretch: whoever executes the step tells
     }
   }
-  return at;
+  return led;
+}
+
+std::vector<Snap> snaps_of(const std::optional<Led>& led, const Execution& rest) {
+  std::vector<Snap> all = led ? led->snaps : std::vector<Snap>{};
+  add_snaps(rest.snaps, led ? led->share : 0.0, 1.0, all);
+  return all;
 }
 
 void verify(const Scene& scene, const ObstaclesAt& obstacles, Trajectory& trajectory, const ExecuteControl& control) {
@@ -195,10 +213,14 @@ void verify(const Scene& scene, const ObstaclesAt& obstacles, Trajectory& trajec
     // Contacts push as they do in the plan, or along their normals on the way to it.
     ExecuteControl leading = control;
     leading.with_friction = false;
-    std::optional<Plan> led;
+    std::optional<Led> led;
     if (before) led = led_near(scene, obstacles, *from, *before, step, leading);
-    if (before) from_before.start = led ? &*led : &*before;
+    if (before) from_before.start = led ? &led->at : &*before;
     Execution reached = verify(scene, obstacles(step.target), plan, from_before);
+    step.snaps = snaps_of(led, reached);
+    if (led && !led->snaps.empty()) {
+      plan.verification += "; " + std::to_string(led->snaps.size()) + " snap(s) while obstacles were led along";
+    }
     // After a step that did not come to rest the next one starts from where the plan has it.
     before = reached.result.status == PlanStatus::solved ? std::move(reached.result) : plan;
     from = &step.target;
