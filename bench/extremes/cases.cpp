@@ -23,6 +23,7 @@ std::vector<ExtremeCase> extreme_cases(std::uint64_t held_out) {
   add_shapes(list);
   add_trajectories(list);
   add_programs(list);
+  add_outlines(list);
   return list.take();
 }
 

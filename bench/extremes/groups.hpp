@@ -59,5 +59,6 @@ void add_contacts(CaseList& list);
 void add_shapes(CaseList& list);
 void add_trajectories(CaseList& list);
 void add_programs(CaseList& list);
+void add_outlines(CaseList& list);
 
 }  // namespace tendril::bench

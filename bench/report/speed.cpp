@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "certificate/certifier.hpp"
@@ -41,9 +42,34 @@ Scene braced(const std::string& limit, const std::string& solver, SearchEffort e
   return scene;
 }
 
+/// The same with a body of 200 sides instead of the peg, or with 199 further pegs that the rod cannot reach.
+Scene braced_among(bool body, const std::string& solver, const plugins::Registry& registry) {
+  std::string text = peg();
+  if (body) {
+    text = "[[obstacle]]\nshape = \"polygon\"\nrounding = \"0.4 mm\"\nvertices = [";
+    for (int i = 0; i < 200; ++i) {
+      const double angle = 0.01 * std::numbers::pi * i;
+      const double reach = (i % 2 == 0 ? 0.0076 : 0.0072);
+      text += fmt::format("[{}, {}],", 0.06 + reach * std::cos(angle), reach * std::sin(angle));
+    }
+    text += "]\n";
+  } else {
+    for (int i = 0; i < 199; ++i) {
+      text += fmt::format("[[obstacle]]\nshape = \"circle\"\ncenter = [{}, {}]\nradius = \"1 mm\"\n",
+                          0.01 * (i % 20) - 0.05, -0.11 - 0.01 * (i / 20));
+    }
+  }
+  Scene scene =
+      scene_from_text(gravity() + arm("10 N mm") + text + "[contact]\nmode = \"allow\"\nmax_force = \"1 N\"\n" +
+                          "[target]\nposition = [\"97 mm\", \"20 mm\"]\n" + objectives(),
+                      "braced arm", registry);
+  scene.solver.plugin = solver;
+  return scene;
+}
+
 /// Of an evaluation: cost, gradient, rows and Jacobian.
-double evaluation() {
-  PoseFixture f;
+double evaluation(std::int64_t kind = 0) {
+  PoseFixture f(6, 20, kind);
   const double begin = processor_now();
   for (int i = 0; i < batch; ++i) {
     f.nudge();
@@ -141,19 +167,26 @@ Section speed_section(plugins::Registry& registry, const Extent& extent) {
   const std::string planning[] = {"plan, fast search", "plan, normal search"};
   std::vector<Cost> costs{{"certificate of one contact", "none"},
                           {"followed step, contacts kept", "none"},
-                          {"followed step, a contact comes or goes", solvers.empty() ? "none" : solvers.front()}};
+                          {"followed step, a contact comes or goes", solvers.empty() ? "none" : solvers.front()},
+                          {"evaluation beside one body of 200 sides", "none"},
+                          {"evaluation beside 199 circles more", "none"}};
+  const std::size_t first_plans = costs.size();
   for (const std::string& solver : solvers) {
     for (const std::string& what : planning) {
       costs.push_back({what, solver});
       costs.push_back({"its winning way", solver});
     }
+    costs.push_back({"plan beside one body of 200 sides", solver});
+    costs.push_back({"plan beside 199 circles more", solver});
   }
   std::vector<double> unit;
   const int side = extent.quick ? 2 : 5;
   for (int repetition = 0; repetition < extent.repetitions_of_timed() && !extent.stopped(); ++repetition) {
     unit.push_back(evaluation());
     costs[0].add(certificate(), unit.back());
-    std::size_t next = 3;
+    costs[3].add(evaluation(toothed), unit.back());
+    costs[4].add(evaluation(crowded), unit.back());
+    std::size_t next = first_plans;
     for (const std::string& solver : solvers) {
       if (solver == solvers.front())
         follow_path(registry, braced("10 N mm", solver, SearchEffort::normal, registry), costs[1], costs[2]);
@@ -161,6 +194,10 @@ Section speed_section(plugins::Registry& registry, const Extent& extent) {
         for (const char* limit : {"2.5 N mm", "10 N mm"})
           plan_targets(registry, braced(limit, solver, effort, registry), side, costs[next], costs[next + 1]);
         next += 2;
+      }
+      for (const bool body : {true, false}) {
+        Cost winning;
+        plan_targets(registry, braced_among(body, solver, registry), side, costs[next++], winning);
       }
     }
   }
@@ -170,7 +207,8 @@ Section speed_section(plugins::Registry& registry, const Extent& extent) {
       "The braced arm, order 6, split at its contact; medians. Unit: one evaluation of its program with 20 check "
       "points (cost, gradient, rows and Jacobian), measured just before. Plans: 25 targets at limits of 2.5 and "
       "10 N mm, one problem for all targets of a limit; a way of being in contact has its share of "
-      "the plan's processor time. Steps: from above the peg down to it and back, limit 10 N mm, 400 steps each way",
+      "the plan's processor time. Among 200 pieces, with one contact: limit 10 N mm. Steps: from above the peg down to "
+      "it and back, limit 10 N mm, 400 steps each way",
       {"what", "solver", "evaluations' worth", "quartiles", "time (us)", "measured"},
       {}};
   for (const Cost& cost : costs) {

@@ -31,8 +31,8 @@ TEST(Extremes, EveryRowIsMetOrExplainedByAMeasuredLimit) {
 TEST(Extremes, EveryGroupTakesPart) {
   std::set<std::string> groups;
   for (const ExtremeRow& row : quick_rows()) groups.insert(row.group);
-  for (const char* group :
-       {"scale", "softness", "large angle", "orders", "obstacles", "contact", "shapes", "instability", "programs"}) {
+  for (const char* group : {"scale", "softness", "large angle", "orders", "obstacles", "contact", "shapes",
+                            "instability", "programs", "outlines"}) {
     EXPECT_TRUE(groups.count(group)) << group;
   }
 }

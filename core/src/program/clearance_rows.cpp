@@ -37,15 +37,24 @@ class ClearanceRows : public RowBlock {
     for (int i = 0; i < count(); ++i) {
       Check& c = checks_[static_cast<std::size_t>(i)];
       const Vec2 point = d_.places.point(c.place);
+      // No point comes nearer to an obstacle than it moves.
+      if (const double least = c.gap - norm(point - c.at); least > d_.spec.checked_from) {
+        values[i] = least;
+        if (derivatives) flatten(c, rows, i);
+        continue;
+      }
       c.surface = d_.surface(c.obstacle, c.carried ? point - d_.shift : point);
       // A body stands on its palm, but is kept apart from that of another finger.
       c.radius = c.carried && !d_.measures(c.obstacle) ? Rod::Jet{} : d_.places.radius(c.place);
       values[i] = c.surface.distance - c.radius.value;
+      c.gap = values[i];
+      c.at = point;
       if (!derivatives) continue;
       if (values[i] > d_.spec.checked_from) {
-        rows.row(i).setZero();
+        flatten(c, rows, i);
         continue;
       }
+      c.flat = false;
       fill(c, c.surface.normal, row_.data());
       const int reach = d_.places.reach(c.place);
       double* out = &rows(i, 0);
@@ -98,8 +107,16 @@ class ClearanceRows : public RowBlock {
     int place, obstacle;
     bool carried;
     SurfacePoint surface;
-    Rod::Jet radius{};  ///< of the body; the palm stands under it, and is kept off the backbone alone
+    Rod::Jet radius{};       ///< of the body; the palm stands under it, and is kept off the backbone alone
+    double gap = -infinity;  ///< where it was looked at last, there:
+    Vec2 at{};
+    bool flat = false;  ///< its row has no derivatives
   };
+
+  static void flatten(Check& c, MatrixRef rows, int i) {
+    if (!c.flat) rows.row(i).setZero();
+    c.flat = true;
+  }
 
   /// direction . dP of a check point against its obstacle, by coordinates up to its piece, arc lengths and the palm.
   void fill(const Check& c, Vec2 direction, double* row) const {

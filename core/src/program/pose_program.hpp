@@ -115,10 +115,10 @@ struct PoseProgramSpec {
   bool split = true;                       ///< whether each interior contact has a knot of its own
   std::vector<ContactSetup> contacts;      ///< interior ones in order along the rod, then those at the tip
   std::vector<CheckPoint> checks;          ///< points kept outside of obstacles by a row each
-  double checked_from = infinity;          ///< gap (L) above which the row of a check point is given no derivatives
-  int nodes = 0;                           ///< Gauss nodes per smooth interval of a piece
-  double min_force = 0.0;                  ///< of every contact, units of EI0/L^2
-  double max_force = infinity;             ///< of every contact, units of EI0/L^2
+  double checked_from = infinity;  ///< gap (L) above which rows of checks are lower bounds, and flat; obstacles stay
+  int nodes = 0;                   ///< Gauss nodes per smooth interval of a piece
+  double min_force = 0.0;          ///< of every contact, units of EI0/L^2
+  double max_force = infinity;     ///< of every contact, units of EI0/L^2
   /// Of each obstacle, a coefficient: tangential parts of contact forces are variables, up to so much of the normal
   /// ones. Empty: contacts push along normals, or as Loads have it.
   std::vector<double> friction{};
