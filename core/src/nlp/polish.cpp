@@ -12,8 +12,6 @@
 namespace tendril {
 namespace {
 
-enum class Side : signed char { inactive = 0, lower = -1, upper = 1, equal = 2 };
-
 /// A step that left this share of the residual is followed by one with the same factorization, whose error shrinks by
 /// about that share again: it costs an evaluation instead of a Hessian and a factorization too.
 constexpr double chord_share = 1e-2;
@@ -57,6 +55,8 @@ class Polisher::Newton {
   }
 
  private:
+  enum class Side : signed char { inactive = 0, lower = -1, upper = 1, equal = 2 };
+
   Side row(int i) const { return rows_[static_cast<std::size_t>(i)]; }
   Side bound(int i) const { return bounds_[static_cast<std::size_t>(i)]; }
 

@@ -16,15 +16,15 @@ Vec2 normal_rate(const SurfacePoint& s, Vec2 velocity) {
   return s.curvature * dot(tau, velocity) * tau;
 }
 
-/// Outer derivatives by base quantities.
-struct Outer {
-  Eigen::VectorXd gradient;
-  Eigen::MatrixXd hessian;
-};
-
 }  // namespace
 
 struct MotionRates::Data {
+  /// Outer derivatives by base quantities.
+  struct Outer {
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd hessian;
+  };
+
   Data(const PoseProgramSpec& spec, ConstVectorRef x, ConstVectorRef y);
 
   std::vector<int> add_checks();
