@@ -231,19 +231,20 @@ TEST(OutlineFile, WhatADrawingHoldsBesideOutlinesIsTold) {
 // Bodies that overlap are one, which a report tells; lines of one path that cross have no rule that all readers share.
 TEST(OutlineFile, CrossingOutlinesAreTold) {
   const std::string squares = "x,y,part\n0,0,1\n2,0,1\n2,2,1\n0,2,1\n1,1,2\n3,1,2\n3,3,2\n1,3,2\n";
-  const Read table("part.csv", squares + "9,9,3\n10,9,3\n9,10,3\n");
+  const Outlined table("part.csv", squares + "9,9,3\n10,9,3\n9,10,3\n");
   ASSERT_EQ(table.message, "");
   ASSERT_EQ(table.scene.left_out.size(), 1U);
   EXPECT_EQ(table.scene.left_out[0].what, "crossings of outlines of part.csv: 1 and 2");
-  const Read touching("part.csv", "x,y,part\n0,0,1\n2,0,1\n2,2,1\n0,2,1\n2,0,2\n4,0,2\n4,2,2\n2,2,2\n");
+  const Outlined touching("part.csv", "x,y,part\n0,0,1\n2,0,1\n2,2,1\n0,2,1\n2,0,2\n4,0,2\n4,2,2\n2,2,2\n");
   EXPECT_TRUE(touching.scene.left_out.empty());
-  const Read two("part.svg", R"(<svg><rect width="20" height="20"/><rect x="10" y="9" width="20" height="20"/></svg>)");
+  const Outlined two("part.svg",
+                     R"(<svg><rect width="20" height="20"/><rect x="10" y="9" width="20" height="20"/></svg>)");
   ASSERT_EQ(two.message, "");
   ASSERT_EQ(two.scene.left_out.size(), 1U);
   EXPECT_EQ(two.scene.left_out[0].what, "crossings of outlines of part.svg: 1 and 2");
   for (const char* rule : {"nonzero", "evenodd"}) {
-    const Read one("part.svg",
-                   fmt::format("<svg>\n<path fill-rule=\"{}\" d=\"M0 0h20v20h-20zM10 9h20v20h-20z\"/></svg>", rule));
+    const Outlined one(
+        "part.svg", fmt::format("<svg>\n<path fill-rule=\"{}\" d=\"M0 0h20v20h-20zM10 9h20v20h-20z\"/></svg>", rule));
     EXPECT_TRUE(contains_text(one.message, "part.svg:2:1: found lines 1 and 2 of one path that cross each other"));
   }
 }

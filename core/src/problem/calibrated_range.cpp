@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "tendril/numbers.hpp"
 #include "tendril/tolerances.hpp"
@@ -40,7 +41,8 @@ void tell_beyond_calibration(const Scene& scene, const std::vector<double>& mome
                              double base_angle, const std::string& whose, std::vector<std::string>& notes) {
   const RodSpec& rod = scene.rod;
   tell_inputs(rod, moments, turns, whose, notes);
-  const auto tell = [&](const std::string& name, Vec2 load, const std::optional<LoadRange>& range, const char* unit) {
+  // What is said has no heap memory before there is something to say.
+  const auto tell = [&](std::string_view name, Vec2 load, const std::optional<LoadRange>& range, const char* unit) {
     if (!range) return;
     const auto [low, high] = *range;
     const Vec2 seen = seen_from_base(load, base_angle);
@@ -51,7 +53,7 @@ void tell_beyond_calibration(const Scene& scene, const std::vector<double>& mome
       const auto part = [&](double x) { return shown(std::abs(x) <= rounding ? 0.0 : x, 4); };
       return '(' + part(v.x) + ", " + part(v.y) + ')';
     };
-    notes.push_back(whose + name + " is " + text(seen) + ' ' + unit + " along and across the rod's base" +
+    notes.push_back(whose + std::string(name) + " is " + text(seen) + ' ' + unit + " along and across the rod's base" +
                     beyond(text(low) + " to " + text(high) + ' ' + unit));
   };
   const Vec2 gravity = scene.gravity.value_or(Vec2{});

@@ -30,8 +30,6 @@ class TENDRIL_API ReducedProgram : public NonlinearProgram {
   const Eigen::VectorXd& start() const { return start_; }
   /// How many of the variables, the last ones, are tangential ratios.
   int ratio_count() const;
-  /// What follows the branch: most of the work of an evaluation.
-  const NonlinearProgram& followed() const { return alone_; }
   /// The point of the pose program at moments u; not finite where the branch does not reach.
   const Eigen::VectorXd& full(ConstVectorRef u);
 

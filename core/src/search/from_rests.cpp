@@ -86,12 +86,8 @@ std::optional<std::vector<ContactSetup>> Planner::contacts_of_rest(const Rest& r
 
 void Planner::solve_reduced(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
   if (must_stop() || !ReducedProgram::applies(program)) return;
-  const EvaluationCounts before = program.counts();
   ReducedProgram reduced(program, x);
   const OptimalityReport r = solve(state, reduced, reduced.start());
-  // Each evaluation by the moments takes several of all variables.
-  steps_.tally.add_outside(program, before);
-  steps_.tally.add_outside(reduced.followed(), {});
   if (r.x.size() != reduced.start().size() || !r.x.allFinite()) return;
   if (const Eigen::VectorXd& reached = reduced.full(r.x); reached.allFinite()) x = reached;
 }

@@ -18,7 +18,7 @@
   X(bool, sides, true, "starts on every side of every obstacle")                                                     \
   X(std::size_t, most_trials, 40, "starts on sides for all ways together, the most promising ones")                  \
   X(std::size_t, most_sides, 6, "starts on further sides for one way of being in contact")                           \
-  X(double, side_work, 6e5, "work for all starts on sides before the ordinary search goes on")                       \
+  X(double, side_work, 3e5, "work for all starts on sides before the ordinary search goes on")                       \
   X(int, thorough, 10, "times as many starts, and as much work for them, where the search is thorough")              \
   X(double, same_minimum, 1e-6, "difference of the objectives (relative) of two plans that count as one")            \
   X(double, there, 0.02, "distance to the target (rad, L) below which no other turn of the tip is tried")            \
