@@ -123,6 +123,24 @@ shifts = [["0 mm", "0 mm"], ["0.5 mm", "-0.5 mm"], ["1 mm", "-1 mm"], ["1.5 mm",
   EXPECT_GT(read_file(out + "/figure.svg").size(), 1000U);
 }
 
+/// Steps of an execution that holds 1 N mm while the obstacle of a planned trajectory goes `way` (mm) up from -8 mm, in
+/// so many steps.
+json carried_up(const TemporaryDirectory& directory, const std::string& scene, const std::string& planned, double way,
+                int steps) {
+  json held = json::parse(read_file(planned + "/result.json"));
+  json first = held["steps"][0];
+  first["moments"] = {1e-3};
+  held["steps"] = json::array();
+  for (int i = 0; i <= steps; ++i) {
+    json& step = held["steps"].emplace_back(first);
+    step["moved_obstacles"][0]["shift"][1] = 1e-3 * (-8.0 + way * i / steps);
+  }
+  const test::CommandRun run =
+      tendril({"execute", scene, "--plan", directory.write("held.json", held.dump()), "--json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  return json::parse(run.out)["steps"];
+}
+
 // A peg that is pushed across the rod by three times its size in one step takes the rod along, as it does in small
 // ones.
 TEST(MovingObstacle, IsLedAlongWhereOneStepIsFar) {
@@ -137,20 +155,7 @@ shifts = [["0 mm", "-8 mm"], ["0 mm", "16 mm"]]
 )");
   const std::string out = directory / "out";
   ASSERT_EQ(tendril({"plan", scene, "--output", out}).exit_code, 0);
-  json held = json::parse(read_file(out + "/result.json"));
-  for (json& step : held["steps"]) step["moments"] = {1e-3};
-  const auto carried = [&](int steps) {
-    json more = held;
-    more["steps"] = json::array();
-    for (int i = 0; i <= steps; ++i) {
-      json& step = more["steps"].emplace_back(held["steps"][0]);
-      step["moved_obstacles"][0]["shift"][1] = 1e-3 * (-8.0 + 24.0 * i / steps);
-    }
-    const test::CommandRun run =
-        tendril({"execute", scene, "--plan", directory.write("held.json", more.dump()), "--json"});
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    return json::parse(run.out)["steps"].back();
-  };
+  const auto carried = [&](int steps) { return carried_up(directory, scene, out, 24.0, steps).back(); };
   const json far = carried(1);
   const json near = carried(12);
   EXPECT_NEAR(far["tip"]["y"], near["tip"]["y"], 1e-7);
@@ -168,20 +173,7 @@ TEST(MovingObstacle, TellsWhereTheRodSnapsWhileItIsLed) {
       "s.toml", text + "[[trajectory.obstacle]]\nname = \"obstacle 1\"\nshifts = [[0, \"-8 mm\"], [0, \"72 mm\"]]\n");
   const std::string out = directory / "out";
   (void)tendril({"plan", scene, "--output", out});
-  json held = json::parse(read_file(out + "/result.json"));
-  for (json& step : held["steps"]) step["moments"] = {1e-3};
-  const auto carried = [&](int steps) {
-    json more = held;
-    more["steps"] = json::array();
-    for (int i = 0; i <= steps; ++i) {
-      json& step = more["steps"].emplace_back(held["steps"][0]);
-      step["moved_obstacles"][0]["shift"][1] = 1e-3 * (-8.0 + 80.0 * i / steps);
-    }
-    const test::CommandRun run =
-        tendril({"execute", scene, "--plan", directory.write("held.json", more.dump()), "--json"});
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    return json::parse(run.out)["steps"];
-  };
+  const auto carried = [&](int steps) { return carried_up(directory, scene, out, 80.0, steps); };
   const json far = carried(1);
   ASSERT_EQ(far[1]["snaps"].size(), 1U);
   const json near = carried(80);
