@@ -33,8 +33,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   add_compile_options(-Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds)
 endif()
 if(CMAKE_UNITY_BUILD)
-  # What one source of a folder declares, another does not see.
-  add_compile_options(-Wno-shadow)
+  # What one source of a folder declares, another does not hide: only what hides something local counts (clang, which
+  # knows no such form, builds the fuzzers alone).
+  add_compile_options(-Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local>)
 endif()
 if(TENDRIL_WERROR)
   add_compile_options(-Werror)
