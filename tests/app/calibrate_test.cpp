@@ -168,6 +168,35 @@ TEST(Calibrate, LoadsBeyondThoseOfTheRecordingsAreTold) {
   EXPECT_TRUE(contains_text(notes({"rod.load.1.force_per_length=[0,-0.2]"}), "load 2 is (0, -0.2) N/m"));
   EXPECT_TRUE(contains_text(notes({"gravity=[9.81,0]"}), "gravity is (9.81, 0) m/s^2"));
   EXPECT_TRUE(contains_text(notes({"rod.base.angle=\"180 deg\""}), "gravity is (0, 9.81) m/s^2"));
+  // Without a load of this kind in the recordings there is no range of it.
+  const std::string more = directory.write("more.toml", included + "[[rod.load]]\nat = 0.05\nforce = [0, -0.01]\n");
+  EXPECT_TRUE(contains_text(json_of({"execute", more, "--moments", "5 N mm"})["notes"].dump(),
+                            "load 3 is (0, -0.01) N along and across the rod's base, beyond what its rod was "
+                            "calibrated with ((0, 0) to (0, 0) N)"));
+  // So do estimates, of a shape and of a film.
+  const json bent = json_of({"execute", scene, "--moments", "20 N mm"});
+  std::string shape = "s [m],x [m],y [m]\n";
+  std::string film = "time [s],s [m],x [m],y [m]\n";
+  std::string later;
+  const json& backbone = bent["backbone"];
+  for (std::size_t i = 1; i <= 12; ++i) {
+    const json& p = backbone[i * (backbone.size() - 1) / 12];
+    const std::string point =
+        fmt::format("{:.15g},{:.15g},{:.15g}\n", p["s"].get<double>(), p["x"].get<double>(), p["y"].get<double>());
+    shape += point;
+    film += "0," + point;
+    later += "1," + point;
+  }
+  directory.write("shape.csv", shape);
+  directory.write("film.csv", film + later);
+  const auto estimated = [&](const std::string& file) {
+    return json_of(
+        {"plan", directory.write("estimate.toml", included + "problem = \"estimate\"\n[measurement]\nfile = \"" + file +
+                                                      "\"\nnoise = \"0.1 mm\"\nmoments = [\"20 N mm\"]\n")});
+  };
+  const std::string told = "actuator 1 is told 0.02 N m, beyond what its rod was calibrated with (0 to 0.01 N m)";
+  EXPECT_TRUE(contains_text(estimated("shape.csv")["notes"].dump(), told)) << estimated("shape.csv");
+  EXPECT_TRUE(contains_text(estimated("film.csv")["notes"].dump(), told)) << estimated("film.csv");
   // Plans say it as executions do.
   const json plan =
       json_of({"plan", directory.write("plan.toml", included + "[target]\nposition = [0.09, 0.01]\n"

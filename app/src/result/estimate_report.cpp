@@ -122,7 +122,7 @@ std::string estimate_json(const Scene& scene, const Estimate& estimate, const Ru
 
 std::string estimate_report(const Scene& scene, const Estimate& estimate) {
   const DisplayUnits units(scene);
-  std::string text = fit_heading(scene, estimate);
+  std::string text = fit_heading(scene, estimate) + note_lines(estimate.notes);
   if (!estimate.backbone.empty()) {
     text += line("points", fmt::format("{}, residuals {} (rms of a coordinate)", scene.measurement.points.size(),
                                        units.lengths(estimate.residual_rms)));

@@ -22,6 +22,7 @@ void add_fit(Json& json, const Scene& scene, const Fit& fit, const std::vector<M
   json["status"] = to_string(fit.status);
   json["message"] = fit.message;
   if (!fit.assumed.empty()) json["assumed"] = fit.assumed;
+  if (!fit.notes.empty()) json["notes"] = fit.notes;
   json["scene"] = scene.file;
   json["title"] = scene.title;
   json["problem"] = to_string(scene.problem);

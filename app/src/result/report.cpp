@@ -20,6 +20,12 @@ std::string heading(const Scene& scene) {
 
 std::string line(const std::string& name, const std::string& value) { return fmt::format("{:<15}{}\n", name, value); }
 
+std::string note_lines(const std::vector<std::string>& notes) {
+  std::string text;
+  for (const std::string& note : notes) text += line("", printable(note));
+  return text;
+}
+
 std::string left_out_text(const std::vector<LeftOut>& items) {
   if (items.empty()) return "";
   Grid grid;
@@ -320,7 +326,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
   text += line("status", std::string(to_string(plan.status)) +
                              (cut ? ", but time ended the search before it was done: a better plan may exist" : ""));
   if (!plan.message.empty()) text += line("", printable(plan.message));
-  for (const std::string& note : plan.notes) text += line("", printable(note));
+  text += note_lines(plan.notes);
   // Without a shape there is nothing to tell of it.
   const bool has_shape = !plan.backbone.empty();
   if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);

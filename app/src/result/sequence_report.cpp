@@ -157,7 +157,7 @@ std::string sequence_json(const Scene& scene, const SequenceSpec& spec, const Se
 
 std::string sequence_report(const Scene& scene, const SequenceEstimate& estimate) {
   const DisplayUnits units(scene);
-  std::string text = fit_heading(scene, estimate);
+  std::string text = fit_heading(scene, estimate) + note_lines(estimate.notes);
   if (!estimate.frames.empty()) {
     text +=
         line("frames", fmt::format("{}, from {} to {}, residuals {} (rms of a coordinate)", estimate.frames.size(),

@@ -68,6 +68,7 @@ struct Estimate {
   EstimateStatus status = EstimateStatus::not_converged;  ///< how it ended
   std::string message;                                    ///< why it is not solved
   std::string assumed;                                    ///< about the contacts' friction, in a line
+  std::vector<std::string> notes;                         ///< what to know before it is used
   std::vector<double> moments;                            ///< N m, the known ones
   std::vector<EstimatedContact> contacts;                 ///< in ascending order of arc length
   /// Of force and arc length of each contact in turn, in N and m.

@@ -59,6 +59,7 @@ struct SequenceEstimate {
   EstimateStatus status = EstimateStatus::not_converged;  ///< the first of its frames that is not solved says why
   std::string message;                                    ///< why it is not solved
   std::string assumed;                                    ///< about the contacts' friction, in a line
+  std::vector<std::string> notes;                         ///< what to know before it is used
   std::vector<EstimatedFrame> frames;                     ///< as far as they were followed
   bool timed = false;                                     ///< frames have times in s; else numbers
   double force_rate = 0.0;              ///< N, standard deviation of what a force changes by in 1 s, or between frames

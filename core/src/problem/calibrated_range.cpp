@@ -22,6 +22,7 @@ void tell_inputs(const RodSpec& rod, const std::vector<double>& moments, const s
     const double high = actuator.calibrated_to;
     if (!(low > -infinity || high < infinity)) continue;
     const double told = actuator.told(moments[a], turns[a]);
+    if (std::isnan(told)) continue;  // a shortening that nobody knows
     const double within = std::isfinite(low) && std::isfinite(high) ? std::max(std::abs(low), std::abs(high)) : 0.0;
     if (told >= low - tolerance::bounds * within && told <= high + tolerance::bounds * within) continue;
     const bool pressure = actuator.kind == ActuatorKind::pressure;
@@ -42,9 +43,11 @@ void tell_beyond_calibration(const Scene& scene, const std::vector<double>& mome
   const RodSpec& rod = scene.rod;
   tell_inputs(rod, moments, turns, whose, notes);
   // What is said has no heap memory before there is something to say.
+  const bool calibrated = rod.calibrated_gravity || rod.calibrated_tip_force;
   const auto tell = [&](std::string_view name, Vec2 load, const std::optional<LoadRange>& range, const char* unit) {
-    if (!range) return;
-    const auto [low, high] = *range;
+    if (!calibrated && !range) return;
+    // What a calibrated rod says nothing of, it did not carry.
+    const auto [low, high] = range.value_or(LoadRange{});
     const Vec2 seen = seen_from_base(load, base_angle);
     const double rounding = tolerance::bounds * std::max({norm(low), norm(high), norm(seen)});
     const auto inside = [&](double x, double from, double to) { return x >= from - rounding && x <= to + rounding; };

@@ -6,6 +6,7 @@
 #include "base/deadline.hpp"
 #include "estimate/contact_levels.hpp"
 #include "estimate/significance.hpp"
+#include "problem/calibrated_range.hpp"
 #include "problem/estimate_parts.hpp"
 
 namespace tendril {
@@ -221,6 +222,8 @@ Estimate estimate(const Scene& scene, const PlanControl& control) {
   for (int k = 0; in.friction > 0.0 && k < cone.best.contacts(); ++k) {
     out.contacts[static_cast<std::size_t>(k)].friction = friction_of(in, in.measured, cone, k);
   }
+  tell_beyond_calibration(scene, out.moments, std::vector<double>(out.moments.size(), unknown_turn),
+                          scene.rod.base_angle, "", out.notes);
   conclude(in, refined.fit, deadline, out);
   return finish();
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,9 @@
 #include "tendril/estimate.hpp"
 
 namespace tendril {
+
+/// Points say nothing of how much shorter a tendon is.
+inline constexpr double unknown_turn = std::numeric_limits<double>::quiet_NaN();
 
 /// Orders of the Legendre functions, each tried until the points stay where they are (units of L).
 inline constexpr int first_order = 8;

@@ -7,6 +7,7 @@
 
 #include "estimate/contact_tracker.hpp"
 #include "estimate/significance.hpp"
+#include "problem/calibrated_range.hpp"
 #include "problem/estimate_parts.hpp"
 
 namespace tendril {
@@ -302,7 +303,12 @@ SequenceEstimate estimate_sequence(const Scene& scene, const SequenceSpec& spec,
     report_frames(q, out);
     report_identifiable(out);
     for (std::size_t i = 0; i < out.frames.size(); ++i) {
-      out.frames[i].moments = spec.frames[i].moments.empty() ? known_moments(scene) : spec.frames[i].moments;
+      EstimatedFrame& frame = out.frames[i];
+      frame.moments = spec.frames[i].moments.empty() ? known_moments(scene) : spec.frames[i].moments;
+      // The first frame of a kind stands for all of them.
+      if (!out.notes.empty()) continue;
+      tell_beyond_calibration(scene, frame.moments, std::vector<double>(frame.moments.size(), unknown_turn),
+                              scene.rod.base_angle, name_of(frame, out.timed) + ": ", out.notes);
     }
     if (q.tracked.back().found) out.backbone = backbone_of(in.scale, *q.rod, q.tracked.back().fit.shape);
   }
