@@ -166,7 +166,7 @@ struct TipLoadSpec {
 
 /// Where an obstacle is, seen from where the options of its shape put it.
 struct ObstaclePlace {
-  double turn = 0.0;  ///< rad, about its reference point
+  double turn = 0.0;  ///< rad, about its pivot
   Vec2 shift{};       ///< m, after that
   /// Whether it is anywhere else.
   bool moves() const { return turn != 0.0 || shift.x != 0.0 || shift.y != 0.0; }
