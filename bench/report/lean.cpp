@@ -36,7 +36,8 @@ std::string pegs_nearby(int count) {
 /// A weight or a load that is there, and changes nothing that can be seen.
 constexpr const char* negligible = "1e-12";
 
-/// Every objective that needs no options and no tendon, at a negligible weight, besides those that do the work.
+/// Every objective that needs no options, no tendon and no error bars, at a negligible weight, besides those that do
+/// the work.
 std::string idle_objectives(plugins::Registry& registry) {
   std::string text;
   for (const std::string& name : registry.names(ComponentKind::objective)) {
@@ -45,7 +46,7 @@ std::string idle_objectives(plugins::Registry& registry) {
                                    [](const OptionSpec& option) { return option.required; });
     if (needs) continue;
     const Reads reads = component.make(resolve_options(component.options, {}, {}, {}, name))->reads();
-    if (reads.tensions || reads.shortenings) continue;
+    if (reads.tensions || reads.shortenings || reads.tip_deviations) continue;
     text += "[[objective]]\nplugin = \"" + name + "\"\nweight = " + negligible + "\n";
   }
   return text;

@@ -40,6 +40,11 @@ std::vector<Input> inputs(const Reads& reads, int contacts, int moments) {
   add_actuators("moments", reads.moments, -3.0, 3.0);
   add_actuators("tensions", reads.tensions, 0.0, 40.0);
   add_actuators("shortenings", reads.shortenings, -0.1, 0.1);
+  for (int a = 0; a < moments; ++a) {
+    const std::string owner = "tip_deviations[" + std::to_string(a) + "].";
+    for (const char* part : {"x", "y"})
+      all.push_back({owner + part, "tip_deviations", reads.tip_deviations, -0.1, 0.1});
+  }
   all.push_back({"bending_energy", "bending_energy", reads.bending_energy, 0.01, 5.0});
   all.push_back({"insertion", "insertion", reads.insertion, 0.5, 1.0});
   all.push_back({"palm_distance", "palm_distance", reads.palm_distance, 0.1, 1.0});

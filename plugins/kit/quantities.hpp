@@ -16,7 +16,7 @@ struct Input {
   double low = 0.0, high = 0.0;  ///< range of sensible values, dimensionless
 };
 
-/// All that a term reads, out of one flat vector: tip, samples, contacts, moments, tendons and energy.
+/// All that a term reads, out of one flat vector: tip, samples, contacts, moments, tendons, deviations and energy.
 template <class T>
 class FlatQuantities {
  public:
@@ -25,12 +25,14 @@ class FlatQuantities {
         contacts_(static_cast<std::size_t>(contacts)),
         moments_(static_cast<std::size_t>(moments)),
         tensions_(moments_),
-        shortenings_(moments_) {
+        shortenings_(moments_),
+        deviations_(moments_.size()) {
     quantities_.samples = samples_;
     quantities_.contacts = contacts_;
     quantities_.moments = moments_;
     quantities_.tensions = tensions_;
     quantities_.shortenings = shortenings_;
+    quantities_.tip_deviations = deviations_;
     quantities_.target = target;
   }
   FlatQuantities(const FlatQuantities&) = delete;
@@ -53,6 +55,10 @@ class FlatQuantities {
     for (std::vector<T>* all : {&moments_, &tensions_, &shortenings_}) {
       for (T& one : *all) one = next();
     }
+    for (TipDeviation<T>& one : deviations_) {
+      one.x = next();
+      one.y = next();
+    }
     quantities_.bending_energy = next();
     quantities_.insertion = next();
     quantities_.palm_distance = next();
@@ -63,6 +69,7 @@ class FlatQuantities {
   std::vector<BackboneQuantities<T>> samples_;
   std::vector<ContactQuantities<T>> contacts_;
   std::vector<T> moments_, tensions_, shortenings_;
+  std::vector<TipDeviation<T>> deviations_;  ///< as many as moments
   Quantities<T> quantities_{};
 };
 

@@ -32,6 +32,7 @@ constexpr std::array flags{Flag{"tip_position", &Reads::tip_position},
                            Flag{"contact_arc_length", &Reads::contact_arc_length},
                            Flag{"insertion", &Reads::insertion},
                            Flag{"palm_distance", &Reads::palm_distance},
+                           Flag{"tip_deviations", &Reads::tip_deviations},
                            Flag{"target", &Reads::target},
                            Flag{"mirrored", &Reads::mirrored}};
 
@@ -78,6 +79,10 @@ void each_number(const Reads& reads, const Quantities<T>& x, Visit&& visit) {
   for (const T& moment : x.moments) visit(reads.moments, moment, "moments");
   for (const T& tension : x.tensions) visit(reads.tensions, tension, "tensions");
   for (const T& shortening : x.shortenings) visit(reads.shortenings, shortening, "shortenings");
+  for (const TipDeviation<T>& one : x.tip_deviations) {
+    visit(reads.tip_deviations, one.x, "tip_deviations");
+    visit(reads.tip_deviations, one.y, "tip_deviations");
+  }
   visit(reads.bending_energy, x.bending_energy, "bending_energy");
   visit(reads.insertion, x.insertion, "insertion");
   visit(reads.palm_distance, x.palm_distance, "palm_distance");
@@ -88,7 +93,8 @@ struct Types {
   Types() : module(py::module_::import("tendril._components")) {}
   py::object module;
   py::object quantities = module.attr("Quantities"), point = module.attr("BackbonePoint"),
-             contact = module.attr("ContactPoint"), target = module.attr("TargetPose");
+             contact = module.attr("ContactPoint"), deviation = module.attr("TipDeviation"),
+             target = module.attr("TargetPose");
   py::dict not_read = module.attr("NOT_READ");
 };
 
@@ -206,11 +212,15 @@ class PythonTerm final : public ObjectiveTerm {
     const py::tuple moments = tuple(x.moments.size(), next);
     const py::tuple tensions = tuple(x.tensions.size(), next);
     const py::tuple shortenings = tuple(x.shortenings.size(), next);
+    const py::tuple deviations = tuple(x.tip_deviations.size(), [&] {
+      n += 2;
+      return types.deviation(n[-2], n[-1]);
+    });
     const Target& t = x.target;
     const py::object position =
         t.has_position ? py::object(py::make_tuple(t.position.x, t.position.y)) : py::object(py::none());
     const py::object angle = t.has_angle ? py::object(py::float_(t.angle)) : py::object(py::none());
-    return types.quantities(tip, sampled, touching, moments, tensions, shortenings, n[0], n[1], n[2],
+    return types.quantities(tip, sampled, touching, moments, tensions, shortenings, deviations, n[0], n[1], n[2],
                             types.target(position, angle));
   }
 

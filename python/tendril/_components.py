@@ -42,6 +42,13 @@ class ContactPoint(NamedTuple):
     reference_y: Number
 
 
+class TipDeviation(NamedTuple):
+    """Where the tip goes, to first order, with one standard deviation of what is uncertain, in units of the rod's length."""
+
+    x: Number
+    y: Number
+
+
 class TargetPose(NamedTuple):
     """The pose asked for: position in units of the rod's length, angle in rad; None where nothing is asked."""
 
@@ -53,6 +60,7 @@ class Quantities(NamedTuple):
     """What a term sees, dimensionless: moments in units of EI/L, the bending energy likewise; of tendons, in the order
     of the actuators, tensions in units of EI/L^2 and what they are shorter by in units of the rod's length. The
     insertion is how much of the rod is out of its port, in units of its length: 1 of one that is not drawn in or out.
+    The squares of the deviations of the tip add up to its variance under the error bars of the scene.
     """
 
     tip: BackbonePoint
@@ -61,6 +69,7 @@ class Quantities(NamedTuple):
     moments: tuple[Number, ...]
     tensions: tuple[Number, ...]
     shortenings: tuple[Number, ...]
+    tip_deviations: tuple[TipDeviation, ...]
     bending_energy: Number
     insertion: Number
     palm_distance: Number
@@ -89,7 +98,7 @@ class NotRead:
 NOT_READ = {name: NotRead(name) for name in (
     "tip_position", "tip_angle", "samples", "contact_point", "contact_gap", "contact_normal", "contact_force",
     "contact_arc_length", "moments", "tensions", "shortenings", "bending_energy", "insertion",
-    "palm_distance")}
+    "palm_distance", "tip_deviations")}
 
 
 class Option(NamedTuple):
@@ -116,7 +125,7 @@ def objective(name: str, *, reads: Iterable[str] = (), samples: Iterable[float] 
     The function takes the Quantities, and the options by name. It returns a number, which is added to the cost, or a
     list of numbers, whose squares are. `reads` names what it looks at: tip_position, tip_angle, bending_energy, moments,
     tensions, shortenings, contact_point, contact_gap, contact_normal, contact_force, contact_arc_length, insertion,
-    palm_distance, target; `samples` asks for points of the rod at these arc lengths, from 0 to 1. `lower_bound`: the cost is never below it, -math.inf where
+    palm_distance, tip_deviations, target; `samples` asks for points of the rod at these arc lengths, from 0 to 1. `lower_bound`: the cost is never below it, -math.inf where
     there is none. Derivatives come by themselves, through arithmetic and numpy's functions; math's do not take the
     numbers.
     """

@@ -53,6 +53,15 @@ TEST_P(PoseProgramAllocation, IsNothingAfterConstruction) {
   }
 }
 
+// What error bars do to the tip, as a term reads it.
+TEST_P(PoseProgramAllocation, IsNothingWithErrorBars) {
+  const Case& c = GetParam();
+  const support::SamplePose sample({std::make_shared<LegendreBasis>(c.order), c.split, c.at_tip, c.at_tip ? 0 : 1,
+                                    "circles", false, "varied", false, false, false, true});
+  PoseProgram program(sample.spec);
+  expect_no_allocation(program, program.start_from(constant_curvature(0.5)));
+}
+
 // Two fingers as one program.
 TEST(GraspProgramAllocation, IsNothingAfterConstruction) {
   const support::SampleGrasp sample({});

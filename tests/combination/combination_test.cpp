@@ -147,13 +147,14 @@ std::vector<Combined> all_models() {
   return all;
 }
 
-/// Each objective alone, each pair, and all together; those that read tendons where there are some.
+/// Each objective alone, each pair, and all together; those that read tendons where there are some, none that reads
+/// error bars: these scenes have none.
 std::vector<std::vector<std::string>> choices_of_objectives(bool tendons) {
   std::vector<std::string> names = registry().names(ComponentKind::objective);
   std::erase_if(names, [tendons](const std::string& name) {
     const ObjectiveComponent& component = registry().objective(name);
     const Reads reads = component.make(resolve_options(component.options, {}, {}, {}, name))->reads();
-    return !tendons && (reads.tensions || reads.shortenings);
+    return reads.tip_deviations || (!tendons && (reads.tensions || reads.shortenings));
   });
   std::vector<std::vector<std::string>> choices;
   for (std::size_t i = 0; i < names.size(); ++i) {

@@ -78,6 +78,7 @@ def formula(np, x):
     value = value + np.sinh(x.bending_energy / 5) - np.cosh(x.moments[-1] / 3.0) ** 1.5 + np.arctan(x.tip.x) + np.tan(x.tip.y / 3)
     value = value + np.exp(0.05 * x.tensions[0]) * x.shortenings[-1] + x.samples[0].strain ** 3
     value = value + x.insertion**2 * x.tip.x
+    value = value + sum(one.x * one.y**2 for one in x.tip_deviations)
     value = value + 1.1**x.tip.x - (3.0 - x.tip.y) ** (0.1 * x.tip.x) + np.square(x.tip.x) + 1.0 / (2.0 + x.tip.x)
     if c is not None:
         value = value + c.force * c.gap + c.normal_x * c.normal_y - c.arc_length**3 + c.x * c.y
@@ -85,7 +86,7 @@ def formula(np, x):
 
 
 READS = ["tip_position", "tip_angle", "moments", "tensions", "shortenings", "bending_energy", "contact_point", "contact_gap", "contact_normal",
-         "contact_force", "contact_arc_length", "insertion"]
+         "contact_force", "contact_arc_length", "insertion", "tip_deviations"]
 
 
 def test_derivatives_pass_the_test_kit():

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "obstacle/rounded_hull.hpp"
+#include "program/tip_deviations.hpp"
 
 namespace tendril::support {
 
@@ -14,6 +15,7 @@ Reads Everything::reads() const {
   r.palm_distance = parts_.palm;
   r.tensions = r.shortenings = parts_.tendons;
   r.insertion = parts_.insertion;
+  r.tip_deviations = parts_.deviations;
   r.target = parts_.target;
   r.samples = parts_.samples;
   return r;
@@ -31,6 +33,44 @@ std::pair<std::unique_ptr<Obstacle>, std::unique_ptr<Obstacle>> obstacles_of(con
   }
   return {std::make_unique<RoundedHull>(std::vector<Vec2>{{0.3, 0.7}, {0.6, 0.6}}, 0.2),
           std::make_unique<RoundedHull>(std::vector<Vec2>{{0.6, -0.4}, {0.5, -0.8}, {0.9, -0.6}, {0.8, -0.5}}, 0.1)};
+}
+
+/// Of the rod's numbers, of where its base and the obstacles are, of both units, and of the law of an actuator: three
+/// deviations, each of which moves all of them.
+std::shared_ptr<const Uncertainties> uncertainties_of(const Rod& rod) {
+  auto out = std::make_shared<Uncertainties>();
+  const auto changed = [&](double step, auto change) {
+    UncertainNumber number;
+    number.rod = rod;
+    number.step = step;
+    change(*number.rod);
+    return number;
+  };
+  out->numbers.push_back(changed(0.7, [](Rod& r) {
+    r.segments[0].stiffness += 0.7;
+    r.segments[1].weight += 0.35;
+    r.segments[1].rest_curvature -= 0.2;
+  }));
+  out->numbers.push_back(changed(1.0, [](Rod& r) {
+    r.gravity += -turned(r.gravity);
+    r.tip_force += -turned(r.tip_force);
+    for (Rod::Load& load : r.loads) load.force += -turned(load.force);
+  }));
+  out->numbers.back().moves = true;
+  out->numbers.back().motion.base = turn_about(rod.base, 1.0);
+  out->numbers.back().motion.base.shift += Vec2{0.3, -0.4};
+  out->numbers.push_back(changed(-1.0, [](Rod& r) { r.tip_force += Vec2{0.2, 0.1}; }));
+  out->numbers.back().length = 0.6;
+  out->numbers.back().stiffness = -0.8;
+  out->numbers.push_back(
+      {.motion = {{}, {{{0.5, 0.2}, 0.3, -0.2, 0.1}, {{-0.1, 0.4}, -0.2, 0.0, 0.3}}}, .moves = true});
+  UncertainNumber law;
+  law.held = [](double u) { return Rod::Jet{0.2 + 0.5 * u + 0.3 * u * u, 0.5 + 0.6 * u}; };
+  law.actuator = 1;
+  out->numbers.push_back(law);
+  out->shares.resize(3, 5);
+  out->shares << 0.3, -0.1, 0.2, 0.4, -0.3, 0.1, 0.2, -0.2, 0.1, 0.5, -0.2, 0.3, 0.1, 0.2, 0.1;
+  return out;
 }
 
 }  // namespace
@@ -101,6 +141,7 @@ SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
                                                      .target = true,
                                                      .tendons = setup.profiles,
                                                      .insertion = setup.moves,
+                                                     .deviations = setup.uncertain,
                                                      .samples = {0.23, 0.61, 0.97}});
   spec.terms = {{everything.get(), 1.3, "everything"}};
   spec.target = {{0.9, 0.2}, 0.0, true, false};
@@ -109,6 +150,7 @@ SamplePose::SamplePose(const Setup& setup) : model(setup.model) {
   for (int k = 0; k < setup.interior_contacts; ++k) spec.contacts.push_back({k % 2, false, setup.moves ? k : 1});
   if (setup.tip_contact) spec.contacts.push_back({0, true, 0});
   spec.nodes = 34;
+  if (setup.uncertain) spec.uncertainties = uncertainties_of(rod);
   spec.checks = {{0, 0.5, 0}, {0, 0.5, 1}, {1, 0.31, 1}, {1, 0.8, 0}};
   if (setup.palm) {
     spec.palm = PalmSetup{{0.8, -0.6}, -0.3, 0.4, true};

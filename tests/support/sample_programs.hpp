@@ -25,6 +25,7 @@ class Everything : public ObjectiveBase<Everything> {
     bool target = false;
     bool tendons = false;
     bool insertion = false;
+    bool deviations = false;
     std::vector<double> samples{};  ///< arc lengths
   };
   explicit Everything(Parts parts) : parts_(std::move(parts)) {}
@@ -40,6 +41,10 @@ class Everything : public ObjectiveBase<Everything> {
     for (const T& u : x.moments) out.smooth(exp(0.3 * u) * x.tip.x);
     for (const T& tension : x.tensions) out.residual(0.2 * tension * x.tip.y);
     for (const T& shortening : x.shortenings) out.smooth(exp(0.4 * shortening) * x.tip.angle);
+    for (const TipDeviation<T>& one : x.tip_deviations) {
+      out.residual(one.x - 0.1 * one.y);
+      out.smooth(exp(0.3 * one.x) * (one.y + x.tip.x));
+    }
     for (const BackboneQuantities<T>& b : x.samples) {
       out.residual(b.x * b.angle);
       out.smooth(b.y * b.curvature + 0.1 * b.curvature * b.curvature * b.curvature);
@@ -69,6 +74,7 @@ struct SamplePose {
     bool profiles = false;           ///< moments of actuators vary along the rod
     bool stretches = false;          ///< the rod stretches, and actuators pull along it
     bool moves = false;              ///< the base is shifted and turned, and the rod drawn in
+    bool uncertain = false;          ///< numbers of every kind have error bars
   };
   explicit SamplePose(const Setup& setup);
   SamplePose(const SamplePose&) = delete;

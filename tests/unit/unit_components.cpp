@@ -109,12 +109,12 @@ TEST(CoordinatePlugins, RefuseContradictions) {
   EXPECT_TRUE(contains_text(refusal([&] { make(pcc, {{"pieces", {std::int64_t{65}}}}); }), "from 1 to 64"));
 }
 
-/// Everything that a term may read, from a plain vector: two contacts, two moments and two tendons.
+/// Everything that a term may read, from a plain vector: two contacts, two moments, two tendons and two deviations.
 template <class T>
 class World {
  public:
   static constexpr std::size_t numbers_per_contact = 9;
-  static constexpr std::size_t size = 4 + 2 * numbers_per_contact + 6 + 3;
+  static constexpr std::size_t size = 4 + 2 * numbers_per_contact + 6 + 4 + 3;
 
   World(const std::vector<T>& x, Target target) {
     std::size_t at = 4;
@@ -130,9 +130,11 @@ class World {
     quantities_.moments = moments_;
     quantities_.tensions = tensions_;
     quantities_.shortenings = shortenings_;
-    quantities_.bending_energy = x[at + 6];
-    quantities_.insertion = x[at + 7];
-    quantities_.palm_distance = x[at + 8];
+    deviations_ = {TipDeviation<T>{x[at + 6], x[at + 7]}, {x[at + 8], x[at + 9]}};
+    quantities_.tip_deviations = deviations_;
+    quantities_.bending_energy = x[at + 10];
+    quantities_.insertion = x[at + 11];
+    quantities_.palm_distance = x[at + 12];
     quantities_.target = target;
   }
   World(const World&) = delete;
@@ -143,6 +145,7 @@ class World {
  private:
   std::array<ContactQuantities<T>, 2> contacts_{};
   std::array<T, 2> moments_{}, tensions_{}, shortenings_{};
+  std::array<TipDeviation<T>, 2> deviations_{};
   Quantities<T> quantities_{};
 };
 
@@ -211,7 +214,7 @@ TEST_P(ObjectivePlugin, DependsOnNothingThatItDoesNotRead) {
   Registry registry = built_plugins();
   const auto term = make(registry.objective(GetParam().name), GetParam().options);
   const Reads reads = term->reads();
-  // Tip, two contacts, moments, tendons, energy, palm.
+  // Tip, two contacts, moments, tendons, deviations, energy, palm.
   std::vector<bool> read{reads.tip_position, reads.tip_position, reads.tip_angle, false};
   for (std::size_t c = 0; c < 2; ++c) {
     // The reference point is given with the contact point.
@@ -222,7 +225,8 @@ TEST_P(ObjectivePlugin, DependsOnNothingThatItDoesNotRead) {
     }
   }
   for (const bool r : {reads.moments, reads.moments, reads.tensions, reads.tensions, reads.shortenings,
-                       reads.shortenings, reads.bending_energy, reads.insertion, reads.palm_distance}) {
+                       reads.shortenings, reads.tip_deviations, reads.tip_deviations, reads.tip_deviations,
+                       reads.tip_deviations, reads.bending_energy, reads.insertion, reads.palm_distance}) {
     read.push_back(r);
   }
   ASSERT_EQ(read.size(), World<double>::size);
@@ -254,8 +258,8 @@ INSTANTIATE_TEST_SUITE_P(
                     TermCase{"tip_pose", {{"weights", rows({{2, 0.5, 0.1}, {0.5, 1, 0}, {0.1, 0, 3}})}}},
                     TermCase{"actuation_effort", {}}, TermCase{"actuation_effort", {{"weights", numbers({2, 3})}}},
                     TermCase{"contact_proximity", {{"weights", rows({{2, 1}, {1, 3}})}}}, TermCase{"contact_force", {}},
-                    TermCase{"tendon_tension", {}}, TermCase{"tendon_tension", {{"wanted", {0.7}}}},
-                    TermCase{"tendon_tension", {{"equal", {true}}}}),
+                    TermCase{"tip_variance", {}}, TermCase{"tendon_tension", {}},
+                    TermCase{"tendon_tension", {{"wanted", {0.7}}}}, TermCase{"tendon_tension", {{"equal", {true}}}}),
     [](const auto& test) { return test.param.name + ("_" + std::to_string(test.index)); });
 
 TEST(TipPose, CountsWhatTheTargetHas) {

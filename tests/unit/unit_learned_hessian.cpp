@@ -49,6 +49,21 @@ TEST(LearnedHessian, LearnsNothingFromRoundingOrFromWhatIsNoNumber) {
   EXPECT_LT((learned.matrix() * steps[0] - bend() * steps[0]).norm(), 1e-12);
 }
 
+TEST(LearnedHessian, ForgetsWhatItLearnedBeforeALongStep) {
+  LearnedHessian learned(3, 1.0);
+  Eigen::Vector3d x(0.2, -0.3, 0.5);
+  learned.learn(x, bend() * x);
+  x += steps[0];
+  learned.learn(x, bend() * x);
+  EXPECT_NE(learned.matrix(), Eigen::Matrix3d::Zero());
+  x += Eigen::Vector3d(0.0, 1.1, 0.0);
+  learned.learn(x, bend() * x);
+  EXPECT_EQ(learned.matrix(), Eigen::Matrix3d::Zero());
+  x += steps[1];
+  learned.learn(x, bend() * x);
+  EXPECT_LT((learned.matrix() * steps[1] - bend() * steps[1]).norm(), 1e-12);
+}
+
 TEST(LearnedHessian, LeavesOutAnUpdateThatWouldExplode) {
   LearnedHessian learned(3);
   const Eigen::Vector3d x(0.2, -0.3, 0.5);

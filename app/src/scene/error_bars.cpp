@@ -141,14 +141,19 @@ std::vector<Spread::Part> parts_of(const Document& document, const std::vector<S
   return parts;
 }
 
-/// A key of the law of an actuator: the actuator, and what stands behind it; nothing where it is none.
-std::optional<std::pair<std::size_t, std::string>> law_of(const std::string& key) {
+/// Nothing for a key of no law.
+std::optional<Spread::Law> law_of(const std::string& key) {
   constexpr std::string_view table = "rod.actuator[";
   const auto end = key.find("].");
   if (!key.starts_with(table) || end == std::string::npos) return std::nullopt;
-  std::string law = key.substr(end + 2);
-  if (!law.starts_with("moment_per_pressure") && !law.starts_with("offset")) return std::nullopt;
-  return std::pair(std::stoul(key.substr(table.size(), end - table.size())), law);
+  const std::string name = key.substr(end + 2);
+  const bool pressure = name.starts_with("moment_per_pressure");
+  if (!pressure && !name.starts_with("offset")) return std::nullopt;
+  const auto bracket = name.find('[');
+  const int coefficient = bracket == std::string::npos ? 0 : std::stoi(name.substr(bracket + 1));
+  // One of several offsets is no number by which a moment goes.
+  const int power = pressure ? 1 + coefficient : name == "offset" ? 0 : -1;
+  return Spread::Law{std::stoul(key.substr(table.size(), end - table.size())), power};
 }
 
 double deviation_of(const Document& document, const Node& node, std::string_view bar, const Written& written) {
@@ -257,8 +262,8 @@ Spread spread_of(const Document& document, const Scene& scene, const std::string
   }
   const std::optional<Written> written = read_number(*node);
   if (!written) document.fail(node->position, "found " + describe_value(*node) + ", expected a number");
-  Spread spread{key, 0.0, parts_of(document, numbers, key, *written)};
-  if (spread.parts.empty() && !law_of(key)) {
+  Spread spread{key, 0.0, parts_of(document, numbers, key, *written), law_of(key)};
+  if (spread.parts.empty() && !spread.law) {
     document.fail(node->position, "by '" + key +
                                       "' nothing is differentiated, expected a number of the rod, its "
                                       "loads, an obstacle, a limit, the target or an objective");
@@ -267,21 +272,11 @@ Spread spread_of(const Document& document, const Scene& scene, const std::string
 }
 
 void follow_held_inputs(const Scene& scene, const std::vector<double>& moments, Spread& spread) {
-  const auto law = law_of(spread.key);
-  if (!law || law->first >= moments.size()) return;
-  const auto& [index, name] = *law;
-  const ActuatorSpec& actuator = scene.rod.actuators[index];
-  const double moment = moments[index];
-  const std::string key = fmt::format("moments[{}]", index);
-  if (name == "offset" && actuator.offset.size() == 1) {
-    spread.parts.push_back({key, moment / actuator.offset.front().offset});
-  } else if (name.starts_with("moment_per_pressure")) {
-    const auto bracket = name.find('[');
-    const int power = bracket == std::string::npos ? 1 : 1 + std::stoi(name.substr(bracket + 1));
-    spread.parts.push_back({key, std::pow(actuator.input_of(moment), power)});
-  } else {
-    spread.parts.push_back({spread.key, 1.0});  // by which nothing is differentiated
-  }
+  if (!spread.law || spread.law->actuator >= moments.size()) return;
+  const std::size_t i = spread.law->actuator;
+  const auto gain = scene.rod.actuators[i].gain_of(spread.law->power, moments[i]);
+  // By its own key nothing is differentiated.
+  spread.parts.push_back(gain ? Spread::Part{fmt::format("moments[{}]", i), gain->rate} : Spread::Part{spread.key});
 }
 
 std::vector<Spread> error_bars(const Document& document, const Scene& scene) {

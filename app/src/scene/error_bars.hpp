@@ -22,8 +22,8 @@ std::vector<std::string> number_keys(const Document& document);
 /// number, or none that a result depends on.
 Spread spread_of(const Document& document, const Scene& scene, const std::string& key);
 
-/// Under held inputs a moment follows the law by which it goes with the pressure, or the offset of a tendon: adds what
-/// such a key does to "moments[i]" where it is one. `moments`: N m, one per actuator.
+/// Under held inputs a moment follows its law: adds what a number of such a law does to "moments[i]". `moments`: N m,
+/// one per actuator.
 void follow_held_inputs(const Scene& scene, const std::vector<double>& moments, Spread& spread);
 
 /// All numbers of the document with error bars. Throws InputError with the place.

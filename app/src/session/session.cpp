@@ -142,7 +142,7 @@ Session::Session(const SceneArguments& arguments) : units_(std::make_shared<Unit
     scene_ = read_scene(document_, units_);
     dropped_ = scene_.left_out;
     located("", [&] { validate(scene_); });
-    spreads_ = error_bars(document_, scene_);
+    scene_.spreads = error_bars(document_, scene_);
     {
       const Stopwatch open(seconds_open_);
       registry_ = std::make_unique<plugins::Registry>(
@@ -313,7 +313,7 @@ Trajectory Session::plan_trajectory() {
                                                    });
   uncertainties_.clear();
   for (const TrajectoryStep& step : trajectory.steps) {
-    if (!spreads_.empty()) move_obstacles(step.target);
+    if (!scene_.spreads.empty()) move_obstacles(step.target);
     find_uncertainty(step.plan, false);
   }
   if (std::any_of(trajectory.steps.begin(), trajectory.steps.end(),
@@ -329,8 +329,8 @@ Sensitivity Session::sensitivity(const Plan& plan, SensitivityKind kind) {
 }
 
 void Session::find_uncertainty(const Plan& plan, bool executed) {
-  if (spreads_.empty()) return;
-  std::vector<Spread> spreads = spreads_;
+  if (scene_.spreads.empty()) return;
+  std::vector<Spread> spreads = scene_.spreads;
   std::vector<std::string> keys;
   for (Spread& spread : spreads) {
     follow_held_inputs(scene_, plan.moments, spread);

@@ -24,6 +24,7 @@ struct Reads {
   bool contact_arc_length = false;  ///< where along the rod it touches, units of L
   bool insertion = false;           ///< how much of the rod is out of its port, units of L, which is out at most
   bool palm_distance = false;       ///< from the palm to the object's centre, units of L; grasps only
+  bool tip_deviations = false;      ///< where uncertain numbers take the tip, units of L; the scene must have some
   bool target = false;              ///< the scene must have a [target]
   /// the term means a grasp whose other finger is the mirror image of the one that it sees, as the square of the force
   /// on the object does: it is refused where both fingers are planned
@@ -62,6 +63,13 @@ struct ContactQuantities {
   T reference_y{};  ///< likewise
 };
 
+/// Where the tip goes, to first order, with what is uncertain, one standard deviation of it.
+template <class T>
+struct TipDeviation {
+  T x{};  ///< units of L
+  T y{};  ///< units of L
+};
+
 /// The pose asked for, dimensionless.
 struct Target {
   Vec2 position{};            ///< of the tip, units of L
@@ -85,6 +93,9 @@ struct Quantities {
   std::span<const T> tensions{};  ///< one per tendon, in the order of the actuators, units of EI0/L^2
   /// one per tendon, units of L: by what its way along the rod is shorter than along the straight rod
   std::span<const T> shortenings{};
+  /// under held moments, contacts closed: one for each number of the scene with an error bar, or for as many sums of
+  /// those that are correlated, each of which is independent of the others; squares add up to the variance
+  std::span<const TipDeviation<T>> tip_deviations{};
   T bending_energy{};  ///< units of EI0/L
   T insertion{};       ///< units of L, which is out at most; 1 of a rod that is not drawn in or out
   T palm_distance{};   ///< units of L

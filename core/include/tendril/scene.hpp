@@ -121,6 +121,14 @@ struct TENDRIL_API ActuatorSpec {
   Pull pull_of(double moment) const;     ///< Of a pressure; no force where none is given.
   bool pulls_in_proportion() const;      ///< Whether that force goes with the moment.
   double input_of(double moment) const;  ///< Pressure, tension or moment under a moment.
+  /// How the moment goes with a number of its law while its input is held.
+  struct Gain {
+    double rate = 0.0;   ///< N m per SI unit of the number
+    double slope = 0.0;  ///< its derivative by the moment
+  };
+  /// `power`: of the pressure, whose coefficient the number is; 0: it is the offset of a tendon that has one all along.
+  /// Nothing for another number.
+  std::optional<Gain> gain_of(int power, double moment) const;
   /// What execute() holds where it has this moment (N m) and this turn (Plan::turns): the moment, or of a tendon told
   /// its length its shortening (m).
   double held(double moment, double turn) const { return by_length ? turn * largest_offset() : moment; }
@@ -314,6 +322,27 @@ struct WrittenUnit {
   double size = 1.0;  ///< SI
 };
 
+/// A number that is known to a standard deviation only. It moves numbers of scene_numbers(), most often
+/// one.
+struct Spread {
+  std::string key;         ///< path in the scene file
+  double deviation = 0.0;  ///< standard deviation, SI
+  /// A number that it moves.
+  struct Part {
+    std::string key;    ///< of scene_numbers()
+    double rate = 1.0;  ///< of that number by this one, SI
+  };
+  std::vector<Part> parts{};  ///< most often one
+  /// Of the law by which an actuator's moment follows what it is told: under held inputs it moves the moment, too.
+  struct Law {
+    std::size_t actuator = 0;  ///< of the scene
+    int power = 0;             ///< as ActuatorSpec::gain_of() takes it
+  };
+  std::optional<Law> law{};  ///< absent: it is in none
+  /// Its correlations with others, by their keys, said of both of them; of those that are not named 0.
+  std::map<std::string, double, std::less<>> correlations{};
+};
+
 /// Everything that a scene file says.
 struct Scene {
   std::string file;                         ///< as named by the user; empty if made in code
@@ -333,6 +362,7 @@ struct Scene {
   std::optional<GripperSpec> gripper;       ///< for a grasp
   std::vector<FingerSpec> fingers;          ///< of a grasp: none (both are like `rod`), or the upper and the lower one
   std::vector<ObjectiveSpec> objectives;    ///< their sum is minimized
+  std::vector<Spread> spreads;              ///< numbers with error bars, for objectives that read these
   SolverSpec solver;                        ///< who solves the programs
   SearchEffort effort = SearchEffort::normal;  ///< how far is looked for a better plan
   bool guided_in_plane = false;                ///< the robot cannot leave its plane, whatever its torsion

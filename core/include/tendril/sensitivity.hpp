@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -54,20 +53,6 @@ struct TENDRIL_API Sensitivity {
 /// Error for an unknown key.
 TENDRIL_API Sensitivity sensitivity_of(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
                                        const Plan& executed, const std::vector<std::string>& keys = {});
-
-/// A number that is known to a standard deviation only. It moves numbers of scene_numbers(), most often one.
-struct Spread {
-  std::string key;         ///< path in the scene file
-  double deviation = 0.0;  ///< standard deviation, SI
-  /// A number that it moves.
-  struct Part {
-    std::string key;    ///< of scene_numbers()
-    double rate = 1.0;  ///< of that number by this one, SI
-  };
-  std::vector<Part> parts{};  ///< most often one
-  /// Its correlations with others, by their keys, said of both of them; of those that are not named 0.
-  std::map<std::string, double, std::less<>> correlations{};
-};
 
 /// What inputs of these deviations make of results with these derivatives.
 TENDRIL_API Uncertainty uncertainty_of(const Sensitivity& sensitivity, const std::vector<Spread>& spreads);

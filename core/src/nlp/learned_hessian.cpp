@@ -12,7 +12,7 @@ constexpr double sound_update = 1e-8;
 
 }  // namespace
 
-LearnedHessian::LearnedHessian(int variables) {
+LearnedHessian::LearnedHessian(int variables, double longest_step) : longest_step_(longest_step) {
   x_.setZero(variables);
   gradient_.setZero(variables);
   step_.setZero(variables);
@@ -29,7 +29,9 @@ void LearnedHessian::learn(ConstVectorRef x, ConstVectorRef gradient) {
     defect_ = gradient - gradient_;
     defect_.noalias() -= hessian_ * step_;
     const double along = defect_.dot(step_);
-    if (std::abs(along) > sound_update * defect_.norm() * length) {
+    if (!(length <= longest_step_)) {
+      hessian_.setZero();
+    } else if (std::abs(along) > sound_update * defect_.norm() * length) {
       hessian_.noalias() += (1.0 / along) * defect_ * defect_.transpose();
     }
   }

@@ -9,7 +9,8 @@ namespace tendril {
 /// allocates after construction.
 class TENDRIL_API LearnedHessian {
  public:
-  explicit LearnedHessian(int variables);
+  /// What was learned before a step longer than `longest_step` is forgotten: it says nothing of where that leads to.
+  explicit LearnedHessian(int variables, double longest_step = infinity);
 
   /// The gradient at x is this.
   void learn(ConstVectorRef x, ConstVectorRef gradient);
@@ -18,6 +19,7 @@ class TENDRIL_API LearnedHessian {
  private:
   Eigen::VectorXd x_, gradient_, step_, defect_;
   Eigen::MatrixXd hessian_;
+  double longest_step_ = infinity;
   bool has_point_ = false;
 };
 

@@ -14,12 +14,14 @@ TermEvaluator::View<T>::View(const Reads& reads, const TermCounts& counts)
       contacts(static_cast<std::size_t>(reads.any_contact() ? counts.contacts : 0)),
       moments(static_cast<std::size_t>(reads.moments ? counts.moments : 0)),
       tensions(static_cast<std::size_t>(reads.tensions ? counts.tendons : 0)),
-      shortenings(static_cast<std::size_t>(reads.shortenings ? counts.tendons : 0)) {
+      shortenings(static_cast<std::size_t>(reads.shortenings ? counts.tendons : 0)),
+      deviations(static_cast<std::size_t>(reads.tip_deviations ? counts.deviations : 0)) {
   seen.samples = samples;
   seen.contacts = contacts;
   seen.moments = moments;
   seen.tensions = tensions;
   seen.shortenings = shortenings;
+  seen.tip_deviations = deviations;
 }
 
 template <class T>
@@ -110,6 +112,10 @@ void TermEvaluator::bind(const BaseIndex& index, std::size_t first_sample) {
   }
   for (std::size_t t = 0; t < plain_.shortenings.size(); ++t) {
     add_input(plain_.shortenings[t], dual_.shortenings[t], index.tendons[t].turn, length * index.tendons[t].offset);
+  }
+  for (std::size_t i = 0; i < plain_.deviations.size(); ++i) {
+    add_input(plain_.deviations[i].x, dual_.deviations[i].x, index.deviations[i].x, length);
+    add_input(plain_.deviations[i].y, dual_.deviations[i].y, index.deviations[i].y, length);
   }
   if (reads_.bending_energy) add_input(p.bending_energy, d.bending_energy, index.energy, moment);
   if (reads_.insertion) {
@@ -346,21 +352,8 @@ TermSet::TermSet(const std::vector<WeightedTerm>& terms, const Target& target, c
   }
 }
 
-bool TermSet::reads_tip() const {
-  return std::any_of(terms_.begin(), terms_.end(),
-                     [](const TermEvaluator& t) { return t.reads().tip_position || t.reads().tip_angle; });
-}
-
-bool TermSet::reads_energy() const {
-  return std::any_of(terms_.begin(), terms_.end(), [](const TermEvaluator& t) { return t.reads().bending_energy; });
-}
-
-bool TermSet::reads_shortenings() const {
-  return std::any_of(terms_.begin(), terms_.end(), [](const TermEvaluator& t) { return t.reads().shortenings; });
-}
-
-bool TermSet::reads_insertion() const {
-  return std::any_of(terms_.begin(), terms_.end(), [](const TermEvaluator& t) { return t.reads().insertion; });
+bool TermSet::reads(bool Reads::*what) const {
+  return std::any_of(terms_.begin(), terms_.end(), [what](const TermEvaluator& t) { return t.reads().*what; });
 }
 
 std::vector<double> TermSet::sample_arc_lengths() const {

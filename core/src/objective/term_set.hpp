@@ -42,6 +42,7 @@ struct BaseIndex {
     double offset = 0.0;  ///< Rod::Actuator::offset
   };
   std::vector<Tendon> tendons;
+  std::vector<Point> deviations;  ///< of the tip: x and y
   int energy = -1;
   int port = -1;       ///< arc length at the port; -1: the rod is not drawn in or out
   int palm = -1;       ///< palm distance; -1: no variable
@@ -51,7 +52,7 @@ struct BaseIndex {
 
 /// Of how many things terms see something.
 struct TermCounts {
-  int contacts = 0, moments = 0, tendons = 0;
+  int contacts = 0, moments = 0, tendons = 0, deviations = 0;
 };
 
 /// What a program knows at a point and terms read.
@@ -101,6 +102,7 @@ class TermEvaluator {
     std::vector<BackboneQuantities<T>> samples;
     std::vector<ContactQuantities<T>> contacts;
     std::vector<T> moments, tensions, shortenings;
+    std::vector<TipDeviation<T>> deviations;
     Quantities<T> seen;
     std::vector<T> residuals;
   };
@@ -145,10 +147,8 @@ class TermSet {
   TermSet(const std::vector<WeightedTerm>& terms, const Target& target, const TermCounts& counts,
           const TermUnits& units);
 
-  bool reads_tip() const;
-  bool reads_energy() const;
-  bool reads_shortenings() const;
-  bool reads_insertion() const;
+  /// Whether any term reads this.
+  bool reads(bool Reads::*what) const;
   std::vector<double> sample_arc_lengths() const;
   void bind(const BaseIndex& index);
   void set_target(const Target& target);

@@ -10,6 +10,7 @@
 #include "grasp/hold.hpp"
 #include "problem/calibrated_range.hpp"
 #include "problem/friction.hpp"
+#include "problem/uncertainties.hpp"
 #include "scene/make_rod.hpp"
 #include "scene/plan_report.hpp"
 #include "search/blame.hpp"
@@ -31,8 +32,8 @@ void take_obstacles(Task& d, const Scene& scene) {
   require_free_base(scene, d.rod, d.obstacles, d.scale);
 }
 
-/// An objective reads nothing that the scene has not.
-void require_quantities(const Task& d, const Scene& scene, std::size_t i) {
+/// An objective reads nothing that the scene has not; finds what is only asked for here.
+void require_quantities(Task& d, const Scene& scene, std::size_t i) {
   const std::string path = "objective[" + std::to_string(i) + "].plugin";
   const std::string name = "objective '" + scene.objectives[i].plugin + "' needs ";
   const Reads reads = d.components.terms[i]->reads();
@@ -49,6 +50,7 @@ void require_quantities(const Task& d, const Scene& scene, std::size_t i) {
     throw SceneError(path, name + "a place along the rod that may be inside its port, expected a larger arc length");
   }
   if (reads.palm_distance && !d.palm) throw SceneError(path, name + "a palm, but a pose has none");
+  if (reads.tip_deviations && !d.uncertainties) d.uncertainties = uncertainties_of(d, path, name);
   const auto is_tendon = [](const Rod::Actuator& a) { return a.offset != 0.0; };
   if ((reads.tensions || reads.shortenings) &&
       std::none_of(d.rod.actuators.begin(), d.rod.actuators.end(), is_tendon)) {

@@ -146,6 +146,7 @@ void Setting::follow_units(SceneChange& c) const {
 
 void Collector::add_rod_number(const std::string& key, const Place& place, const Dimension& dimension, double unit,
                                double stiffness) {
+  if (!asks_for(key)) return;
   Scene scene = scene_;
   const double value = place(scene);
   const double step = value != 0.0 ? std::abs(value) : unit;

@@ -9,6 +9,7 @@
 
 #include "nlp/polish.hpp"
 #include "problem/scene_numbers.hpp"
+#include "problem/uncertainties.hpp"
 #include "program/equations.hpp"
 #include "program/motion.hpp"
 #include "program/stability.hpp"
@@ -58,23 +59,7 @@ class Differentiator {
         places_(point.rod, point.program.chain(), at_.arc_lengths),
         multipliers_(Eigen::VectorXd::Zero(point.program.row_count())),
         stability_(point.program) {
-    tip_ = places_.add_tip();
-    for (int i = 1; i < shape_points; ++i) {
-      shape_.push_back(places_.add_fixed(static_cast<double>(i) / shape_points));
-    }
-    shape_.push_back(tip_);
-    const auto count = static_cast<Eigen::Index>(shape_.size());
-    places_.move(p_.x.head(at_.coordinates),
-                 {p_.x.data() + at_.first_arc_length, static_cast<std::size_t>(at_.arc_lengths)});
-    places_.differentiate();
-    row_.setZero(p_.program.variable_count());
-    shape_rows_.resize(p_.program.variable_count(), 2 * count);
-    for (Eigen::Index i = 0; i < 2 * count; ++i) {
-      row_.setZero();
-      places_.row(shape_[static_cast<std::size_t>(i / 2)], i % 2 == 0 ? Vec2{1.0, 0.0} : Vec2{0.0, 1.0},
-                  {row_.data(), row_.data() + at_.first_arc_length});
-      shape_rows_.col(i) = row_;
-    }
+    find_shape();
   }
 
   /// Held moments: the equations alone decide. In words why they do not; empty: they do.
@@ -85,6 +70,7 @@ class Differentiator {
   Sensitivity::Column column(const SceneEntry& entry);
 
  private:
+  void find_shape();
   std::string find_rates(const SceneChange& change, ProgramRates& rates);
   void add_rod_rates(const SceneChange& change, ProgramRates& rates);
   /// In words why there are none; empty: there are.
@@ -112,6 +98,50 @@ class Differentiator {
   double margin_ = infinity;
   bool replanned_ = false;
 };
+
+/// Places that stay in their pieces, all at once; where a piece moves with a contact they are taken back along the rod
+/// to their arc lengths.
+void Differentiator::find_shape() {
+  const Chain& chain = p_.program.chain();
+  const std::span<const double> knots = p_.program.knots(p_.x);
+  std::vector<Places::Station> stations;
+  std::vector<double> sigma;
+  for (int i = 1; i < shape_points; ++i) {
+    const double s = static_cast<double>(i) / shape_points;
+    const int piece = chain.piece_at(s, knots);
+    sigma.push_back((s - chain.start(piece, knots)) / chain.length(piece, knots));
+    stations.push_back({piece, sigma.back()});
+  }
+  shape_ = places_.add_stations(stations);
+  tip_ = places_.add_tip();
+  places_.move(p_.x.head(at_.coordinates),
+               {p_.x.data() + at_.first_arc_length, static_cast<std::size_t>(at_.arc_lengths)});
+  places_.differentiate();
+  const auto count = static_cast<Eigen::Index>(sigma.size());
+  Eigen::MatrixXd value(count, chain.bends()), first = value, second = value;
+  chain.model().evaluate(sigma, value, first, second);
+  row_.setZero(p_.program.variable_count());
+  shape_rows_.resize(p_.program.variable_count(), 2 * count + 2);
+  for (Eigen::Index i = 0; i <= count; ++i) {
+    const bool at_tip = i == count;
+    const int place = at_tip ? tip_ : shape_[static_cast<std::size_t>(i)];
+    const int piece = at_tip ? 0 : stations[static_cast<std::size_t>(i)].piece;
+    const double angle = at_tip ? 0.0
+                                : places_.backbone().knot_angle(piece) +
+                                      value.row(i).dot(p_.x.segment(piece * chain.functions(), chain.bends()));
+    for (const int axis : {0, 1}) {
+      row_.setZero();
+      places_.row(place, axis == 0 ? Vec2{1.0, 0.0} : Vec2{0.0, 1.0},
+                  {row_.data(), row_.data() + at_.first_arc_length});
+      const double along = axis == 0 ? std::cos(angle) : std::sin(angle);
+      for (int l = 0; l < at_.arc_lengths && !at_tip; ++l) {
+        row_[at_.first_arc_length + l] -= along * places_.running(place, l);
+      }
+      shape_rows_.col(2 * i + axis) = row_;
+    }
+  }
+  shape_.push_back(tip_);
+}
 
 std::string Differentiator::hold() {
   equations_.emplace(Equations::of_contacts(p_.program));
@@ -258,7 +288,11 @@ std::string Differentiator::find_rates(const SceneChange& change, ProgramRates& 
   rates.cost = 0.0;
   rates.convexities.setZero(replanned_ ? 0 : at_.forces);
   if (change.moves) {
-    if (!moving_) moving_ = std::make_unique<MotionRates>(p_.program.spec(), p_.x, multipliers_);
+    if (!moving_) {
+      moving_ = std::make_unique<MotionRates>(p_.program.spec());
+      moving_->move(p_.x);
+      moving_->weigh(multipliers_);
+    }
     if (std::string why = moving_->add(change.motion, rates); !why.empty()) return why;
   }
   if (change.rod) add_rod_rates(change, rates);
@@ -412,13 +446,8 @@ std::string refused(const Plan& plan, const Rod& rod) {
                   [](const PlannedContact& c) { return c.sticks || c.tangential != 0.0; })) {
     return "contacts that stick or slip are not differentiated: the path by which they came counts";
   }
-  if (rod.stretches()) return "rods that stretch are not differentiated";
-  if (!rod.moves.empty() || plan.place.insertion || plan.place.base) {
-    return "rods that are moved as a whole are not differentiated";
-  }
-  if (std::any_of(rod.actuators.begin(), rod.actuators.end(), [](const Rod::Actuator& a) { return a.by_length; })) {
-    return "tendons that are told their length are not differentiated";
-  }
+  if (const std::string why = undifferentiated(rod); !why.empty()) return why;
+  if (plan.place.insertion || plan.place.base) return "rods that are moved as a whole are not differentiated";
   if (plan.certificate.stability < tolerance::held_margin * 1.5) {
     return "the margin of stability is " + shown(plan.certificate.stability) +
            ": at the limit of stability results have no derivative";
@@ -481,6 +510,10 @@ Sensitivity Problem::sensitivity(const Plan& plan, SensitivityKind kind, const s
   if (kind == SensitivityKind::held) {
     PoseProgram alone(Equations::alone(spec));
     return differentiate_held({d.scene, d.scale, d.rod, alone, found->x}, keys);
+  }
+  if (d.uncertainties) {
+    out.trouble = "an objective reads the error bars, by which plans are not differentiated";
+    return out;
   }
   PoseProgram program(spec);
   for (int k = 0; k < program.layout().forces; ++k) program.set_branch(k, Branch::touching);

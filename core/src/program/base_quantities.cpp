@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "program/tip_deviations.hpp"
+
 namespace tendril {
 namespace {
 
@@ -16,7 +18,8 @@ TermCounts term_counts(const PoseProgramSpec& spec) {
   const std::vector<Rod::Actuator>& actuators = spec.rod->actuators;
   const auto tendons =
       std::count_if(actuators.begin(), actuators.end(), [](const Rod::Actuator& a) { return a.offset != 0.0; });
-  return {static_cast<int>(spec.contacts.size()), static_cast<int>(actuators.size()), static_cast<int>(tendons)};
+  return {static_cast<int>(spec.contacts.size()), static_cast<int>(actuators.size()), static_cast<int>(tendons),
+          spec.uncertainties ? spec.uncertainties->deviations() : 0};
 }
 
 }  // namespace
@@ -37,7 +40,7 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
     return p;
   };
   for (int k = 0; k < layout.forces; ++k) index.contacts.push_back({point(), -1, -1, -1});
-  if (terms.reads_tip() || spec.tolerance.any()) {
+  if (terms.reads(&Reads::tip_position) || terms.reads(&Reads::tip_angle) || spec.tolerance.any()) {
     index.tip = point();
     tip_place_ = places.add_tip();
   }
@@ -48,10 +51,17 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
     if (spec.rod->stretches()) p.strain = next++;
     index.samples.push_back(p);
   }
-  if (terms.reads_energy()) index.energy = next++;
+  if (terms.reads(&Reads::bending_energy)) index.energy = next++;
+  if (terms.reads(&Reads::tip_deviations) && spec.uncertainties) {
+    deviations_ = std::make_unique<TipDeviations>(spec);
+    for (int i = 0; i < spec.uncertainties->deviations(); ++i) {
+      index.deviations.push_back({next, next + 1});
+      next += 2;
+    }
+  }
   for (const Rod::Actuator& a : spec.rod->actuators) {
     if (a.offset == 0.0) continue;
-    const bool read = a.limits_length() || terms.reads_shortenings();
+    const bool read = a.limits_length() || terms.reads(&Reads::shortenings);
     index.tendons.push_back({static_cast<int>(&a - spec.rod->actuators.data()), read ? next++ : -1, a.offset});
   }
   dense_ = next;
@@ -69,7 +79,7 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
   for (int k = 0; k < layout.leans; ++k) {
     index.contacts[static_cast<std::size_t>(k)].lean = alone(layout.first_lean + k);
   }
-  if (spec.rod->draws() && terms.reads_insertion()) index.port = alone(layout.first_arc_length - 1);
+  if (spec.rod->draws() && terms.reads(&Reads::insertion)) index.port = alone(layout.first_arc_length - 1);
   if (layout.palm >= 0) {
     index.palm = alone(layout.palm);
   } else if (spec.palm) {
@@ -105,6 +115,8 @@ BaseQuantities::BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::L
   if (index.tip.x >= 0) mark(index.tip);
 }
 
+BaseQuantities::~BaseQuantities() = default;
+
 void BaseQuantities::move(ConstVectorRef x, const std::vector<PoseProgram::ContactState>& contacts) {
   const auto fill = [this](const BaseIndex::Point& p, int place) {
     values.base[p.x] = places_.point(place).x;
@@ -124,6 +136,7 @@ void BaseQuantities::move(ConstVectorRef x, const std::vector<PoseProgram::Conta
   for (const BaseIndex::Tendon& t : index.tendons) {
     if (t.turn >= 0) values.base[t.turn] = places_.turn_along(t.actuator);
   }
+  if (deviations_) values.base.segment(index.deviations.front().x, deviations_->count()) = deviations_->values_at(x);
   for (int b = dense_; b < index.count; ++b) values.base[b] = x[variable(b)];
 }
 
@@ -152,6 +165,7 @@ void BaseQuantities::differentiate() {
     rows_.row(t.turn).setZero();
     places_.add_turn_row(t.actuator, part(t.turn));
   }
+  if (deviations_) rows_.middleRows(index.deviations.front().x, deviations_->count()) = deviations_->rows();
   if (index.energy < 0) return;
   rows_.row(index.energy).setZero();
   places_.add_energy_row(1.0, part(index.energy));
@@ -203,6 +217,14 @@ void BaseQuantities::add_pushes(Forces& forces) const {
   for (std::size_t k = 0; k < contact_places_.size(); ++k) add(index.contacts[k].point, contact_places_[k]);
   if (tip_place_ >= 0) add(index.tip, tip_place_);
   for (std::size_t i = 0; i < sample_places_.size(); ++i) add(index.samples[i], sample_places_[i]);
+}
+
+void BaseQuantities::add_deviations_second(Eigen::MatrixXd& out) const {
+  if (deviations_) deviations_->add_second(gradient.segment(index.deviations.front().x, deviations_->count()), out);
+}
+
+void BaseQuantities::set_branch(int contact, Branch branch) {
+  if (deviations_) deviations_->set_branch(contact, branch);
 }
 
 void BaseQuantities::pull_back(Eigen::MatrixXd& out) {

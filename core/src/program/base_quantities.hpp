@@ -9,6 +9,8 @@
 
 namespace tendril {
 
+class TipDeviations;
+
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// The few numbers through which terms and rows of contacts see a program's point: positions, angles and curvatures of
@@ -20,6 +22,7 @@ class BaseQuantities {
   /// Makes the places that terms read. `contact_places`: one per contact.
   BaseQuantities(const PoseProgramSpec& spec, const PoseProgram::Layout& layout,
                  const std::vector<int>& moment_variables, std::vector<int> contact_places, Places& places);
+  ~BaseQuantities();
 
   TermSet terms;
   BaseIndex index;
@@ -57,6 +60,10 @@ class BaseQuantities {
     add_symmetric(p.x, p.y, of_position.xy);
   }
   double energy_slope() const { return index.energy >= 0 ? gradient[index.energy] : 0.0; }
+  /// Adds what deviations of the tip bend themselves, times the gradient by them.
+  void add_deviations_second(Eigen::MatrixXd& out) const;
+  /// As PoseProgram::set_branch().
+  void set_branch(int contact, Branch branch);
   /// Adds the outer second derivatives to those by all variables.
   void pull_back(Eigen::MatrixXd& out);
 
@@ -67,6 +74,7 @@ class BaseQuantities {
   RowPart part(int b) { return {rows_.row(row_number(b)).data(), rows_.row(row_number(b)).data() + first_move_}; }
 
   Places& places_;
+  std::unique_ptr<TipDeviations> deviations_;  ///< where a term reads them
   int first_move_ = 0;
   std::vector<int> contact_places_, sample_places_;
   int tip_place_ = -1;

@@ -25,9 +25,13 @@ Equations Equations::of_contacts(PoseProgram& program, const std::vector<int>& t
   std::vector<int> rows, unknowns;
   append(rows, 0, at.coordinates);
   append(rows, at.first_closest, at.arc_lengths);
-  append(rows, at.first_gap, at.forces);
   append(unknowns, 0, at.coordinates);
-  append(unknowns, at.first_arc_length, at.arc_lengths + at.forces);
+  append(unknowns, at.first_arc_length, at.arc_lengths);
+  for (int k = 0; k < at.forces; ++k) {
+    if (program.branch(k) == Branch::separated) continue;
+    rows.push_back(at.first_gap + k);
+    unknowns.push_back(at.first_force + k);
+  }
   for (const int tendon : taut) {
     rows.push_back(program.shortening_row(tendon));
     unknowns.push_back(program.moment_variable(tendon));

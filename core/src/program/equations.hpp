@@ -14,6 +14,7 @@ class Equations {
   /// The program is borrowed.
   Equations(PoseProgram& program, std::vector<int> rows, std::vector<int> unknowns);
   /// A rod with touching contacts: equilibrium, closest points and gaps decide coordinates, arc lengths and forces.
+  /// What is separated has a place, but no force.
   /// The shortenings of taut tendons (actuators that are held by their length) decide their moments, and what may not
   /// slide tangential forces.
   static Equations of_contacts(PoseProgram& program, const std::vector<int>& taut = {});

@@ -25,8 +25,9 @@ struct MotionRates::Data {
     Eigen::MatrixXd hessian;
   };
 
-  Data(const PoseProgramSpec& spec, ConstVectorRef x, ConstVectorRef y);
+  explicit Data(const PoseProgramSpec& spec);
 
+  void move(ConstVectorRef x);
   std::vector<int> add_checks();
   void differentiate_rows();
   void differentiate_terms();
@@ -41,17 +42,35 @@ struct MotionRates::Data {
 
   PoseState state;
   std::vector<int> checks;  ///< places
+  std::unique_ptr<RowBlock> gaps, closest, equilibrium;
   Eigen::VectorXd multipliers;
   Outer rows, terms;
-  Eigen::VectorXd rates;  ///< of base quantities and displacements
+  Eigen::VectorXd rates, by_base;  ///< of base quantities and displacements
+  Eigen::VectorXd gradient, rest, residuals;
+  Eigen::MatrixXd jacobian, by_variables;
 };
 
-MotionRates::Data::Data(const PoseProgramSpec& spec, ConstVectorRef x, ConstVectorRef y)
-    : state(spec), checks(add_checks()), multipliers(y) {
+MotionRates::Data::Data(const PoseProgramSpec& spec)
+    : state(spec),
+      checks(add_checks()),
+      gaps(gap_rows(state)),
+      closest(closest_point_rows(state)),
+      equilibrium(equilibrium_rows(state)) {
   state.pushes.on.resize(static_cast<std::size_t>(state.places.count()));
+  multipliers.setZero(state.layout.first_stick + state.layout.shears);
+  rows = terms = {state.base.gradient, state.base.hessian};
+  rates.setZero(state.base.hessian.rows());
+  by_base = rates;
+  gradient.setZero(state.variables);
+  rest = gradient;
+  residuals.setZero(state.base.terms.residual_count());
+  jacobian.setZero(residuals.size(), state.variables);
+  by_variables.setZero(state.variables, state.variables);
+}
+
+void MotionRates::Data::move(ConstVectorRef x) {
   state.move(x);
   state.differentiate();
-  differentiate_rows();
   differentiate_terms();
 }
 
@@ -64,26 +83,23 @@ std::vector<int> MotionRates::Data::add_checks() {
 void MotionRates::Data::differentiate_rows() {
   const PoseProgram::Layout& at = state.layout;
   state.base.start_second(0.0);
-  Eigen::MatrixXd by_variables = Eigen::MatrixXd::Zero(state.variables, state.variables);
   if (at.forces > 0) {
-    gap_rows(state)->add_second(multipliers.segment(at.first_gap, at.forces), by_variables);
-    closest_point_rows(state)->add_second(multipliers.segment(at.first_closest, at.forces), by_variables);
+    gaps->add_second(multipliers.segment(at.first_gap, at.forces), by_variables);
+    closest->add_second(multipliers.segment(at.first_closest, at.forces), by_variables);
   }
-  equilibrium_rows(state)->add_second(multipliers.head(at.coordinates), by_variables);
-  rows = {state.base.gradient, state.base.hessian};
+  equilibrium->add_second(multipliers.head(at.coordinates), by_variables);
+  rows.gradient = state.base.gradient;
+  rows.hessian = state.base.hessian;
 }
 
 void MotionRates::Data::differentiate_terms() {
-  Eigen::VectorXd gradient(state.variables);
-  Eigen::VectorXd rest(state.variables);
-  Eigen::MatrixXd jacobian(state.base.terms.residual_count(), state.variables);
   double cost = 0.0;
   double smooth = 0.0;
-  Eigen::VectorXd residuals(jacobian.rows());
   state.base.terms.evaluate(state.base.values, cost, smooth, residuals);
   state.base.differentiate_terms(gradient, rest, jacobian);
   state.base.start_second(1.0);
-  terms = {state.base.gradient, state.base.hessian};
+  terms.gradient = state.base.gradient;
+  terms.hessian = state.base.hessian;
 }
 
 void MotionRates::Data::move(const Outer& outer, const BaseIndex::Point& p, const Motion& motion, VectorRef slope) {
@@ -150,12 +166,13 @@ void MotionRates::Data::add_contacts(const ProgramMotion& motion, ProgramRates& 
     if (out.convexities.size() > 0 && !state.spec.contacts[i].at_tip)
       out.convexities[k] += convexity_rate(state, k, velocity, by.turn, by.stretch);
   }
-  pull_back(rows.hessian * rates, out.slope);
+  by_base.noalias() = rows.hessian * rates;
+  pull_back(by_base, out.slope);
 }
 
 void MotionRates::Data::add_checks(const ProgramMotion& motion, ProgramRates& out) {
   const PoseProgram::Layout& at = state.layout;
-  Eigen::VectorXd row(state.variables);
+  VectorRef row = gradient;
   for (std::size_t i = 0; i < checks.size(); ++i) {
     const int obstacle = state.spec.checks[i].obstacle;
     const Motion by = motion.against(obstacle);
@@ -179,7 +196,8 @@ void MotionRates::Data::add_terms(const Motion& base, ProgramRates& out) {
   for (const BaseIndex::Point& sample : index.samples) move(terms, sample, base, out.slope);
   if (index.tip.x >= 0) move(terms, index.tip, base, out.slope);
   out.cost += terms.gradient.dot(rates.head(terms.gradient.size()));
-  pull_back(terms.hessian * rates, out.slope);
+  by_base.noalias() = terms.hessian * rates;
+  pull_back(by_base, out.slope);
 }
 
 std::string MotionRates::Data::add_references(const std::vector<Motion>& obstacles, ProgramRates& out) {
@@ -222,8 +240,14 @@ std::string MotionRates::Data::add_references(const std::vector<Motion>& obstacl
   return "";
 }
 
-MotionRates::MotionRates(const PoseProgramSpec& spec, ConstVectorRef x, ConstVectorRef multipliers)
-    : data_(std::make_unique<Data>(spec, x, multipliers)) {}
+MotionRates::MotionRates(const PoseProgramSpec& spec) : data_(std::make_unique<Data>(spec)) {}
+
+void MotionRates::move(ConstVectorRef x) { data_->move(x); }
+
+void MotionRates::weigh(ConstVectorRef multipliers) {
+  data_->multipliers = multipliers;
+  data_->differentiate_rows();
+}
 
 MotionRates::~MotionRates() = default;
 

@@ -47,15 +47,19 @@ struct ProgramRates {
 };
 
 /// How the programs of one spec change where bodies move: at one point of them, with one set of multipliers. Not of
-/// programs with a palm, nor of rows that keep a plan stable or at its target.
+/// programs with a palm, nor of rows that keep a plan stable or at its target. Without terms nothing allocates after
+/// construction.
 class MotionRates {
  public:
-  /// `multipliers`: of the program's rows.
-  MotionRates(const PoseProgramSpec& spec, ConstVectorRef x, ConstVectorRef multipliers);
+  explicit MotionRates(const PoseProgramSpec& spec);
   ~MotionRates();
   MotionRates(const MotionRates&) = delete;
   MotionRates& operator=(const MotionRates&) = delete;
 
+  /// To a point, where multipliers are zero, or those of before.
+  void move(ConstVectorRef x);
+  /// `multipliers`: of the program's rows, at this point.
+  void weigh(ConstVectorRef multipliers);
   /// Adds the rates under a motion. In words why there are none; empty: there are.
   std::string add(const ProgramMotion& motion, ProgramRates& out);
 

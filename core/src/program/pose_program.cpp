@@ -127,6 +127,7 @@ void PoseProgram::set_branch(int contact, Branch branch) {
   const Layout& at = data_->layout;
   const PoseProgramSpec& s = data_->spec;
   data_->branches[static_cast<std::size_t>(contact)] = branch;
+  data_->base.set_branch(contact, branch);
   lower_[at.first_force + contact] = branch == Branch::separated ? 0.0 : s.min_force;
   upper_[at.first_force + contact] = branch == Branch::separated ? 0.0 : s.max_force;
   if (at.leans > 0) {
@@ -215,6 +216,7 @@ void PoseProgram::do_hessian(ConstVectorRef /*x*/, double sigma, ConstVectorRef 
   for (const std::unique_ptr<RowBlock>& block : d.blocks) {
     block->add_second(multipliers.segment(block->first(), block->count()), h);
   }
+  d.base.add_deviations_second(h);
   d.base.add_pushes(d.pushes);
   d.base.pull_back(h);
   const int q = d.layout.coordinates;

@@ -20,6 +20,7 @@
 namespace tendril {
 
 class Curve;
+struct Uncertainties;
 
 /// One contact that a program plans with.
 struct ContactSetup {
@@ -127,7 +128,8 @@ struct PoseProgramSpec {
   /// The last so many obstacles bound no body: they measure how far check points lie along a direction, for rows of a
   /// program that this one is a part of. No clearance is kept from them.
   int measures = 0;
-  TermUnits term_units{};                ///< in which terms see this rod
+  TermUnits term_units{};                                ///< in which terms see this rod
+  std::shared_ptr<const Uncertainties> uncertainties{};  ///< for terms that read what these do to the tip
   std::shared_ptr<TableStore> tables{};  ///< shared by programs of one rod and model; null: each makes its own
   /// A row keeps the margin of stability (model.md section 7) at this or above; absent: there is no such row. Its
   /// second derivatives are learned from its gradients as the program is evaluated; everything else stays exact.

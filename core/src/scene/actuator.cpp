@@ -133,6 +133,15 @@ ActuatorSpec::Pull ActuatorSpec::pull_of(double moment) const {
   return {pulls.value, slope, (pulls.bend - slope * bends.bend) / (bends.slope * bends.slope)};
 }
 
+std::optional<ActuatorSpec::Gain> ActuatorSpec::gain_of(int power, double moment) const {
+  if (power == 0 && offset.size() == 1) return Gain{moment / offset.front().offset, 1.0 / offset.front().offset};
+  if (power < 1 || !knows_pressure()) return std::nullopt;
+  const double pressure = input_of(moment);
+  const double p = std::clamp(pressure, least_pressure, most_pressure);
+  const double slope = power * std::pow(p, power - 1);
+  return Gain{std::pow(p, power) + slope * (pressure - p), slope / moment_law(*this, pressure).slope};
+}
+
 double ActuatorSpec::input_of(double moment) const {
   switch (input()) {
     case ActuatorKind::tendon:

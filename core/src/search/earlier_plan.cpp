@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "certificate/check_points.hpp"
+#include "program/equations.hpp"
 #include "search/rest.hpp"
 #include "tendril/tolerances.hpp"
 
@@ -61,6 +62,7 @@ std::optional<FollowedPoint> followed_point(const Task& problem, const Plan& ear
   }
   point.regions = problem.regions_of(mode, places);
   PoseProgramSpec spec = problem.spec(mode, point.regions, problem.nodes);
+  if (!with_checks) spec = Equations::alone(std::move(spec));
   PoseProgram program(spec);
   const PoseProgram::Layout& at = program.layout();
   if (at.coordinates != static_cast<int>(earlier.coordinates.size())) return std::nullopt;

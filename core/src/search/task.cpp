@@ -229,6 +229,7 @@ PoseProgramSpec Task::spec(const Mode& mode, const std::vector<int>& regions, in
   if (friction.empty()) s.least_margin = least_margin;
   s.least_convexity = least_convexity;
   s.term_units = term_units;
+  s.uncertainties = uncertainties;
   s.tables = tables;
   return s;
 }

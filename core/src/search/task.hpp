@@ -44,6 +44,7 @@ struct Task {
   std::vector<std::string> obstacle_names;
   std::vector<PoseProgramTerm> terms;  ///< weights divided by `objective_scale`
   double objective_scale = 1.0;
+  std::shared_ptr<const Uncertainties> uncertainties;  ///< where a term reads them
   Target target;
   TargetTolerance tolerance;
   std::function<double(double)> start_points;  ///< curvature of a start that the scene gives by points; empty: none

@@ -128,7 +128,6 @@ class Session {
   std::optional<Problem> problem_;
   const std::atomic<bool>* stop_ = nullptr;
   std::function<void(int finished, int total)> progress_;
-  std::vector<Spread> spreads_;  ///< numbers with error bars
   std::vector<Uncertainty> uncertainties_;
   double seconds_read_ = 0.0;
   double seconds_open_ = 0.0;
