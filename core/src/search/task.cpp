@@ -19,11 +19,11 @@
 namespace tendril {
 namespace {
 
-std::string contact_name(const ContactSetup& c, const std::vector<std::string>& obstacles, std::size_t stretches) {
+std::string contact_name(const ContactSetup& c, const std::vector<std::string>& obstacles, int stretches, int hidden) {
   const std::string on = "'" + obstacles[static_cast<std::size_t>(c.obstacle)] + "'";
   if (c.at_tip) return "tip contact with " + on;
   std::string name = "interior contact with " + on;
-  if (stretches > 1) name += " on segment " + std::to_string(c.region + 1);
+  if (stretches + hidden > 1) name += " on segment " + std::to_string(hidden + c.region + 1);
   return name;
 }
 
@@ -195,7 +195,7 @@ Mode Task::mode(std::vector<ContactSetup> contacts) const {
   mode.contacts = std::move(contacts);
   for (const ContactSetup& c : mode.contacts) {
     if (!mode.name.empty()) mode.name += " and ";
-    mode.name += contact_name(c, obstacle_names, knots.size() - 1);
+    mode.name += contact_name(c, obstacle_names, static_cast<int>(knots.size()) - 1, rod.hidden);
     // A point at arc length s is at most s away from the base.
     const double farthest = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
     if (palm) {
@@ -205,7 +205,20 @@ Mode Task::mode(std::vector<ContactSetup> contacts) const {
       mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
     }
   }
+  mode.name += port_name();
   return mode;
+}
+
+void Task::take_rod(const Rod& other) {
+  rod = other;
+  follower.reset();
+  reach.reset();
+  arcs.clear();
+  modes.clear();
+}
+
+std::string Task::port_name() const {
+  return windows.size() < 2 ? "" : ", port in segment " + std::to_string(rod.hidden + 1);
 }
 
 PoseProgramSpec Task::spec(const Mode& mode, const std::vector<int>& regions, int with_nodes) const {
