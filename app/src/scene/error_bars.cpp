@@ -147,7 +147,7 @@ std::optional<std::pair<std::size_t, std::string>> law_of(const std::string& key
   const auto end = key.find("].");
   if (!key.starts_with(table) || end == std::string::npos) return std::nullopt;
   std::string law = key.substr(end + 2);
-  if (!law.starts_with("moment_per_pressure") && !law.starts_with("offset")) return std::nullopt;
+  if (!law.starts_with("moment_per_") && !law.starts_with("offset")) return std::nullopt;
   return std::pair(std::stoul(key.substr(table.size(), end - table.size())), law);
 }
 
@@ -273,9 +273,9 @@ void follow_held_inputs(const Scene& scene, const std::vector<double>& moments, 
   const ActuatorSpec& actuator = scene.rod.actuators[index];
   const double moment = moments[index];
   const std::string key = fmt::format("moments[{}]", index);
-  if (name == "offset" && actuator.offset.size() == 1) {
+  if (name == "offset" && actuator.offset.size() == 1 && !actuator.has_law()) {
     spread.parts.push_back({key, moment / actuator.offset.front().offset});
-  } else if (name.starts_with("moment_per_pressure")) {
+  } else if (name.starts_with("moment_per_")) {
     const auto bracket = name.find('[');
     const int power = bracket == std::string::npos ? 1 : 1 + std::stoi(name.substr(bracket + 1));
     spread.parts.push_back({key, std::pow(actuator.input_of(moment), power)});

@@ -186,8 +186,8 @@ void finish_limits(const Document& document, const std::vector<ActuatorSpec>& ac
     const double most = std::max(std::abs(actuator.least_pressure), std::abs(actuator.most_pressure));
     for (const double limit : study.limits) {
       if (actuator.more_moment_per_pressure.empty() || limit <= most) continue;
-      document.fail(at, fmt::format("found a limit of {} Pa, but the law of actuator {} is known up to {} Pa only",
-                                    limit, a + 1, most));
+      document.fail(at, fmt::format("found a limit of {0} {3}, but the law of actuator {1} is known up to {2} {3} only",
+                                    limit, a + 1, most, study.limited.unit));
     }
   }
 }

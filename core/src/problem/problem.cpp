@@ -55,6 +55,13 @@ void require_quantities(const Task& d, const Scene& scene, std::size_t i) {
       std::none_of(d.rod.actuators.begin(), d.rod.actuators.end(), is_tendon)) {
     throw SceneError(path, name + "a tendon, but the rod has none (kind = \"tendon\" in [[rod.actuator]])");
   }
+  const std::vector<ActuatorSpec>& specs = scene.rod.actuators;
+  if (reads.tensions && std::any_of(specs.begin(), specs.end(), [](const ActuatorSpec& a) {
+        return a.kind == ActuatorKind::tendon && a.has_law();
+      })) {
+    throw SceneError(path,
+                     name + "tensions, but a tendon has 'moment_per_tension', expected a term that reads moments");
+  }
 }
 
 void take_terms(Task& d, const Scene& scene) {

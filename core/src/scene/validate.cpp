@@ -109,17 +109,27 @@ void validate_friction(const Scene& scene) {
   }
 }
 
-/// `path`: of the key.
-void validate_law(const ActuatorSpec& a, const std::string& path) {
+/// `at`: the actuator.
+void validate_law(const ActuatorSpec& a, const std::string& at) {
+  const bool tendon = a.kind == ActuatorKind::tendon;
+  const std::string path = at + (tendon ? ".moment_per_tension" : ".moment_per_pressure");
+  const std::string effort = tendon ? "tension" : "pressure";
   require_finite(a.moment_per_pressure, path);
   for (const double c : a.more_moment_per_pressure) require_finite(c, path);
   if (a.kind == ActuatorKind::pressure && !a.knows_pressure()) {
-    throw SceneError(path.substr(0, path.rfind('.')), "an actuator of kind \"pressure\" has no 'moment_per_pressure'");
+    throw SceneError(at, "an actuator of kind \"pressure\" has no 'moment_per_pressure'");
+  }
+  if (tendon && a.has_law()) {
+    const double most = a.moment_of(std::isfinite(a.most_pressure) ? a.most_pressure : 1.0);
+    if (most * a.largest_offset() < 0.0) {
+      throw SceneError(path,
+                       "the moment under tension turns the rod away from the tendon, expected one with the sign "
+                       "of its offset");
+    }
   }
   if (a.more_moment_per_pressure.empty()) return;
   if (!std::isfinite(a.least_pressure) || !std::isfinite(a.most_pressure) || !(a.least_pressure < a.most_pressure)) {
-    throw SceneError(path,
-                     "a law of several coefficients holds between two pressures, expected limits of the pressure");
+    throw SceneError(path, "a law of several coefficients holds between two values, expected limits of the " + effort);
   }
   constexpr int samples = 200;
   double last = a.moment_of(a.least_pressure);
@@ -129,9 +139,8 @@ void validate_law(const ActuatorSpec& a, const std::string& path) {
     const double moment = a.moment_of(p);
     if (side == 0.0) side = moment > last ? 1.0 : -1.0;
     if (!(side * (moment - last) > 0.0)) {
-      throw SceneError(path,
-                       "the moment turns back at a pressure of " + shown(p) +
-                           " Pa, expected it to rise, or to fall, all the way between the limits of the pressure");
+      throw SceneError(path, "the moment turns back at a " + effort + " of " + shown(p) + (tendon ? " N" : " Pa") +
+                                 ", expected it to rise, or to fall, all the way between the limits of the " + effort);
     }
     last = moment;
   }
@@ -262,6 +271,11 @@ void validate_stretch(const Scene& scene) {
   }
   for (std::size_t i = 0; i < scene.obstacles.size() && needs_obstacles(scene); ++i) {
     if (friction_of(scene, i) > 0.0) refuse("contacts rub on rods of fixed length");
+  }
+  const std::vector<ActuatorSpec>& actuators = scene.rod.actuators;
+  if (std::any_of(actuators.begin(), actuators.end(),
+                  [](const ActuatorSpec& a) { return a.kind == ActuatorKind::tendon && a.has_law(); })) {
+    refuse("a tendon whose moment goes by 'moment_per_tension' pulls along the rod as its offset has it");
   }
   const std::vector<SegmentSpec>& segments = scene.rod.segments;
   for (std::size_t i = 0; i < segments.size(); ++i) {
@@ -404,7 +418,7 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
       throw SceneError(path + ".calibrated", "found a range from " + shown(a.calibrated_from) + " down to " +
                                                  shown(a.calibrated_to) + ", expected the smaller one first");
     }
-    validate_law(a, path + ".moment_per_pressure");
+    validate_law(a, path);
     validate_pull(a, path + ".force_per_pressure");
     validate_offset(a, path + ".offset", length);
   }
