@@ -289,16 +289,21 @@ enum class Fingers {
 /// A finger that is not like the other one. Everything is said as of an upper finger: of the lower one it is the mirror
 /// image that is described.
 struct FingerSpec {
-  RodSpec rod;                  ///< instead of the scene's, without its place
-  double finger_angle = 0.0;    ///< rad, of its base against the axis, as GripperSpec::finger_angle
-  double min_force = 0.0;       ///< N, of its contact
-  double max_force = infinity;  ///< N, of its contact
+  RodSpec rod;                ///< instead of the scene's, without its place
+  double finger_angle = 0.0;  ///< rad, of its base against the axis, as GripperSpec::finger_angle
+  std::optional<std::pair<double, double>> finger_angle_range{};  ///< rad, as GripperSpec::finger_angle_range
+  double min_force = 0.0;                                         ///< N, of its contact
+  double max_force = infinity;                                    ///< N, of its contact
 };
 
 /// Two fingers on a palm and the round object between them (docs/model.md section 6, "grasp").
 struct GripperSpec {
-  double half_palm = 0.0;               ///< m, from the axis of symmetry to the base of either finger
-  double finger_angle = 0.0;            ///< rad, of the upper finger's base against the axis; the lower is mirrored
+  double half_palm = 0.0;     ///< m, from the axis of symmetry to the base of either finger
+  double finger_angle = 0.0;  ///< rad, of the upper finger's base against the axis; the lower is mirrored
+  /// m: between which a plan may move the base of either finger across the axis, each by itself; absent: it stands.
+  std::optional<std::pair<double, double>> half_palm_range{};
+  /// rad: between which a plan may turn the base of either finger, each by itself; absent: it does not turn.
+  std::optional<std::pair<double, double>> finger_angle_range{};
   double object_diameter = 0.0;         ///< m
   double object_mass = 0.0;             ///< kg, >= 0; weighs where the scene has gravity
   Vec2 object_force{};                  ///< N, dead, on the object's centre, in the world

@@ -245,13 +245,15 @@ Plan plan_windows(Task& d, const PlanControl& control) {
 /// that.
 void tell_more(const Task& task, Plan& plan, const std::atomic<bool>* stop) {
   const FingerPlan* lower = task.lower && plan.grasp && plan.grasp->lower ? &*plan.grasp->lower : nullptr;
-  const RodSpec& rod = task.scene.rod;
-  const bool turned = rod.base_angle_range && !plan.backbone.empty();
-  tell_beyond_calibration(task.scene, plan.moments, plan.turns, turned ? plan.backbone.front().angle : rod.base_angle,
+  const auto base_angle = [](const Scene& scene, const RodPlace& place) {
+    return place.base ? place_on_palm(scene, place).base->angle : scene.rod.base_angle;
+  };
+  tell_beyond_calibration(task.scene, plan.moments, plan.turns, base_angle(task.scene, plan.place),
                           lower != nullptr ? "upper finger: " : "", plan.notes);
   if (lower != nullptr) {
-    const Scene& own = task.lower->scene;
-    tell_beyond_calibration(own, lower->moments, lower->turns, own.rod.base_angle, "lower finger: ", plan.notes);
+    const RodPlace own = plan_of_finger(task.lower->scene, plan, FingerName::lower).place;
+    tell_beyond_calibration(task.lower->scene, lower->moments, lower->turns, base_angle(task.lower->scene, own),
+                            "lower finger: ", plan.notes);
   }
   judge_cones(task.scene, task.scale.force(), plan);
   if (task.palm) {
