@@ -55,6 +55,16 @@ void keep_nearest(std::vector<CheckPoint>& checks, const PoseProgram& program, s
   checks.resize(kept);
 }
 
+/// No point of the base is farther from Rod::base.
+double most_shift(const Rod& rod) {
+  double squares = 0.0;
+  for (const Rod::Move& m : rod.moves) {
+    const double most = std::max(std::abs(m.minimum), std::abs(m.maximum));
+    if (m.kind == Rod::Move::Kind::shift) squares += most * most;
+  }
+  return std::sqrt(squares);
+}
+
 constexpr double full_turn = 2.0 * std::numbers::pi;
 
 /// The angle that differs from `direction` by full turns and from `reference` by half a turn at most; of two that do,
@@ -160,9 +170,9 @@ double Task::least_cost(double distance) const {
 
 double Task::least_distance(const Mode& mode, const std::function<bool(double)>& enough) {
   // Nothing is asked of where the tip is, or terms are unknown that may gain by it, or the rod may grow.
-  if (palm || rod.stretches() || !rod.moves.empty() || !target.has_position || !(least_cost(1.0) > least_cost()))
-    return 0.0;
+  if (palm || rod.stretches() || !target.has_position || !(least_cost(1.0) > least_cost())) return 0.0;
   if (mode.contacts.empty()) {
+    if (!rod.moves.empty()) return 0.0;
     if (!reach) reach = std::make_unique<FreeReach>(spec(mode, {}, 2 * nodes));
     return reach->least_distance(target.position, enough);
   }
@@ -173,7 +183,7 @@ double Task::least_distance(const Mode& mode, const std::function<bool(double)>&
     // The obstacle's surface is so far from the target, and the tip no farther from it than the rod goes on behind the
     // contact, which the rod has to get to first.
     const double to_contact = std::max(c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region)],
-                                       obstacle.at(rod.base).distance - rod.most_radius());
+                                       obstacle.at(rod.base).distance - rod.most_radius() - most_shift(rod));
     const double behind = rod.most_radius() + std::max(0.0, 1.0 - to_contact);
     least = std::max(least, std::abs(obstacle.at(target.position).distance) - behind);
   }
@@ -200,8 +210,8 @@ Mode Task::mode(std::vector<ContactSetup> contacts) const {
     const double farthest = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
     if (palm) {
       if (mode.skip.empty()) mode.skip = grip->obstruction(*this, farthest);
-    } else if (!rod.stretches() && rod.moves.empty() &&
-               obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > farthest + rod.most_radius()) {
+    } else if (!rod.stretches() && obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance >
+                                       farthest + rod.most_radius() + most_shift(rod)) {
       mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
     }
   }
