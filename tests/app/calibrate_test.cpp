@@ -122,6 +122,43 @@ TEST(Calibrate, LawsAreWrittenAndWhatLiesBeyondThemIsTold) {
   }
 }
 
+TEST(Calibrate, ALawOfTensionIsWritten) {
+  const TemporaryDirectory directory;
+  const auto arm = [](const std::string& tendon) {
+    return "problem = \"execute\"\n[rod]\nlength = 0.1\nbending_stiffness = 0.01\n[[rod.actuator]]\nkind = \"tendon\"\n"
+           "offset = \"5 mm\"\n" +
+           tendon;
+  };
+  const std::string robot =
+      directory.write("robot.toml", arm("max = \"4 N\"\nmoment_per_tension = [\"4 N mm/N\", \"0.5 N mm/N^2\"]\n"));
+  std::string points = "case,tension [N],x [m],y [m]\n";
+  for (const int tension : {1, 2, 3, 4}) {
+    const json at = json_of({"execute", robot, "--inputs", std::to_string(tension) + " N"});
+    ASSERT_EQ(at["status"], "solved");
+    EXPECT_NEAR(at["moments"][0].get<double>(), 4e-3 * tension + 0.5e-3 * tension * tension, 1e-12);
+    points += fmt::format("{0} N,{0},{1:.15g},{2:.15g}\n", tension, at["tip"]["x"].get<double>(),
+                          at["tip"]["y"].get<double>());
+  }
+  directory.write("points.csv", points);
+  const std::string looked_for = arm("limit = \"5 N\"\n") +
+                                 "[calibrate]\nfiles = [\"points.csv\"]\nnoise = \"0.01 mm\"\n"
+                                 "[[calibrate.unknown]]\nname = \"moment\"\ndegree = 2\n";
+  const CommandRun run = tendril({"calibrate", directory.write("arm.toml", looked_for), "--output", directory / "out"});
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const std::string fragment = read_file(directory / "out/rod.toml");
+  EXPECT_FALSE(contains_text(fragment, "no place")) << fragment;
+  const std::string scene = directory.write("scene.toml", "include = \"out/rod.toml\"\nproblem = \"execute\"\n");
+  const json there = json_of({"execute", robot, "--inputs", "2.5 N"});
+  const json inside = json_of({"execute", scene, "--inputs", "2.5 N"});
+  EXPECT_NEAR(inside["tip"]["x"].get<double>(), there["tip"]["x"].get<double>(), 1e-8);
+  EXPECT_NEAR(inside["tip"]["y"].get<double>(), there["tip"]["y"].get<double>(), 1e-8);
+  EXPECT_FALSE(inside.contains("notes")) << inside["notes"];
+  EXPECT_NEAR(inside["inputs"][0]["tension"].get<double>(), 2.5, 1e-9);
+  EXPECT_GT(inside["uncertainty"]["tip"]["y"].get<double>(), 0.0);
+  EXPECT_TRUE(contains_text(json_of({"execute", scene, "--inputs", "0.5 N"})["notes"].dump(),
+                            "beyond what its rod was calibrated with (1 to 4 N)"));
+}
+
 TEST(Calibrate, LoadsBeyondThoseOfTheRecordingsAreTold) {
   const TemporaryDirectory directory;
   const std::string arm =

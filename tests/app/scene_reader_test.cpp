@@ -192,6 +192,37 @@ TEST(SceneReader, TurnsLimitsOfPressuresIntoLimitsOfMoments) {
   EXPECT_EQ(law.most_pressure, 3e4);
 }
 
+TEST(SceneReader, TensionsMakeTheMomentsOfTheirLaw) {
+  const auto tendon = [](const std::string& more) {
+    return read("[rod]\nlength = 1\nbending_stiffness = 1\n[[rod.actuator]]\nkind = \"tendon\"\noffset = \"-8 mm\"\n" +
+                more)
+        .rod.actuators.at(0);
+  };
+  const ActuatorSpec law = tendon("max = \"3 N\"\nmoment_per_tension = [\"-7 N mm/N\", 0, \"-1 N mm/N^3\"]\n");
+  EXPECT_DOUBLE_EQ(law.minimum, -(21e-3 + 27e-3));
+  EXPECT_EQ(law.maximum, 0.0);
+  EXPECT_DOUBLE_EQ(law.moment_of(2.0), -(14e-3 + 8e-3));
+  EXPECT_NEAR(law.input_of(law.moment_of(2.0)), 2.0, 1e-12);
+  EXPECT_EQ(law.input(), ActuatorKind::tendon);
+  const ActuatorSpec share = tendon("moment_per_tension = -0.006\nlimit = \"2 N\"\n");
+  EXPECT_DOUBLE_EQ(share.moment_of(1.0), -6e-3);
+  EXPECT_DOUBLE_EQ(share.minimum, -12e-3);
+  // Told its length it keeps the law of its tension.
+  const ActuatorSpec spool =
+      tendon("control = \"length\"\nlimit = \"5 mm\"\nmax_tension = \"2 N\"\nmoment_per_tension = [-7e-3, -1e-3]\n");
+  EXPECT_DOUBLE_EQ(spool.minimum, -18e-3);
+  EXPECT_DOUBLE_EQ(spool.most_shortening, 5e-3);
+  // Drawn into a port so far that its lever is half as long it makes half the moments.
+  RodSpec rod;
+  rod.segments = {SegmentSpec{.length = 1.0, .bending_stiffness = 1.0}};
+  rod.actuators = {law};
+  rod.actuators[0].offset = {{0.0, -8e-3}, {1.0, 0.0}};
+  rod.actuators[0].to = 1.0;
+  const ActuatorSpec cut = out_of_port(rod, 0.5).actuators.at(0);
+  EXPECT_NEAR(cut.moment_of(2.0), 0.5 * law.moment_of(2.0), 1e-15);
+  EXPECT_NEAR(cut.minimum, 0.5 * law.minimum, 1e-15);
+}
+
 TEST(SceneReader, SettingsReachTheEntryThatTheyNumber) {
   const std::string segment = "[[rod.segment]]\nlength = 1\nbending_stiffness = 1\n";
   Document document = Document::parse(segment + segment + segment, "s.toml");
@@ -400,6 +431,9 @@ INSTANTIATE_TEST_SUITE_P(
                  "expected a pair [arc length, offset]"},
         BadScene{"limit = \"2.5 N mm\"", "kind = \"tendon\"\noffset = 1e-3\nmoment_per_pressure = 1",
                  "found 'moment_per_pressure' of a tendon"},
+        BadScene{"limit = \"2.5 N mm\"", "moment_per_tension = 1", "expected kind = \"tendon\" beside it"},
+        BadScene{"limit = \"2.5 N mm\"", "kind = \"tendon\"\noffset = 1e-3\nmoment_per_tension = [1e-3, 1e-4]",
+                 "expected limits of the tension on both sides beside it"},
         BadScene{"limit = \"2.5 N mm\"", "control = \"length\"", "expected kind = \"tendon\" beside it"},
         BadScene{"limit = \"2.5 N mm\"", "kind = \"tendon\"\noffset = 1e-3\ncontrol = \"lenght\"",
                  "did you mean 'length'?"},
@@ -416,6 +450,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadScene{"limit = \"2.5 N mm\"", "limit = 1\nmoment_per_pressure = 1\nmax_pressure = 1",
                  "found a limit of the pressure beside one of the moment"},
         BadScene{"[start]", "[gripper]\nhalf_palm = 1\nobject_diameter = 1\npalm_distance_range = [1]\n[start]",
+                 "expected two lengths"},
+        BadScene{"[start]", "[gripper]\nhalf_palm = 1\nobject_diameter = 1\nfinger_angle_range = [1]\n[start]",
+                 "expected two angles"},
+        BadScene{"[start]", "[gripper]\nhalf_palm = 1\nobject_diameter = 1\nhalf_palm_range = [1]\n[start]",
                  "expected two lengths"},
         BadScene{"\"pose\"", "\"poes\"", "did you mean 'pose'?"},
         BadScene{"[start]", "[gripper]\nhalf_palm = 1\n[start]", "[gripper] has no 'object_diameter'"},

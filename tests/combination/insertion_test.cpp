@@ -128,6 +128,107 @@ TEST(Insertion, AmongEightPegsIsPlannedByEverySolver) {
   }
 }
 
+/// Two segments, two actuators and a load, whose ends a port may pass.
+Scene jointed(const std::vector<std::string>& more) {
+  std::vector<std::string> all{"rod.insertion.min=\"60 mm\"", "rod.insertion.max=\"150 mm\""};
+  all.insert(all.end(), more.begin(), more.end());
+  return scene_from_text(R"(
+title = "jointed"
+problem = "pose"
+gravity = [0, -9.81]
+[[rod.segment]]
+length = "60 mm"
+bending_stiffness = "1e-3 N m^2"
+linear_density = "84 g/m"
+[[rod.segment]]
+length = "90 mm"
+bending_stiffness = "4.9e-4 N m^2"
+linear_density = "60 g/m"
+[[rod.actuator]]
+to = "70 mm"
+limit = "6 N mm"
+[[rod.actuator]]
+limit = "2.5 N mm"
+[[rod.load]]
+at = "40 mm"
+mass = "2 g"
+[rod.insertion]
+[coordinates]
+plugin = "legendre"
+order = 6
+[start]
+tip_angle = "0.5 rad"
+[[obstacle]]
+shape = "circle"
+center = ["48 mm", "0 mm"]
+radius = "8 mm"
+[contact]
+max_force = "1 N"
+[target]
+position = ["78 mm", "16 mm"]
+[[objective]]
+plugin = "tip_pose"
+weight = 100
+[[objective]]
+plugin = "actuation_effort"
+weight = 1e-4
+[solver]
+plugin = "nlopt"
+)",
+                         all);
+}
+
+// Knots at 40, 60 and 70 mm.
+TEST(Insertion, PassesEndsOfSegmentsActuatorsAndLoads) {
+  const Scene whole = jointed({});
+  const std::vector<double> moments{1e-3, 1.5e-3};
+  ExecuteControl control;
+  Execution last;
+  // Drawn in and pushed out again, at knots and between them.
+  for (const double insertion : {0.145, 0.1, 0.09, 0.085, 0.07, 0.09, 0.13}) {
+    SCOPED_TRACE(insertion);
+    control.place.insertion = insertion;
+    const Execution here = execute(whole, obstacles_of(whole), moments, control);
+    ASSERT_TRUE(certified(here.result));
+    Scene shorter = whole;
+    shorter.rod = jointed({"rod.insertion.min=\"150 mm\""}).rod;
+    std::vector<double> left = moments;
+    if (insertion <= 0.08) {  // the first actuator is all inside
+      shorter.rod.actuators.erase(shorter.rod.actuators.begin());
+      left.erase(left.begin());
+    }
+    shorter.rod = out_of_port(shorter.rod, insertion);
+    const Execution expected = execute(shorter, obstacles_of(shorter), left);
+    ASSERT_TRUE(certified(expected.result));
+    EXPECT_NEAR(here.result.tip_x, expected.result.tip_x, 1e-10);
+    EXPECT_NEAR(here.result.tip_y, expected.result.tip_y, 1e-10);
+    EXPECT_NEAR(*here.result.place.insertion, insertion, 1e-15);
+    last = here;
+    control.start = &last.result;
+  }
+}
+
+TEST(Insertion, OfAPlanIsSoughtInEveryStretch) {
+  const Scene whole = jointed({});
+  const Plan best = plan(whole);
+  ASSERT_TRUE(certified(best));
+  double least = infinity;
+  // In one stretch alone no plan is better, and the best of them is as good.
+  for (const auto& [low, high] : {std::pair("60 mm", "80 mm"), std::pair("80 mm", "90 mm"),
+                                  std::pair("90 mm", "110 mm"), std::pair("110 mm", "150 mm")}) {
+    SCOPED_TRACE(low);
+    const Plan one = plan(
+        jointed({std::string("rod.insertion.min=\"") + low + '"', std::string("rod.insertion.max=\"") + high + '"'}));
+    if (one.status != PlanStatus::solved) continue;
+    EXPECT_GE(one.objective, best.objective - 1e-7);
+    least = std::min(least, one.objective);
+  }
+  EXPECT_NEAR(best.objective, least, 1e-6);
+  Plan checked = best;
+  verify(whole, obstacles_of(whole), checked, {.start = &best});
+  EXPECT_TRUE(certified(checked));
+}
+
 // Where the base moves with its surroundings nothing changes but their place.
 TEST(Base, MovedIsASceneThatStandsThere) {
   const Vec2 at{0.03, -0.01};

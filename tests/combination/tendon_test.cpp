@@ -151,6 +151,43 @@ TEST(Pressures, ALawOfPressurePlansTheMomentsThatItGives) {
   EXPECT_NEAR(5e-8 * pressure + 5e-13 * pressure * pressure, of_pressures.moments.at(0), 1e-15);
 }
 
+TEST(Tendons, ALawOfTensionPlansTheMomentsThatItGives) {
+  Scene tensions = scene("brace");
+  ActuatorSpec& tendon = tensions.rod.actuators[0];
+  tendon.kind = ActuatorKind::tendon;
+  tendon.offset = {{0.0, 5e-3}};
+  tendon.moment_per_pressure = 4e-3;
+  tendon.more_moment_per_pressure = {2e-3};
+  tendon.least_pressure = 0.0;
+  tendon.most_pressure = 0.5;
+  tendon.minimum = 0.0;
+  tendon.maximum = tendon.moment_of(0.5);
+  Scene moments = scene("brace");
+  moments.rod.actuators = {one_sided(0.0, tendon.maximum, moments.rod.length())};
+  const Plan of_tensions = plan(tensions);
+  ASSERT_TRUE(certified(of_tensions));
+  EXPECT_EQ(of_tensions.coordinates, plan(moments).coordinates);
+  const double tension = tendon.input_of(of_tensions.moments.at(0));
+  EXPECT_NEAR(4e-3 * tension + 2e-3 * tension * tension, of_tensions.moments.at(0), 1e-15);
+  // It is shorter by what its offset says.
+  EXPECT_NEAR(of_tensions.turns.at(0), of_tensions.tip_angle, 1e-10);
+  const auto refused = [](const Scene& scene) {
+    try {
+      (void)plan(scene);
+    } catch (const SceneError& error) {
+      return std::string(error.path()) + ": " + error.what();
+    }
+    return std::string();
+  };
+  Scene pushed = tensions;
+  pushed.rod.actuators[0].offset = {{0.0, -5e-3}};
+  EXPECT_NE(refused(pushed).find("rod.actuator[0].moment_per_tension: the moment under tension turns the rod away"),
+            std::string::npos);
+  Scene back = tensions;
+  back.rod.actuators[0].more_moment_per_pressure = {-8e-3};
+  EXPECT_NE(refused(back).find("the moment turns back at a tension of 0.2525 N"), std::string::npos) << refused(back);
+}
+
 TEST(Tendons, PlansOfATaperedPairAreWhatExecutionFinds) {
   for (const std::string& solver : solvers_to_combine()) {
     SCOPED_TRACE(solver);

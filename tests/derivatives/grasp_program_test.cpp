@@ -22,6 +22,7 @@ struct GraspCase {
   bool upper_at_tip, lower_at_tip, free_palm;
   bool rubs = false;
   bool loaded = false;
+  bool moves = false;
 };
 
 std::ostream& operator<<(std::ostream& os, const GraspCase& c) { return os << c.name; }
@@ -33,6 +34,12 @@ class GraspDerivatives : public testing::TestWithParam<GraspCase> {
       for (PoseProgramSpec& finger : sample.spec.fingers) finger.friction.assign(finger.obstacles.size(), 0.6);
     }
     if (GetParam().loaded) sample.spec.load = {0.4, -0.7};
+    if (GetParam().moves) {
+      using Kind = Rod::Move::Kind;
+      for (Rod& rod : sample.rods) {
+        rod.moves = {{Kind::shift, {0.0, 1.0}, -0.05, 0.08}, {Kind::turn, {}, -0.3, 0.4, rod.base_angle}};
+      }
+    }
     program = std::make_unique<GraspProgram>(sample.spec);
   }
 
@@ -116,7 +123,13 @@ TEST_P(GraspDerivatives, RowsOfTheWholeAreWhatTheySay) {
     // Both bases stand on the palm.
     const Vec2 base = point(which, 0, 0.0);
     EXPECT_NEAR(base.x, -program->palm_distance(x), 1e-12);
-    EXPECT_NEAR(base.y, units[which] * (which == 0 ? 0.2 : -0.16), 1e-12);
+    const Eigen::VectorXd own = program->finger_point(which, x);
+    const int first = program->finger(which).layout().first_move;
+    const double moved = GetParam().moves ? (which == 0 ? own[first] : -own[first]) : 0.0;
+    EXPECT_NEAR(base.y, units[which] * ((which == 0 ? 0.2 : -0.16) + moved), 1e-12);
+    if (GetParam().moves) {
+      EXPECT_NEAR(program->finger(which).backbone().knot_angle(0), own[first + 1], 1e-12);
+    }
   }
   EXPECT_NEAR(net_force(*program).x, force.x, 1e-12);
   EXPECT_NEAR(net_force(*program).y, force.y, 1e-12);
@@ -144,7 +157,9 @@ INSTANTIATE_TEST_SUITE_P(All, GraspDerivatives,
                                          GraspCase{"rubs", false, false, true, true},
                                          GraspCase{"loaded", false, true, true, false, true},
                                          GraspCase{"rubs_loaded", true, false, false, true, true},
-                                         GraspCase{"rubs_loaded_inside", false, false, true, true, true}),
+                                         GraspCase{"rubs_loaded_inside", false, false, true, true, true},
+                                         GraspCase{"moves", false, true, true, false, false, true},
+                                         GraspCase{"moves_rubs_loaded", true, false, true, true, true, true}),
                          [](const auto& each) { return std::string(each.param.name); });
 
 /// An arc of a circle as a finger of unit length.

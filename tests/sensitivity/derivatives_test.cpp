@@ -217,6 +217,41 @@ TEST(KeysOfTheScene, ThatARodIsMadeOfAreDifferentiatedThroughIt) {
   }
 }
 
+TEST(MovedBase, IsDifferentiatedWhereItIsHeld) {
+  const Settings turned{{"rod.base.angle_range", "[\"1 deg\", \"8 deg\"]"}};
+  Session session(arguments_of(arm, turned));
+  const Plan plan = session.plan(std::nullopt);
+  ASSERT_EQ(plan.status, PlanStatus::solved) << plan.message;
+  ASSERT_TRUE(plan.place.base);
+  EXPECT_GT(std::abs(plan.place.base->angle - 0.0523598775598299), 1e-3);
+  const Plan executed = session.execute(plan.moments, plan, std::nullopt, plan.place).result;
+  ASSERT_EQ(executed.status, PlanStatus::solved) << executed.message;
+  const Sensitivity all = sensitivity_of(session.scene(), session.make_obstacles(), executed);
+  ASSERT_EQ(all.trouble, "");
+  const Sensitivity planned = session.sensitivity(plan, SensitivityKind::held);
+  ASSERT_EQ(planned.trouble, "");
+  for (const std::string key : {"rod.bending_stiffness", "rod.linear_density", "tip_load.mass", "obstacle[0].radius"}) {
+    const std::string value = written_value(session.document(), key);
+    const std::vector<double> differences = by_differences(value, [&](const std::string& other) {
+      Session again(arguments_of(arm, changed(turned, key, other)));
+      return quantities(again.execute(plan.moments, executed, std::nullopt, plan.place).result, false);
+    });
+    const std::vector<double> exact = by_key(session, all, key, unit_of(value));
+    expect_same(all, exact, differences, std::stod(value), key);
+    // The plan's own basis is coarser.
+    const std::vector<double> coarse = by_key(session, planned, key, unit_of(value));
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+      const double size = std::abs(exact[i]) + 1e-2 * std::abs(all.quantities[i].value / std::stod(value));
+      EXPECT_NEAR(coarse[i], exact[i], 2e-3 * size) << all.quantities[i].name << " by " << key;
+    }
+  }
+  EXPECT_EQ(session.sensitivity(plan, SensitivityKind::replanned).trouble,
+            "plans that choose where the base stands are differentiated with all held only");
+  Session pushed(arguments_of(arm, {{"rod.insertion.min", "60 mm"}, {"rod.insertion.max", "100 mm"}}));
+  EXPECT_EQ(pushed.sensitivity(pushed.plan(std::nullopt), SensitivityKind::held).trouble,
+            "rods that are drawn into a port are not differentiated");
+}
+
 TEST(NoDerivative, IsToldInWords) {
   // A limit that is met, and only just: the plan without it needs no more.
   Session session(arguments_of(arm, {}));

@@ -55,7 +55,7 @@ Scene grasp() {
 
 Scene grasp_of_two() {
   Scene scene = grasp();
-  scene.fingers = {{scene.rod, 0.0, 0.0, 1.0}, {scene.rod, 0.0, 0.0, 1.0}};
+  scene.fingers = {{scene.rod, 0.0, {}, 0.0, 1.0}, {scene.rod, 0.0, {}, 0.0, 1.0}};
   return scene;
 }
 
@@ -313,6 +313,60 @@ TEST(Validation, OfGrasps) {
          refused(
              grasp, [](Scene& s) { s.gripper->finger_angle = not_a_number; }, "gripper.finger_angle", "away"),
          accepted(grasp, [](Scene& s) { s.gripper->finger_angle = -1.57; }),
+         refused(
+             grasp,
+             [](Scene& s) {
+               s.gripper->finger_angle_range = {0.1, 0.2};
+             },
+             "gripper.finger_angle_range", "lies outside of 0.1 rad to 0.2 rad"),
+         refused(
+             grasp,
+             [](Scene& s) {
+               s.gripper->finger_angle_range = {0.2, -0.2};
+             },
+             "gripper.finger_angle_range", "contradict"),
+         refused(
+             grasp,
+             [](Scene& s) {
+               s.gripper->finger_angle_range = {-0.2, 1.6};
+             },
+             "gripper.finger_angle_range", "away"),
+         accepted(grasp,
+                  [](Scene& s) {
+                    s.gripper->finger_angle_range = {-0.2, 1.5};
+                  }),
+         refused(
+             grasp,
+             [](Scene& s) {
+               s.gripper->half_palm_range = {0.021, 0.03};
+             },
+             "gripper.half_palm_range", "lies outside of 0.021 m to 0.03 m"),
+         refused(
+             grasp,
+             [](Scene& s) {
+               s.gripper->half_palm_range = {0.0, 0.03};
+             },
+             "gripper.half_palm_range", "positive"),
+         accepted(grasp,
+                  [](Scene& s) {
+                    s.gripper->half_palm_range = {0.01, 0.03};
+                  }),
+         refused(
+             grasp,
+             [](Scene& s) {
+               s.rod.base_angle_range = {-0.1, 0.1};
+             },
+             "rod.base", "expected 'half_palm_range' and 'finger_angle_range' in [gripper]"),
+         refused(
+             grasp, [](Scene& s) { s.rod.most_drawn_in = 0.02; }, "rod.insertion", "fingers keep their length"),
+         refused(
+             grasp_of_two,
+             [](Scene& s) {
+               s.fingers[0].finger_angle_range = {0.1, 0.2};
+             },
+             "finger[0].angle_range", "lies outside"),
+         refused(
+             grasp_of_two, [](Scene& s) { s.fingers[1].rod.most_drawn_in = 0.02; }, "finger[1]", "on the palm"),
          refused(
              grasp_of_two, [](Scene& s) { s.fingers.pop_back(); }, "finger", "found 1 [[finger]], expected two"),
          refused(

@@ -62,7 +62,7 @@ std::string value_of(const KeySpec& key) {
     case KeyType::targets:
       return "list of [x, y], or {x = [...], y = [...]}" + unit_of(key);
     case KeyType::law:
-      return "number, or [of the pressure, of its square, ...]" + unit_of(key);
+      return "number, or [of its first power, of its square, ...]" + unit_of(key);
     case KeyType::offsets:
       return "number, [number, number], or [[s, number], ...]" + unit_of(key);
     case KeyType::table:

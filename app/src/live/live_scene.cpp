@@ -141,9 +141,15 @@ LiveScene::Made LiveScene::make(Session& session, const Json& request) const {
   Made made;
   if (action == "execute") {
     std::optional<double> palm_distance;
-    if (last_ && last_->grasp) palm_distance = last_->grasp->palm_distance;
+    RodPlace upper;
+    RodPlace lower;
+    if (last_ && last_->grasp) {
+      palm_distance = last_->grasp->palm_distance;
+      upper = last_->place;
+      lower = lower_place_of(*last_);
+    }
     const Inputs inputs{InputKind::each, inputs_of(request, actuators_of(scene).size()), "inputs"};
-    const Execution execution = session.execute(moments_of(inputs, session), std::nullopt, palm_distance);
+    const Execution execution = session.execute(moments_of(inputs, session), std::nullopt, palm_distance, upper, lower);
     made.result = execution_result(scene, execution, session.run_info());
   } else if (scene.problem == ProblemKind::trajectory) {
     const Trajectory trajectory = session.plan_trajectory();

@@ -16,7 +16,7 @@ namespace tendril::app {
 
 std::vector<ShownFinger> fingers_of(const Scene& scene, const Plan& plan) {
   const FingerPlan first{plan.coordinates, plan.moments,   plan.contacts,     plan.backbone, plan.tip_x,
-                         plan.tip_y,       plan.tip_angle, plan.self_overlap, plan.turns};
+                         plan.tip_y,       plan.tip_angle, plan.self_overlap, plan.turns,    plan.place};
   if (!plan.grasp || !plan.grasp->lower) {
     return {{"", plans_both_fingers(scene) ? finger_of(scene, FingerName::upper).rod : scene.rod, first}};
   }
@@ -47,6 +47,10 @@ std::vector<double> all_held(const Scene& scene, const Plan& plan) {
     held.insert(held.end(), one.begin(), one.end());
   }
   return held;
+}
+
+RodPlace lower_place_of(const Plan& plan) {
+  return plan.grasp && plan.grasp->lower ? plan.grasp->lower->place : RodPlace{};
 }
 
 std::vector<ActuatorSpec> actuators_of(const Scene& scene) {
@@ -201,6 +205,7 @@ void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
          {"contacts", contacts_json(state.contacts, finger.name)},
          {"coordinates", numbers(state.coordinates)},
          {"backbone", backbone_json(state.backbone)}});
+    add_place(fingers.back(), state.place);
     add_thickness(fingers.back(), finger.rod, state.backbone);
     if (state.self_overlap)
       fingers.back()["self_overlap"] = {number(state.self_overlap->first), number(state.self_overlap->second)};

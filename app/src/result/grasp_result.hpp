@@ -27,6 +27,9 @@ std::vector<double> all_moments(const Plan& plan);
 /// The same of what execution holds: moments, and shortenings (m) of tendons told their length.
 std::vector<double> all_held(const Scene& scene, const Plan& plan);
 
+/// Where the lower finger was moved to; nowhere where it is a mirror image.
+RodPlace lower_place_of(const Plan& plan);
+
 /// What the moments of a plan of the scene belong to: the actuators of the rod, or of both fingers.
 std::vector<ActuatorSpec> actuators_of(const Scene& scene);
 

@@ -38,13 +38,14 @@ namespace {
 std::string shape_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
   std::string text;
   for (const ShownFinger& finger : fingers_of(scene, plan)) {
-    text += line(finger.name.empty() ? "tip" : finger.name + " tip",
+    const std::string whose = finger.name.empty() ? "" : finger.name + ' ';
+    text += line(whose + "tip",
                  units.point({finger.state.tip_x, finger.state.tip_y}) + ", " + angle(finger.state.tip_angle));
+    if (const auto& base = finger.state.place.base) {
+      text += line(whose + "base", units.point(base->position) + ", " + angle(base->angle));
+    }
   }
   if (plan.place.insertion) text += line("insertion", units.lengths(*plan.place.insertion));
-  if (plan.place.base) {
-    text += line("base", units.point(plan.place.base->position) + ", " + angle(plan.place.base->angle));
-  }
   if (plan.target_error) text += line("target error", units.lengths(*plan.target_error));
   std::string terms;
   for (const auto& [name, value] : plan.terms)

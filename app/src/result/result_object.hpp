@@ -15,6 +15,8 @@ Json number(double value);
 Json numbers(const std::vector<double>& values);
 
 /// `finger`: whose they are; empty: a plan of one rod.
+/// What may be moved of a rod.
+void add_place(Json& json, const RodPlace& place);
 Json contacts_json(const std::vector<PlannedContact>& contacts, const std::string& finger = "");
 Json backbone_json(const std::vector<BackbonePoint>& points);
 Json snaps_json(const std::vector<Snap>& snaps);

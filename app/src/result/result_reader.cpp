@@ -145,6 +145,7 @@ void read_fingers(const Reader& root, const Scene& scene, const std::string& fil
   plan.coordinates = fingers[0].member("coordinates").reals();
   plan.contacts = read_contacts(fingers[0], scene, upper.length());
   plan.backbone = read_backbone(fingers[0], upper.length());
+  plan.place = read_place(fingers[0]);
   read_tip(fingers[0], plan.tip_x, plan.tip_y, plan.tip_angle);
   FingerPlan& below = plan.grasp->lower.emplace();
   below.moments = read_moments(fingers[1], lower, file);
@@ -152,6 +153,7 @@ void read_fingers(const Reader& root, const Scene& scene, const std::string& fil
   below.coordinates = fingers[1].member("coordinates").reals();
   below.contacts = read_contacts(fingers[1], scene, lower.length());
   below.backbone = read_backbone(fingers[1], lower.length());
+  below.place = read_place(fingers[1]);
   read_tip(fingers[1], below.tip_x, below.tip_y, below.tip_angle);
 }
 

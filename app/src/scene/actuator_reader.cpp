@@ -1,7 +1,6 @@
 #include "scene/actuator_reader.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -76,26 +75,26 @@ Key<ActuatorDraft> calibrated_key() {
   return key;
 }
 
-/// The coefficients of a law of pressure. `unit`: of what a pressure gives, "N m" or "N".
+/// The coefficients of a law of pressure or tension. `unit`: of what it gives, "N m" or "N"; `by`: of what it is told.
 Key<ActuatorDraft> law_key(const std::string& name, const Dimension& dimension, const std::string& unit,
-                           const std::string& description, std::vector<double> ActuatorDraft::*law) {
+                           const std::string& by, const std::string& description,
+                           std::vector<double> ActuatorDraft::*law) {
   Key<ActuatorDraft> key{{name, KeyType::law, dimension, "", description}, {}};
-  key.read = [spec = key.spec, unit, law](const Context& context, const Node& node, ActuatorDraft& draft) {
+  key.read = [spec = key.spec, unit, by, law](const Context& context, const Node& node, ActuatorDraft& draft) {
     std::vector<double>& coefficients = draft.*law;
     const auto* list = std::get_if<Node::List>(&node.value);
     if (list == nullptr) {
       coefficients = {read_quantity(context, node, spec)};
       return;
     }
-    constexpr std::array<std::string_view, most_coefficients> pressures{"/Pa", "/Pa^2", "/Pa^3", "/Pa^4", "/Pa^5"};
-    if (list->empty() || list->size() > pressures.size()) {
-      context.fail(node,
-                   fmt::format("{} per pressure, or a list of 1 to 5 coefficients of the pressure, its square, ...",
-                               unit == "N" ? "a force" : "a moment"));
+    if (list->empty() || list->size() > most_coefficients) {
+      context.fail(node, fmt::format("{0} per {1}, or a list of 1 to {2} coefficients of the {1}, its square, ...",
+                                     unit == "N" ? "a force" : "a moment", by == "N" ? "tension" : "pressure",
+                                     most_coefficients));
     }
     for (std::size_t i = 0; i < list->size(); ++i) {
       KeySpec own = spec;
-      const std::string of_power = unit + std::string(pressures.at(i));
+      const std::string of_power = unit + '/' + by + (i == 0 ? "" : fmt::format("^{}", i + 1));
       own.dimension = {0, 0, of_power};
       coefficients.push_back(read_quantity(context, (*list)[i], own));
     }
@@ -153,10 +152,11 @@ std::pair<double, double> written_limits(const Document& document, const std::st
   return limits;
 }
 
-bool knows_pressure(const ActuatorDraft& actuator) {
-  return std::any_of(actuator.moment_per_pressure.begin(), actuator.moment_per_pressure.end(),
-                     [](double c) { return c != 0.0; });
+bool is_law(const std::vector<double>& coefficients) {
+  return std::any_of(coefficients.begin(), coefficients.end(), [](double c) { return c != 0.0; });
 }
+
+bool knows_pressure(const ActuatorDraft& actuator) { return is_law(actuator.moment_per_pressure); }
 
 /// The limits of an actuator of kind "moment" whose pressure is limited.
 std::pair<double, double> pressure_limits(const Document& document, const std::string& path,
@@ -176,17 +176,20 @@ std::pair<double, double> pressure_limits(const Document& document, const std::s
   return limits;
 }
 
-/// `low` and `high`: limits of the actuator, which are pressures if `of_pressure`.
+/// `low` and `high`: limits of the actuator, of the pressure or the tension if `of_effort`.
 void finish_law(const Document& document, const std::string& path, const ActuatorDraft& actuator, double low,
-                double high, bool of_pressure, ActuatorSpec& spec) {
-  if (!knows_pressure(actuator)) return;
-  const std::vector<double>& law = actuator.moment_per_pressure;
+                double high, bool of_effort, ActuatorSpec& spec) {
+  const bool tendon = actuator.kind == ActuatorKind::tendon;
+  const std::vector<double>& law = tendon ? actuator.moment_per_tension : actuator.moment_per_pressure;
+  if (!is_law(law)) return;
   spec.moment_per_pressure = law.front();
   spec.more_moment_per_pressure.assign(law.begin() + 1, law.end());
   if (law.size() == 1) return;
-  const SourcePosition at = document.find(path + "moment_per_pressure");
-  if (!of_pressure || !std::isfinite(low) || !std::isfinite(high)) {
-    document.fail(at, "found a law of several coefficients, expected limits of the pressure on both sides beside it");
+  const SourcePosition at = document.find(path + (tendon ? "moment_per_tension" : "moment_per_pressure"));
+  if (!of_effort || !std::isfinite(low) || !std::isfinite(high)) {
+    document.fail(at, fmt::format("found a law of several coefficients, expected limits of the {} on both sides beside "
+                                  "it",
+                                  tendon ? "tension" : "pressure"));
   }
   spec.least_pressure = low;
   spec.most_pressure = high;
@@ -253,11 +256,15 @@ Table<ActuatorDraft> actuator_table() {
        offset_key(), control_key(),
        quantity<T>("max_tension", dimension::force, positive, "no limit",
                    "Largest tension of a tendon told its length.", [](T& t, double v) { t.largest_tension = v; }),
-       law_key("moment_per_pressure", dimension::moment_per_pressure, "N m",
+       law_key("moment_per_pressure", dimension::moment_per_pressure, "N m", "Pa",
                "Moment that a unit of pressure gives; negative if pressure bends to the right. Or coefficients of the "
                "pressure, its square, and so on, which need limits of the pressure.",
                &T::moment_per_pressure),
-       law_key("force_per_pressure", dimension::force_per_pressure, "N",
+       law_key("moment_per_tension", {1, 0, "N m/N"}, "N m", "N",
+               "Moment that a unit of tension gives where the tendon's offset is largest, as measured: instead of that "
+               "offset. Or coefficients of the tension, its square, and so on, which need limits of the tension.",
+               &T::moment_per_tension),
+       law_key("force_per_pressure", dimension::force_per_pressure, "N", "Pa",
                "Axial force that comes with a unit of pressure on a rod that stretches; positive if pressure makes it "
                "longer. Or coefficients, likewise.",
                &T::force_per_pressure),
@@ -292,10 +299,16 @@ ActuatorSpec finish_actuator(const Document& document, const std::string& path, 
     document.fail(document.find(path + "moment_per_pressure"),
                   "found 'moment_per_pressure' of a tendon, expected it with kind \"pressure\" or \"moment\"");
   }
+  if (spec.kind != ActuatorKind::tendon && is_law(actuator.moment_per_tension)) {
+    document.fail(document.find(path + "moment_per_tension"),
+                  "found 'moment_per_tension', expected kind = \"tendon\" beside it");
+  }
   const bool pressures = actuator.smallest_pressure || actuator.largest_pressure;
   const auto [low, high] =
       pressures ? pressure_limits(document, path, actuator) : written_limits(document, path, actuator);
-  finish_law(document, path, actuator, low, high, pressures || spec.kind == ActuatorKind::pressure, spec);
+  const auto [least, most] =
+      actuator.by_length ? std::pair(0.0, actuator.largest_tension.value_or(infinity)) : std::pair(low, high);
+  finish_law(document, path, actuator, least, most, pressures || spec.kind != ActuatorKind::moment, spec);
   finish_force(document, path, actuator, spec);
   // Limits of a moment stay moments, also where a pressure is known.
   const bool inputs = pressures || spec.kind != ActuatorKind::moment;
@@ -304,7 +317,7 @@ ActuatorSpec finish_actuator(const Document& document, const std::string& path, 
   if (actuator.by_length) {
     spec.by_length = true;
     std::tie(spec.least_shortening, spec.most_shortening) = std::pair(low, high);
-    std::tie(spec.minimum, spec.maximum) = std::minmax({0.0, moment(actuator.largest_tension.value_or(infinity))});
+    std::tie(spec.minimum, spec.maximum) = std::minmax({0.0, moment(most)});
     if (actuator.limit && *actuator.limit == 0.0) spec.minimum = spec.maximum = 0.0;
     return spec;
   }

@@ -15,6 +15,7 @@ struct ActuatorDraft {
   std::optional<double> from, to;
   std::optional<double> limit, minimum, maximum, smallest_pressure, largest_pressure;  ///< of what its kind is told
   std::vector<double> moment_per_pressure{}, force_per_pressure{};  ///< of the pressure, its square, ...
+  std::vector<double> moment_per_tension{};                         ///< of the tension, its square, ...
   ActuatorKind kind = ActuatorKind::moment;
   bool by_length = false;
   std::optional<double> largest_tension{};
@@ -24,7 +25,7 @@ struct ActuatorDraft {
   SourcePosition position{};
 };
 
-/// Coefficients that a law of the pressure may have.
+/// Coefficients that a law of the pressure or the tension may have.
 inline constexpr std::size_t most_coefficients = 5;
 
 Table<ActuatorDraft> actuator_table();

@@ -212,8 +212,8 @@ std::optional<Numbers> law_of(const Calibration& calibration, CalibrationUnknown
   return out;
 }
 
-/// Whether a law of the pressure rises, or falls, all the way between two pressures: only then a moment tells a
-/// pressure.
+/// Whether a law of the pressure, or the tension, rises, or falls, all the way between two of them: only then a moment
+/// tells one.
 bool tells_pressure(const Numbers& law, double low, double high) {
   constexpr int samples = 200;
   int rises = 0;
@@ -250,15 +250,17 @@ std::vector<std::size_t> put_actuator(Settings& settings, const Calibration& cal
     const Node* node = table->find(key);
     return node != nullptr && std::get<std::string>(node->value) == word;
   };
-  if (told.kind != ActuatorKind::pressure) {
+  const bool tendon = told.kind == ActuatorKind::tendon && says("kind", to_string(told.kind)) && !moment.empty();
+  const bool by_length = says("control", "length");
+  if (told.kind != ActuatorKind::pressure && !tendon) {
     // A range stands in what the scene's actuator is told, which the recordings may not say.
     const bool same =
         says("kind", to_string(told.kind)) || (told.kind == ActuatorKind::moment && table->find("kind") == nullptr);
-    if (same && !says("control", "length") && moment.empty() && force.empty())
+    if (same && !by_length && moment.empty() && force.empty())
       range(told.least, told.largest, ActuatorSpec{.kind = told.kind}.input_dimension());
     return {};
   }
-  // Of a law the pressures that it was fitted to, from none on.
+  // Of a law the pressures or tensions that it was fitted to, from none on.
   const double low = std::min(told.least, 0.0);
   const double high = std::max(told.largest, 0.0);
   const auto is_law = [&](const char* key) {
@@ -275,6 +277,17 @@ std::vector<std::size_t> put_actuator(Settings& settings, const Calibration& cal
     settings.set_law(path + key, law);
     for (const auto& [number, of] : law) placed.push_back(number);
   };
+  if (tendon) {
+    put_law(".moment_per_tension", moment);
+    if (moment.size() > 1 && by_length) settings.set(path + ".max_tension", fmt::format("{:.12g} N", high));
+    if (moment.size() > 1 && !by_length) {
+      settings.drop(path + ".limit");
+      settings.set(path + ".min", fmt::format("{:.12g} N", low));
+      settings.set(path + ".max", fmt::format("{:.12g} N", high));
+    }
+    if (!by_length) range(told.least, told.largest, dimension::force);
+    return placed;
+  }
   put_law(".moment_per_pressure", moment);
   put_law(".force_per_pressure", force);
   if (moment.size() > 1 || force.size() > 1 || is_law("moment_per_pressure") || is_law("force_per_pressure")) {

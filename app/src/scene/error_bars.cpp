@@ -147,12 +147,12 @@ std::optional<Spread::Law> law_of(const std::string& key) {
   const auto end = key.find("].");
   if (!key.starts_with(table) || end == std::string::npos) return std::nullopt;
   const std::string name = key.substr(end + 2);
-  const bool pressure = name.starts_with("moment_per_pressure");
-  if (!pressure && !name.starts_with("offset")) return std::nullopt;
+  const bool of_law = name.starts_with("moment_per_");
+  if (!of_law && !name.starts_with("offset")) return std::nullopt;
   const auto bracket = name.find('[');
   const int coefficient = bracket == std::string::npos ? 0 : std::stoi(name.substr(bracket + 1));
   // One of several offsets is no number by which a moment goes.
-  const int power = pressure ? 1 + coefficient : name == "offset" ? 0 : -1;
+  const int power = of_law ? 1 + coefficient : name == "offset" ? 0 : -1;
   return Spread::Law{std::stoul(key.substr(table.size(), end - table.size())), power};
 }
 

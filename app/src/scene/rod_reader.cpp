@@ -201,6 +201,9 @@ Table<FingerDraft> finger_table() {
   finger.keys.push_back(quantity<T>("angle", dimension::angle, any, "finger_angle of [gripper]",
                                     "Angle of the finger's base against the axis.",
                                     [](T& t, double v) { t.angle = v; }));
+  finger.keys.push_back(quantities<T>("angle_range", dimension::angle, any,
+                                      "Between which a plan may turn it; without it finger_angle_range of [gripper].",
+                                      [](T& t, std::vector<double> v) { t.angle_range = two_of(v); }));
   finger.keys.push_back(quantity<T>("min_force", dimension::force, not_negative, "as in [contact]",
                                     "Smallest force of its contact.", [](T& t, double v) { t.min_force = v; }));
   finger.keys.push_back(quantity<T>("max_force", dimension::force, not_negative, "as in [contact]",
@@ -277,6 +280,8 @@ std::vector<FingerSpec> finish_fingers(const Context& context, const RodDraft& r
     FingerSpec finger;
     finger.rod = finish_rod(context, table, with_inherited(rod, own));
     finger.finger_angle = own.angle.value_or(scene.gripper ? scene.gripper->finger_angle : 0.0);
+    finger.finger_angle_range = own.angle_range;
+    if (!own.angle_range && scene.gripper) finger.finger_angle_range = scene.gripper->finger_angle_range;
     finger.min_force = own.min_force.value_or(scene.contact.min_force);
     finger.max_force = own.max_force.value_or(scene.contact.max_force);
     if (finger.min_force > finger.max_force) {

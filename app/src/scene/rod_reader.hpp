@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scene/actuator_reader.hpp"
@@ -27,7 +29,13 @@ struct RodDraft : SectionDraft {
 /// What one finger of a grasp states; the rest is that of [rod], [contact] and [gripper].
 struct FingerDraft : RodDraft {
   std::optional<double> angle, min_force, max_force;
+  std::optional<std::pair<double, double>> angle_range;
 };
+
+/// The ends of a range; two entries are asked for where the place in the file is known.
+inline std::pair<double, double> two_of(const std::vector<double>& v) {
+  return {v.front(), v.size() == 2 ? v.back() : std::nan("")};
+}
 
 /// Keys of [rod] and of [[finger]].
 Table<RodDraft> rod_table();

@@ -186,8 +186,8 @@ void finish_limits(const Document& document, const std::vector<ActuatorSpec>& ac
     const double most = std::max(std::abs(actuator.least_pressure), std::abs(actuator.most_pressure));
     for (const double limit : study.limits) {
       if (actuator.more_moment_per_pressure.empty() || limit <= most) continue;
-      document.fail(at, fmt::format("found a limit of {} Pa, but the law of actuator {} is known up to {} Pa only",
-                                    limit, a + 1, most));
+      document.fail(at, fmt::format("found a limit of {0} {3}, but the law of actuator {1} is known up to {2} {3} only",
+                                    limit, a + 1, most, study.limited.unit));
     }
   }
 }
@@ -214,8 +214,17 @@ Scene read_scene(const Document& document, std::shared_ptr<const Units> units) {
     scene.left_out.push_back({"axial_stiffness", "[coordinates] has no stretch_order: the rod does not stretch"});
   }
   scene.fingers = finish_fingers(context, draft.rod, draft.fingers, scene);
-  if (scene.gripper && scene.gripper->palm_distance_range && std::isnan(scene.gripper->palm_distance_range->second)) {
-    document.fail(document.find("gripper.palm_distance_range"), "expected two lengths: the smallest and the largest");
+  const auto require_two = [&](const auto& range, const std::string& path, const char* what = "lengths") {
+    if (range && std::isnan(range->second))
+      document.fail(document.find(path), fmt::format("expected two {}: the smallest and the largest", what));
+  };
+  if (scene.gripper) {
+    require_two(scene.gripper->palm_distance_range, "gripper.palm_distance_range");
+    require_two(scene.gripper->half_palm_range, "gripper.half_palm_range");
+    require_two(scene.gripper->finger_angle_range, "gripper.finger_angle_range", "angles");
+  }
+  for (std::size_t i = 0; i < draft.fingers.size(); ++i) {
+    require_two(scene.fingers[i].finger_angle_range, fmt::format("finger[{}].angle_range", i), "angles");
   }
   scene.measurement = finish_measurement(context, draft.measurement, scene);
   scene.trajectory.targets = finish_trajectory(context, draft.trajectory, scene);

@@ -133,6 +133,14 @@ Table<GripperSpec> gripper_table() {
        quantity<T>("finger_angle", dimension::angle, any, "0",
                    "Angle of the upper finger's base against the axis; that of the lower one is mirrored.",
                    [](T& t, double v) { t.finger_angle = v; }),
+       quantities<T>("half_palm_range", dimension::length, positive,
+                     "Between which a plan may move either finger's base across the axis, each by itself; `half_palm` "
+                     "is then where it begins.",
+                     [](T& t, std::vector<double> v) { t.half_palm_range = two_of(v); }),
+       quantities<T>("finger_angle_range", dimension::angle, any,
+                     "Between which a plan may turn either finger's base, each by itself: a finger on a wrist. "
+                     "`finger_angle` is then where it begins.",
+                     [](T& t, std::vector<double> v) { t.finger_angle_range = two_of(v); }),
        quantity<T>(
            "object_diameter", dimension::length, positive, "", "Diameter of the round object.",
            [](T& t, double v) { t.object_diameter = v; }, Need::required),
@@ -144,10 +152,7 @@ Table<GripperSpec> gripper_table() {
                    "Fixed distance from the palm to the object's centre.", [](T& t, double v) { t.palm_distance = v; }),
        quantities<T>("palm_distance_range", dimension::length, not_negative,
                      "Smallest and largest distance from the palm to the object's centre.",
-                     [](T& t, std::vector<double> v) {
-                       // Two entries are asked for below, where the place in the file is known.
-                       t.palm_distance_range = {v.front(), v.size() == 2 ? v.back() : std::nan("")};
-                     }),
+                     [](T& t, std::vector<double> v) { t.palm_distance_range = two_of(v); }),
        point<T>("position", dimension::length, "[0, 0]", "The palm's middle.", [](T& t, Vec2 v) { t.position = v; }),
        quantity<T>("angle", dimension::angle, any, "0", "Direction of the axis of symmetry, away from the palm.",
                    [](T& t, double v) { t.angle = v; }),

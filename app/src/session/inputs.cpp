@@ -219,7 +219,8 @@ std::variant<Execution, Trajectory> execute_result(Session& session, const files
   }
   std::optional<double> palm_distance;
   if (plan.grasp) palm_distance = plan.grasp->palm_distance;
-  return session.execute(all_held(scene, plan), start, palm_distance, over(plan.place, place_of(moved, session)));
+  return session.execute(all_held(scene, plan), start, palm_distance, over(plan.place, place_of(moved, session)),
+                         lower_place_of(plan));
 }
 
 }  // namespace tendril::app

@@ -353,7 +353,7 @@ void Session::use(const Scene& scene) {
 }
 
 Execution Session::execute(const std::vector<double>& held, const std::optional<Plan>& start,
-                           std::optional<double> palm_distance, const RodPlace& place) {
+                           std::optional<double> palm_distance, const RodPlace& place, const RodPlace& lower_place) {
   const bool grasp = scene_.problem == ProblemKind::grasp;
   if (grasp && !palm_distance) palm_distance = scene_.gripper->palm_distance;
   if (grasp && !palm_distance) {
@@ -363,6 +363,7 @@ Execution Session::execute(const std::vector<double>& held, const std::optional<
   const auto guard = guarded();
   ExecuteControl control = execute_control(start);
   control.place = place;
+  control.lower_place = lower_place;
   Execution done;
   if (plans_both_fingers(scene_)) {
     done = located("", [&] { return execute_both_fingers(scene_, *palm_distance, held, control); });

@@ -25,6 +25,8 @@ struct ExecuteControl {
   /// Where the rod is moved to, also one that no scene moves; what is absent is as `start` has it, or as the scene has
   /// it. From a `start` elsewhere it is moved on the way, linearly.
   RodPlace place{};
+  /// The same of the lower finger of a grasp where both are planned, in the world.
+  RodPlace lower_place{};
   /// One number per obstacle: the tangential part of its contact forces, along the rod, for each unit of the normal
   /// part; it grows from 0 along the path, whatever coefficients the scene has. Empty: contacts stick and slip at
   /// these. The path ends where the rod gives way.

@@ -102,6 +102,18 @@ struct GraspHold {
   double largest_moment = 0.0;  ///< N m, likewise
 };
 
+/// Where a rod is clamped.
+struct BasePose {
+  Vec2 position{};     ///< m
+  double angle = 0.0;  ///< rad
+};
+
+/// Where a rod was moved to as a whole. Arc lengths count along the rod as it is where it is out of its port farthest.
+struct RodPlace {
+  std::optional<double> insertion{};  ///< m of it that are out of its port; absent: it is not drawn in or out
+  std::optional<BasePose> base{};     ///< absent: its base does not move
+};
+
 /// The lower finger of a grasp where it is planned on its own, in the world.
 struct FingerPlan {
   std::vector<double> coordinates;  ///< dimensionless, of the finger's mirror image
@@ -115,6 +127,7 @@ struct FingerPlan {
   /// As Plan::self_overlap.
   std::optional<std::pair<double, double>> self_overlap;
   std::vector<double> turns{};  ///< As Plan::turns.
+  RodPlace place{};             ///< of its base, where that may be moved
 };
 
 /// What only a grasp has. The plan's rod and contacts are those of the upper finger.
@@ -129,18 +142,6 @@ struct GraspPlan {
   double lateral_force = 0.0;           ///< N, with which each finger presses across the axis; the mean of both
   std::optional<GraspQuality> quality;  ///< of plans; an execution has none
   std::optional<GraspHold> hold;        ///< of solved plans, where contacts have friction
-};
-
-/// Where a rod is clamped.
-struct BasePose {
-  Vec2 position{};     ///< m
-  double angle = 0.0;  ///< rad
-};
-
-/// Where a rod was moved to as a whole. Arc lengths count along the rod as it is where it is out of its port farthest.
-struct RodPlace {
-  std::optional<double> insertion{};  ///< m of it that are out of its port; absent: it is not drawn in or out
-  std::optional<BasePose> base{};     ///< absent: its base does not move
 };
 
 /// Where a plan's moments hold the rod if contacts push so far off their normals. SI units.

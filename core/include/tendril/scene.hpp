@@ -75,13 +75,13 @@ struct OffsetPoint {
 };
 
 /// What bends the rod between two arc lengths, and its limits. Core knows moments only: that of a tendon is the tension
-/// times its largest offset, and along the rod it goes with the offset.
+/// times its largest offset, or what a law has, and along the rod it goes with the offset.
 struct TENDRIL_API ActuatorSpec {
   double from = 0.0;                         ///< m
   double to = 0.0;                           ///< m; the reader fills in the rod's length
   double minimum = -infinity;                ///< N m
   double maximum = infinity;                 ///< N m
-  double moment_per_pressure = 0.0;          ///< N m / Pa; 0: not given
+  double moment_per_pressure = 0.0;          ///< N m / Pa, of a tendon's law N m / N of tension; 0: not given
   ActuatorKind kind = ActuatorKind::moment;  ///< as the scene has it
   std::vector<OffsetPoint> offset{};         ///< of a tendon, linear in between; one: the same all along
   /// A tendon is told its length, and its tension follows: what it is shorter by than along the straight rod of its own
@@ -90,10 +90,11 @@ struct TENDRIL_API ActuatorSpec {
   double least_shortening = -infinity;  ///< m, of such a tendon
   double most_shortening = infinity;    ///< m, likewise
   /// N m / Pa^2, N m / Pa^3, ...: what the moment has beyond the share that goes with the pressure. It rises, or falls,
-  /// all the way between the two pressures; beyond them it goes on along its tangents. Empty: nothing.
+  /// all the way between the two pressures; beyond them it goes on along its tangents. Empty: nothing. Likewise of
+  /// tensions.
   std::vector<double> more_moment_per_pressure{};
-  double least_pressure = -infinity;  ///< Pa
-  double most_pressure = infinity;    ///< Pa
+  double least_pressure = -infinity;  ///< Pa, of a tendon N
+  double most_pressure = infinity;    ///< Pa, of a tendon N
   /// N / Pa, N / Pa^2, ...: the axial force that comes with a pressure on a rod that stretches, positive if it makes it
   /// longer, likewise beyond the two pressures. Empty: none.
   std::vector<double> force_per_pressure{};
@@ -109,8 +110,9 @@ struct TENDRIL_API ActuatorSpec {
   Dimension effort_dimension() const;
   /// The offset of largest size, m.
   double largest_offset() const;
-  /// Whether it is known what moment a pressure gives.
-  bool knows_pressure() const { return moment_per_pressure != 0.0 || !more_moment_per_pressure.empty(); }
+  /// Whether it is known what moment a pressure gives, or a tension beside what its offset says.
+  bool has_law() const { return moment_per_pressure != 0.0 || !more_moment_per_pressure.empty(); }
+  bool knows_pressure() const { return kind != ActuatorKind::tendon && has_law(); }  ///< Of a pressure.
   double moment_of(double input) const;  ///< N m, under a pressure, a tension or a moment.
   /// The axial force (N) that comes with a moment (N m), and its derivatives by it.
   struct Pull {
@@ -295,16 +297,21 @@ enum class Fingers {
 /// A finger that is not like the other one. Everything is said as of an upper finger: of the lower one it is the mirror
 /// image that is described.
 struct FingerSpec {
-  RodSpec rod;                  ///< instead of the scene's, without its place
-  double finger_angle = 0.0;    ///< rad, of its base against the axis, as GripperSpec::finger_angle
-  double min_force = 0.0;       ///< N, of its contact
-  double max_force = infinity;  ///< N, of its contact
+  RodSpec rod;                ///< instead of the scene's, without its place
+  double finger_angle = 0.0;  ///< rad, of its base against the axis, as GripperSpec::finger_angle
+  std::optional<std::pair<double, double>> finger_angle_range{};  ///< rad, as GripperSpec::finger_angle_range
+  double min_force = 0.0;                                         ///< N, of its contact
+  double max_force = infinity;                                    ///< N, of its contact
 };
 
 /// Two fingers on a palm and the round object between them (docs/model.md section 6, "grasp").
 struct GripperSpec {
-  double half_palm = 0.0;               ///< m, from the axis of symmetry to the base of either finger
-  double finger_angle = 0.0;            ///< rad, of the upper finger's base against the axis; the lower is mirrored
+  double half_palm = 0.0;     ///< m, from the axis of symmetry to the base of either finger
+  double finger_angle = 0.0;  ///< rad, of the upper finger's base against the axis; the lower is mirrored
+  /// m: between which a plan may move the base of either finger across the axis, each by itself; absent: it stands.
+  std::optional<std::pair<double, double>> half_palm_range{};
+  /// rad: between which a plan may turn the base of either finger, each by itself; absent: it does not turn.
+  std::optional<std::pair<double, double>> finger_angle_range{};
   double object_diameter = 0.0;         ///< m
   double object_mass = 0.0;             ///< kg, >= 0; weighs where the scene has gravity
   Vec2 object_force{};                  ///< N, dead, on the object's centre, in the world

@@ -108,7 +108,7 @@ Description describe_both_fingers(const Task& upper, Description out) {
     for (const Mode& below : fingers[1]->modes) {
       Description::Mode m;
       m.name = pair_name(above, below);
-      int coordinates = 0, moments = 0, arc_lengths = 0, checks = 0;
+      int coordinates = 0, moments = 0, moves = 0, arc_lengths = 0, checks = 0;
       for (std::size_t which = 0; which < 2; ++which) {
         const Task& d = *fingers[which];
         const Mode& mode = which == 0 ? above : below;
@@ -118,12 +118,14 @@ Description describe_both_fingers(const Task& upper, Description out) {
         const PoseProgram::Layout& at = program.layout();
         coordinates += at.coordinates;
         moments += at.moments;
+        moves += at.moves;
         arc_lengths += at.arc_lengths;
         checks += at.checks;
       }
       const int palm = upper.palm->minimum != upper.palm->maximum ? 1 : 0;
       add(m.variables, "coordinates", coordinates);
       add(m.variables, "moments", moments);
+      add(m.variables, "base", moves);
       add(m.variables, "contact_arc_length", arc_lengths);
       const int forces = upper.palm->loaded ? 2 : 1;
       const int ratios = upper.friction.empty() ? 0 : forces;
@@ -137,7 +139,7 @@ Description describe_both_fingers(const Task& upper, Description out) {
       add(m.rows, "closest_point", 2 - arc_lengths, "inequality");
       add(m.rows, "non_penetration", checks, "inequality");
       add(m.rows, "force_balance", balances, "equality");
-      const int count = coordinates + moments + arc_lengths + forces + ratios + palm;
+      const int count = coordinates + moments + moves + arc_lengths + forces + ratios + palm;
       if (count > most) {
         most = count;
         largest = out.modes.size();

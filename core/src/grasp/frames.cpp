@@ -79,6 +79,10 @@ FingerPlan reflected(const GripperSpec& gripper, FingerPlan finger) {
     const Vec2 at = mirrored(gripper, p.position());
     p = {p.s, at.x, at.y, angle_of(p.angle), -p.curvature};
   }
+  if (finger.place.base) {
+    BasePose& base = *finger.place.base;
+    base = {mirrored(gripper, base.position), angle_of(base.angle)};
+  }
   const Vec2 tip = mirrored(gripper, {finger.tip_x, finger.tip_y});
   finger.tip_x = tip.x;
   finger.tip_y = tip.y;
@@ -124,6 +128,7 @@ Scene finger_of(const Scene& scene, FingerName name) {
     const FingerSpec& own = scene.fingers[name == FingerName::upper ? 0 : 1];
     finger.rod = own.rod;
     gripper.finger_angle = own.finger_angle;
+    gripper.finger_angle_range = own.finger_angle_range;
     finger.contact.min_force = own.min_force;
     finger.contact.max_force = own.max_force;
     finger.fingers.clear();
@@ -150,13 +155,14 @@ FingerPlan lower_in_world(const Scene& scene, const Plan& plan) {
 
 FingerPlan finger_state(const Plan& plan) {
   return {plan.coordinates, plan.moments,   plan.contacts,     plan.backbone, plan.tip_x,
-          plan.tip_y,       plan.tip_angle, plan.self_overlap, plan.turns};
+          plan.tip_y,       plan.tip_angle, plan.self_overlap, plan.turns,    plan.place};
 }
 
 void set_finger(Plan& plan, FingerPlan finger) {
   plan.coordinates = std::move(finger.coordinates);
   plan.moments = std::move(finger.moments);
   plan.turns = std::move(finger.turns);
+  plan.place = finger.place;
   plan.contacts = std::move(finger.contacts);
   plan.backbone = std::move(finger.backbone);
   plan.tip_x = finger.tip_x;
@@ -202,6 +208,11 @@ Scene finger_in_palm_frame(const Scene& scene) {
   finger.gripper->fingers = both ? Fingers::both : Fingers::mirrored;
   finger.rod.base_position = {0.0, gripper.half_palm};
   finger.rod.base_angle = gripper.finger_angle;
+  if (gripper.half_palm_range) {
+    const auto [low, high] = *gripper.half_palm_range;
+    finger.rod.base_position_range = {{0.0, low}, {0.0, high}};
+  }
+  finger.rod.base_angle_range = gripper.finger_angle_range;
   if (finger.gravity) finger.gravity = rotated(*finger.gravity, -gripper.angle);
   finger.tip_load.force = rotated(finger.tip_load.force, -gripper.angle);
   for (RodLoadSpec& load : finger.rod.loads) load.force = rotated(load.force, -gripper.angle);
@@ -279,6 +290,10 @@ void finger_to_world(const GripperSpec& gripper, double distance, Plan& plan) {
     p.x = at.x;
     p.y = at.y;
     p.angle += gripper.angle;
+  }
+  if (plan.place.base) {
+    BasePose& base = *plan.place.base;
+    base = {palm_to_world(gripper, base.position + Vec2{distance, 0.0}), base.angle + gripper.angle};
   }
   if (!plan.backbone.empty()) {
     plan.tip_x = plan.backbone.back().x;

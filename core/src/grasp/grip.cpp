@@ -17,6 +17,17 @@ class PinchedObject : public Grip {
   void finish(const Task& data, PoseProgram& program, ConstVectorRef x, Plan& plan) const override;
 };
 
+/// The distance from the axis that a finger's base may have, as near as can be to this one.
+double base_near(const Rod& rod, double across) {
+  double low = rod.base.y;
+  double high = low;
+  for (const Rod::Move& m : rod.moves) {
+    low += m.minimum * m.along.y;
+    high += m.maximum * m.along.y;
+  }
+  return std::clamp(across, low, high);
+}
+
 std::string metres(double value) { return shown(value) + " m"; }
 
 /// The largest force of one contact, dimensionless.
@@ -40,7 +51,6 @@ std::string PinchedObject::obstruction(const Task& data, double reach) const {
     return "the object is too large: its radius of " + metres(radius * length) +
            " is more than the largest palm distance, " + metres(farthest * length);
   }
-  const Vec2 base = data.rod.base;
   const bool mirrored = !plans_both_fingers(data.scene);
   if (mirrored) {
     const double carried = data.scene.contact.count * carried_by(data);
@@ -52,7 +62,8 @@ std::string PinchedObject::obstruction(const Task& data, double reach) const {
   const bool balanced =
       mirrored && data.palm->balance && data.scene.contact.count == 1 && !data.palm->loaded && data.friction.empty();
   const double nearest = data.palm->minimum;
-  const double away = balanced ? std::hypot(nearest, base.y - radius) : std::hypot(nearest, base.y) - radius;
+  const double away = balanced ? std::hypot(nearest, base_near(data.rod, radius) - radius)
+                               : std::hypot(nearest, base_near(data.rod, 0.0)) - radius;
   if (!(away > reach)) return "";
   const bool by_limit = nearest > radius;
   return std::string("out of reach: the object is too ") + (by_limit ? "far away" : "large") +
@@ -81,7 +92,7 @@ std::unique_ptr<const Grip> pinched_object() { return std::make_unique<PinchedOb
 
 std::string pair_obstruction(const Task& upper, double upper_reach, double lower_reach) {
   // Contacts C + r n and C - r n at distances from the bases (0, w) and (0, -w) of at most a and b: the parallelogram
-  // law gives |C|^2 + |r n - (0, w)|^2 <= (a^2 + b^2) / 2.
+  // law gives |C|^2 + |r n - (0, w)|^2 <= (a^2 + b^2) / 2. Of bases that are not as far from the axis w is the mean.
   const Task& lower = *upper.lower;
   const double from_lower = lower.term_units.force / upper.term_units.force;
   std::string heavy =
@@ -91,7 +102,8 @@ std::string pair_obstruction(const Task& upper, double upper_reach, double lower
   if (upper.palm->loaded || !upper.friction.empty()) return "";
   const double radius = upper.obstacles[0]->smallest_radius() * upper.scale.length;
   const double nearest = upper.palm->minimum * upper.scale.length;
-  const double away = std::hypot(nearest, upper.rod.base.y * upper.scale.length - radius);
+  const double half_palm = base_near(upper.rod, radius / upper.scale.length) * upper.scale.length;
+  const double away = std::hypot(nearest, half_palm - radius);
   const double reach = std::hypot(upper_reach, lower_reach) / std::sqrt(2.0);
   if (!(away > reach)) return "";
   const bool by_limit = nearest > radius * (1.0 + 1e-9);

@@ -246,6 +246,7 @@ Plan GraspPlanner::finger_plan(int which, Best& best) const {
     plan.turns.push_back(program.turn_along(static_cast<int>(a)));
   }
   plan.contacts = planned_contacts(program, d.obstacle_names, d.scale);
+  plan.place = place_of(program, x, d.scale);
   plan.backbone = sampled_backbone(program, d.scale.length);
   plan.self_overlap = self_overlap(plan.backbone, d.scene.rod.body());
   finger_to_world(*d.scene.gripper, best.program->palm_distance(best.x) * d.scene_scale.length, plan);

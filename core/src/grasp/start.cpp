@@ -71,34 +71,59 @@ struct Finger {
     return at;
   }
 
-  Eigen::Vector2d miss(const Base& at) const { return {at.angle - rod.base_angle, at.y - rod.base.y}; }
+  /// What is chosen: the moments, and what the base is moved by.
+  struct Choice {
+    Eigen::VectorXd moments, moves;
+  };
 
-  /// The smallest moments that bring the base to where it is clamped, as nearly as their limits let them.
-  Eigen::VectorXd fit() const {
+  Eigen::Vector2d miss(const Base& at, const Eigen::VectorXd& moves) const {
+    Eigen::Vector2d out{at.angle - rod.base_angle, at.y - rod.base.y};
+    for (Eigen::Index l = 0; l < moves.size(); ++l) {
+      const Rod::Move& move = rod.moves[static_cast<std::size_t>(l)];
+      if (move.kind == Rod::Move::Kind::turn) out[0] -= moves[l] - rod.base_angle;
+      out[1] -= moves[l] * move.along.y;
+    }
+    return out;
+  }
+
+  /// The smallest moments that bring the base to where it is clamped, as nearly as their limits let them, with the
+  /// base moved as little as that takes.
+  Choice fit() const {
     const auto count = static_cast<Eigen::Index>(rod.actuators.size());
-    Eigen::VectorXd moments = Eigen::VectorXd::Zero(count);
-    if (count == 0) return moments;
-    Base at = base(moments);
+    const auto moves = static_cast<Eigen::Index>(rod.moves.size());
+    const std::vector<double> starts = rod.starts();
+    Choice chosen{Eigen::VectorXd::Zero(count), Eigen::Map<const Eigen::VectorXd>(starts.data(), moves)};
+    if (count + moves == 0) return chosen;
+    Eigen::MatrixXd rate(2, count + moves);
+    for (Eigen::Index l = 0; l < moves; ++l) {
+      const Rod::Move& move = rod.moves[static_cast<std::size_t>(l)];
+      rate.col(count + l) << (move.kind == Rod::Move::Kind::turn ? -1.0 : 0.0), -move.along.y;
+    }
+    Base at = base(chosen.moments);
     for (int round = 0; round < most_newton; ++round) {
-      const Eigen::MatrixXd rate = at.by_moment;
-      const Eigen::VectorXd step = rate.completeOrthogonalDecomposition().solve(-miss(at));
+      rate.leftCols(count) = at.by_moment;
+      const Eigen::VectorXd step = rate.completeOrthogonalDecomposition().solve(-miss(at, chosen.moves));
       double share = std::min(1.0, 3.0 / std::max(1e-12, step.norm()));
       bool better = false;
       for (int halving = 0; halving < 8 && !better; ++halving, share *= 0.5) {
-        Eigen::VectorXd trial = moments + share * step;
+        Choice trial{chosen.moments + share * step.head(count), chosen.moves + share * step.tail(moves)};
         for (Eigen::Index a = 0; a < count; ++a) {
           const Rod::Actuator& limits = rod.actuators[static_cast<std::size_t>(a)];
-          trial[a] = std::clamp(trial[a], limits.minimum, limits.maximum);
+          trial.moments[a] = std::clamp(trial.moments[a], limits.minimum, limits.maximum);
         }
-        Base moved = base(trial);
-        better = miss(moved).norm() < miss(at).norm();
+        for (Eigen::Index l = 0; l < moves; ++l) {
+          const Rod::Move& limits = rod.moves[static_cast<std::size_t>(l)];
+          trial.moves[l] = std::clamp(trial.moves[l], limits.minimum, limits.maximum);
+        }
+        Base moved = base(trial.moments);
+        better = miss(moved, trial.moves).norm() < miss(at, chosen.moves).norm();
         if (!better) continue;
-        moments = trial;
+        chosen = std::move(trial);
         at = std::move(moved);
       }
-      if (!better || miss(at).norm() < 1e-10) break;
+      if (!better || miss(at, chosen.moves).norm() < 1e-10) break;
     }
-    return moments;
+    return chosen;
   }
 };
 
@@ -117,15 +142,17 @@ StartShape grasp_start(const Task& data, const Mode& mode, int index) {
     finger.contact = knots[stretch] + places[which] * (knots[stretch + 1] - knots[stretch]);
   }
   finger.radius += data.rod.radius_at(finger.contact).value;
-  const Eigen::VectorXd moments = finger.fit();
+  const auto [moments, moves] = finger.fit();
   Finger::Base at = finger.base(moments);
   StartShape shape;
-  shape.curvature = [rod = data.rod, moments, place = finger.contact, within = std::move(at.curvature)](double s) {
+  shape.curvature = [rod = data.rod, moments = moments, place = finger.contact,
+                     within = std::move(at.curvature)](double s) {
     if (s < place)
       return within[static_cast<std::size_t>(std::clamp(static_cast<int>(s / place * steps), 0, steps - 1))];
     return Finger{rod, place, 0.0, 0.0, 0.0}.curvature(s, 0.0, moments);
   };
   shape.moments.assign(moments.data(), moments.data() + moments.size());
+  shape.moves.assign(moves.data(), moves.data() + moves.size());
   shape.arc_lengths = {contact.at_tip ? std::nan("") : finger.contact};
   shape.forces = {finger.force};
   shape.palm_distance = std::clamp(-at.x, data.palm->minimum, data.palm->maximum);

@@ -79,9 +79,9 @@ CalibrationInput::Subject CalibrationInput::subject_of(const Scene& scene, const
       }
       const ActuatorSpec& of = scene.rod.actuators[a];
       const bool same = spec.recordings.front().input_kinds[a] == of.input();
-      const double per_input = of.input() == ActuatorKind::tendon     ? of.largest_offset()
-                               : of.input() == ActuatorKind::pressure ? of.moment_per_pressure
-                                                                      : 1.0;
+      const double per_input = of.has_law()                         ? of.moment_per_pressure
+                               : of.input() == ActuatorKind::tendon ? of.largest_offset()
+                                                                    : 1.0;
       return {"moment of actuator " + std::to_string(actuator),
               "",
               actuator - 1,

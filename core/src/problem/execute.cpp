@@ -8,6 +8,7 @@
 #include "certificate/clearance.hpp"
 #include "problem/calibrated_range.hpp"
 #include "problem/friction.hpp"
+#include "problem/way.hpp"
 #include "rod/self_overlap.hpp"
 #include "scene/make_rod.hpp"
 #include "scene/plan_report.hpp"
@@ -115,8 +116,15 @@ void Executor::move_rod() {
     for (const double m : held->moves) {
       if (!std::isfinite(m)) throw Error("expected a finite place of the rod, found " + shown(m));
     }
-    if (rod_.draws()) require_out_of_port(rod_, held->moves.back(), scale_);
   }
+  if (!rod_.draws()) return;
+  hide_inside_port(rod_, last_.moves.back(), scale_);
+  // An earlier result may end just before the knot behind which the rod now goes on, or at it.
+  const std::vector<double> knots = rod_.fixed_knots();
+  double& last = last_.moves.back();
+  double& first = first_.moves.back();
+  last = std::max(last, knots[0]);
+  first = std::clamp(first, knots[0], std::max(last, knots[1] - before_knot));
 }
 
 State Executor::earlier_state() const {
@@ -450,6 +458,38 @@ void Executor::report(Tracker& tracker, bool arrived, Execution& out) {
   std::erase_if(plan.contacts, [&](const PlannedContact& c) { return !(c.force > tolerance::force * scale_.force()); });
 }
 
+/// Shares of the way from an earlier result at which the port comes to an end of a segment, an actuator or a load, or
+/// next to it: there the rod goes on with fewer stretches, or with more. `insertion`: m, where the way begins.
+std::vector<double> shares_at_knots(const Scene& scene, const ExecuteControl& control, double insertion) {
+  if (control.start == nullptr || !control.place.insertion) return {};
+  validate(scene);
+  const Scale scale = scale_of(scene);
+  const double from = 1.0 - insertion / scale.length;
+  const double to = 1.0 - *control.place.insertion / scale.length;
+  std::vector<double> shares;
+  for (const double knot : make_rod(scene, scale).fixed_knots()) {
+    const double stop = to > from ? knot - before_knot : knot;
+    if (std::min(from, to) < stop && stop < std::max(from, to) && std::abs(to - knot) > knot_merge_distance)
+      shares.push_back((stop - from) / (to - from));
+  }
+  std::sort(shares.begin(), shares.end());
+  return shares;
+}
+
+/// A way's next part, between two shares of it.
+void add_part(Execution& part, double from, double to, Execution& way) {
+  add_snaps(part.snaps, from, to, way.snaps);
+  way.load = from + part.load * (to - from);
+  way.steps += part.steps;
+  way.contact_changes += part.contact_changes;
+  way.tendon_changes += part.tendon_changes;
+  way.pieces = part.pieces;
+  const double solving = way.result.seconds_solve, certifying = way.result.seconds_certify;
+  way.result = std::move(part.result);
+  way.result.seconds_solve += solving;
+  way.result.seconds_certify += certifying;
+}
+
 }  // namespace
 
 std::vector<double> held_of(const Scene& scene, const Plan& plan) {
@@ -465,7 +505,32 @@ std::vector<double> held_of(const Scene& scene, const Plan& plan) {
 
 Execution execute(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
                   const std::vector<double>& held, const ExecuteControl& control) {
-  return Executor(scene, obstacles, held, control).run();
+  ExecuteControl own = control;
+  const double first = control.start != nullptr && control.start->place.insertion
+                           ? *control.start->place.insertion
+                           : scene.rod.length() - scene.rod.drawn_in;
+  const std::vector<double> shares = shares_at_knots(scene, control, first);
+  Plan state;
+  Execution before;
+  double done = 0.0;
+  for (const double share : shares) {
+    std::vector<double> there = held_of(scene, *control.start);
+    for (std::size_t a = 0; a < std::min(there.size(), held.size()); ++a) there[a] += share * (held[a] - there[a]);
+    own.place = between(control.start->place, control.place, share);
+    own.place.insertion = first + share * (*control.place.insertion - first);
+    Execution part = Executor(scene, obstacles, there, own).run();
+    add_part(part, done, share, before);
+    if (before.result.status != PlanStatus::solved) return before;
+    state = before.result;
+    own.start = &state;
+    done = share;
+  }
+  own.place = control.place;
+  Execution last = Executor(scene, obstacles, held, own).run();
+  if (shares.empty()) return last;
+  add_part(last, done, 1.0, before);
+  before.result.start_backbone = control.start->backbone;
+  return before;
 }
 
 Execution execute(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles, const Plan& plan,

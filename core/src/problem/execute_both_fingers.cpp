@@ -87,10 +87,15 @@ Execution execute_both_fingers(const Scene& scene, double palm_distance, const s
     throw Error("found " + std::to_string(held.size()) + " moments, expected one for each of the fingers' " +
                 std::to_string(all) + " actuators");
   }
+  // The lower finger's own world is the mirror image.
+  Plan lower;
+  lower.place = control.lower_place;
+  const std::array<RodPlace, 2> places{control.place, lower_in_world(scene, lower).place};
   for (std::size_t which = 0; which < 2; ++which) {
     const std::optional<Plan> start = start_of(scene, control.start, both[which]);
     ExecuteControl own = control;
     own.start = start ? &*start : nullptr;
+    own.place = places[which];
     const auto begin = held.begin() + static_cast<std::ptrdiff_t>(which == 0 ? 0 : first);
     const std::vector<double> part(begin, which == 0 ? held.begin() + static_cast<std::ptrdiff_t>(first) : held.end());
     done[which] = execute(finger_in_world(scenes[which]), obstacles_of_finger(scenes[which], palm_distance), part, own);

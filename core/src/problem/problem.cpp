@@ -18,6 +18,7 @@
 #include "search/either_way.hpp"
 #include "search/follower.hpp"
 #include "search/friction.hpp"
+#include "search/limit.hpp"
 #include "search/parameters.hpp"
 #include "search/report.hpp"
 #include "search/task.hpp"
@@ -55,6 +56,13 @@ void require_quantities(Task& d, const Scene& scene, std::size_t i) {
   if ((reads.tensions || reads.shortenings) &&
       std::none_of(d.rod.actuators.begin(), d.rod.actuators.end(), is_tendon)) {
     throw SceneError(path, name + "a tendon, but the rod has none (kind = \"tendon\" in [[rod.actuator]])");
+  }
+  const std::vector<ActuatorSpec>& specs = scene.rod.actuators;
+  if (reads.tensions && std::any_of(specs.begin(), specs.end(), [](const ActuatorSpec& a) {
+        return a.kind == ActuatorKind::tendon && a.has_law();
+      })) {
+    throw SceneError(path,
+                     name + "tensions, but a tendon has 'moment_per_tension', expected a term that reads moments");
   }
 }
 
@@ -128,7 +136,7 @@ void tell_left_out(Task& d, const Scene& scene) {
 /// The small programs, one per way of being in contact.
 void make_modes(Task& d) {
   if (d.scene.contact.mode != ContactModeName::require || !d.contact_planned()) {
-    Mode none{d.obstacles.empty() ? "free" : "no contact", {}, ""};
+    Mode none{(d.obstacles.empty() ? "free" : "no contact") + d.port_name(), {}, ""};
     for (const PoseProgramTerm& t : d.terms) {
       const Reads reads = t.term->reads();
       if (!(reads.contact_point || reads.contact_gap || reads.contact_normal || reads.contact_arc_length)) continue;
@@ -154,23 +162,100 @@ void make_modes(Task& d) {
   }
 }
 
+/// The window that holds a port, or the one nearest to it.
+const Rod& window_of(const Task& d, double port) {
+  const auto away = [port](const Rod& window) {
+    const Rod::Move& draw = window.moves.back();
+    return std::max({draw.minimum - port, port - draw.maximum, 0.0});
+  };
+  return *std::min_element(d.windows.begin(), d.windows.end(),
+                           [&](const Rod& a, const Rod& b) { return away(a) < away(b); });
+}
+
+/// The same of a plan; where it says nothing, of where searches begin.
+const Rod& window_of(const Task& d, const Plan* plan) {
+  const bool told = plan != nullptr && plan->place.insertion;
+  return window_of(d, told ? 1.0 - *plan->place.insertion / d.scale.length
+                           : d.scale.to_dimensionless(d.scene.rod.drawn_in, dimension::length));
+}
+
+/// Makes the task that of a rod whose port is in this stretch.
+void enter(Task& d, const Rod& window) {
+  if (window.hidden == d.rod.hidden) return;
+  d.take_rod(window);
+  const std::vector<LeftOut> told = d.left_out;
+  make_modes(d);
+  d.left_out = told;
+}
+
+/// Whether the port of a plan is where its window ends and the next one begins.
+bool at_next_window(const Task& d, const Plan& plan) {
+  if (d.windows.size() < 2 || !plan.place.insertion) return false;
+  const double port = 1.0 - *plan.place.insertion / d.scale.length;
+  const Rod::Move& own = d.rod.moves.back();
+  const auto ends = [&](double end, double last) { return end != last && std::abs(port - end) <= before_knot; };
+  return ends(own.minimum, d.windows.front().moves.back().minimum) ||
+         ends(own.maximum, d.windows.back().moves.back().maximum);
+}
+
 Plan plan_pose(Task& task, const PlanControl& control) {
   if (task.friction.empty()) return plan_to_target(task, control);
   if (task.scene.contact.friction_state == FrictionState::worst) return plan_worst(task, control);
   return plan_any(task, control, [&task](const PlanControl& own) { return plan_to_target(task, own); });
 }
 
+/// A search for each stretch of the rod that the port may be in.
+Plan plan_windows(Task& d, const PlanControl& control) {
+  if (d.windows.size() < 2) return plan_pose(d, control);
+  Limit limit(d);
+  std::vector<const Rod*> order{&window_of(d, control.start)};
+  for (const Rod& window : d.windows) {
+    if (&window != order.front()) order.push_back(&window);
+  }
+  Plan best;
+  const Rod* chosen = order.front();
+  std::vector<ModeRecord> modes;
+  for (const Rod* window : order) {
+    if (window != order.front() && !limit.leaves_time()) {
+      best.search_cut = true;
+      break;
+    }
+    enter(d, *window);
+    Plan next = plan_pose(d, control);
+    modes.insert(modes.end(), next.modes.begin(), next.modes.end());
+    // What is proven of one stretch is not of all.
+    const bool solved = next.status == PlanStatus::solved;
+    const bool better = best.status == PlanStatus::solved ? solved && next.objective < best.objective
+                                                          : solved || best.status == PlanStatus::infeasible;
+    if (window == order.front() || better) {
+      std::swap(best, next);
+      chosen = window;
+    }
+    if (window != order.front()) {
+      best.evaluations += next.evaluations;
+      best.seconds_certify += next.seconds_certify;
+      best.search_cut = best.search_cut || next.search_cut;
+    }
+    if (best.status == PlanStatus::interrupted || next.status == PlanStatus::interrupted) break;
+  }
+  enter(d, *chosen);
+  best.modes = std::move(modes);
+  return best;
+}
+
 /// What is known of a plan beside itself: what friction has to do with it, and whether its rod was calibrated with
 /// that.
 void tell_more(const Task& task, Plan& plan, const std::atomic<bool>* stop) {
   const FingerPlan* lower = task.lower && plan.grasp && plan.grasp->lower ? &*plan.grasp->lower : nullptr;
-  const RodSpec& rod = task.scene.rod;
-  const bool turned = rod.base_angle_range && !plan.backbone.empty();
-  tell_beyond_calibration(task.scene, plan.moments, plan.turns, turned ? plan.backbone.front().angle : rod.base_angle,
+  const auto base_angle = [](const Scene& scene, const RodPlace& place) {
+    return place.base ? place_on_palm(scene, place).base->angle : scene.rod.base_angle;
+  };
+  tell_beyond_calibration(task.scene, plan.moments, plan.turns, base_angle(task.scene, plan.place),
                           lower != nullptr ? "upper finger: " : "", plan.notes);
   if (lower != nullptr) {
-    const Scene& own = task.lower->scene;
-    tell_beyond_calibration(own, lower->moments, lower->turns, own.rod.base_angle, "lower finger: ", plan.notes);
+    const RodPlace own = plan_of_finger(task.lower->scene, plan, FingerName::lower).place;
+    tell_beyond_calibration(task.lower->scene, lower->moments, lower->turns, base_angle(task.lower->scene, own),
+                            "lower finger: ", plan.notes);
   }
   judge_cones(task.scene, task.scale.force(), plan);
   if (task.palm) {
@@ -231,6 +316,12 @@ Problem::Problem(const Scene& scene, Components components) : task_(std::make_un
                  scene.target.angle_tolerance};
   take_terms(d, scene);
   tell_left_out(d, scene);
+  d.windows = port_windows(d.rod);
+  if (d.rod.draws()) d.rod = window_of(d, nullptr);
+  if (d.windows.size() > 1) {
+    d.left_out.push_back({"programs of a port in another segment",
+                          "not described, but tried by a plan: one for each stretch that the port may be in"});
+  }
   make_modes(d);
   require_independent_functions(d);
   d.nodes = d.first_nodes();
@@ -321,11 +412,12 @@ bool Problem::follow_without_solver(Plan& plan, bool contacts_may_change) {
   // The worst state of friction changes from one to another on the way.
   const bool worst = d.scene.contact.friction_state == FrictionState::worst && !d.friction.empty();
   if (d.lower || worst) return false;
+  if (d.windows.size() > 1) enter(d, window_of(d, &plan));
   d.face(plan.tip_angle);
   if (!d.follower || !d.follower->stands_at(plan)) d.follower = Follower::from(d, plan);
   if (d.follower && !d.follower->step(plan))
     d.follower = contacts_may_change ? d.follower->step_with_other_contacts(plan) : nullptr;
-  if (!d.follower) return false;
+  if (!d.follower || at_next_window(d, plan)) return false;
   // What a search said of the plan before does not hold of this one.
   plan.scan.reset();
   plan.minima.clear();
@@ -361,7 +453,7 @@ Plan Problem::plan(const PlanControl& control) {
     }
   }
   for (const PoseProgramTerm& term : task_->terms) term.fault->clear();
-  Plan plan = task_->palm ? plan_grasp(*task_, control) : plan_pose(*task_, control);
+  Plan plan = task_->palm ? plan_grasp(*task_, control) : plan_windows(*task_, control);
   blame_terms(*task_, plan);
   tell_more(*task_, plan, control.stop);
   plan.seconds_assemble = task_->seconds_assemble;

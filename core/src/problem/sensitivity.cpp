@@ -438,6 +438,17 @@ void add_held_moments(std::vector<SceneEntry>& entries, const PlanPoint& point) 
   }
 }
 
+/// The scene with its rod clamped where a result has moved it to: while that is held nothing tells it from this one.
+Scene standing(const Scene& scene, const Plan& plan) {
+  Scene out = scene;
+  out.rod.base_position_range.reset();
+  out.rod.base_angle_range.reset();
+  if (!plan.place.base) return out;
+  out.rod.base_position = plan.place.base->position;
+  out.rod.base_angle = plan.place.base->angle;
+  return out;
+}
+
 /// Why a result is not differentiated, whatever the program says.
 std::string refused(const Plan& plan, const Rod& rod) {
   if (plan.status != PlanStatus::solved) return "the result is not solved, so that there is nothing to differentiate";
@@ -447,7 +458,7 @@ std::string refused(const Plan& plan, const Rod& rod) {
     return "contacts that stick or slip are not differentiated: the path by which they came counts";
   }
   if (const std::string why = undifferentiated(rod); !why.empty()) return why;
-  if (plan.place.insertion || plan.place.base) return "rods that are moved as a whole are not differentiated";
+  if (plan.place.insertion) return "rods that are drawn into a port are not differentiated";
   if (plan.certificate.stability < tolerance::held_margin * 1.5) {
     return "the margin of stability is " + shown(plan.certificate.stability) +
            ": at the limit of stability results have no derivative";
@@ -508,8 +519,19 @@ Sensitivity Problem::sensitivity(const Plan& plan, SensitivityKind kind, const s
   int next = 0;
   for (const ObjectiveSpec& objective : d.scene.objectives) term_of.push_back(needs_term(objective) ? next++ : -1);
   if (kind == SensitivityKind::held) {
+    const Scene held = standing(d.scene, plan);
+    const Rod rod = make_rod(held, d.scale);
+    spec.rod = &rod;
     PoseProgram alone(Equations::alone(spec));
-    return differentiate_held({d.scene, d.scale, d.rod, alone, found->x}, keys);
+    // What the base is moved by is no variable any more.
+    const PoseProgram::Layout& at = alone.layout();
+    Eigen::VectorXd x(alone.variable_count());
+    x << found->x.head(at.first_move), found->x.tail(x.size() - at.first_move);
+    return differentiate_held({held, d.scale, rod, alone, x}, keys);
+  }
+  if (!d.rod.moves.empty()) {
+    out.trouble = "plans that choose where the base stands are differentiated with all held only";
+    return out;
   }
   if (d.uncertainties) {
     out.trouble = "an objective reads the error bars, by which plans are not differentiated";
@@ -534,9 +556,10 @@ Sensitivity Problem::sensitivity(const Plan& plan, SensitivityKind kind, const s
   return out;
 }
 
-Sensitivity sensitivity_of(const Scene& scene, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
+Sensitivity sensitivity_of(const Scene& as_written, const std::vector<std::unique_ptr<Obstacle>>& obstacles,
                            const Plan& executed, const std::vector<std::string>& keys) {
   Sensitivity out;
+  const Scene scene = standing(as_written, executed);
   out.kind = SensitivityKind::held;
   const Scale scale = scale_of(scene);
   const Rod rod = make_rod(scene, scale);

@@ -53,7 +53,7 @@ Eigen::MatrixXd root_of_correlations(const std::vector<Spread>& spreads) {
 
 std::string undifferentiated(const Rod& rod) {
   if (rod.stretches()) return "rods that stretch are not differentiated";
-  if (!rod.moves.empty()) return "rods that are moved as a whole are not differentiated";
+  if (rod.draws()) return "rods that are drawn into a port are not differentiated";
   if (std::any_of(rod.actuators.begin(), rod.actuators.end(), [](const Rod::Actuator& a) { return a.by_length; })) {
     return "tendons that are told their length are not differentiated";
   }
@@ -68,6 +68,7 @@ std::shared_ptr<const Uncertainties> uncertainties_of(const Task& task, const st
   if (task.palm) refuse("error bars, but grasps are not differentiated");
   if (!task.friction.empty()) refuse("error bars, but contacts that stick or slip are not differentiated");
   if (const std::string why = undifferentiated(task.rod); !why.empty()) refuse("error bars, but " + why);
+  if (!task.rod.moves.empty()) refuse("error bars, but rods that choose where their base stands are not differentiated");
   std::vector<std::string> keys;
   for (const Spread& spread : spreads) {
     for (const Spread::Part& part : spread.parts) keys.push_back(part.key);

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "problem/friction.hpp"
+#include "problem/way.hpp"
 #include "tendril/execute.hpp"
 #include "tendril/leading.hpp"
 #include "tendril/numbers.hpp"
@@ -147,6 +148,8 @@ int stretches(const Scene& scene, const ObstaclesAt& obstacles, const TargetSpec
   return static_cast<int>(std::ceil(std::min(most, static_cast<double>(most_stretches))));
 }
 
+}  // namespace
+
 RodPlace between(const RodPlace& a, const RodPlace& b, double share) {
   RodPlace middle = b;
   if (a.insertion && b.insertion) middle.insertion = *a.insertion + share * (*b.insertion - *a.insertion);
@@ -157,15 +160,12 @@ RodPlace between(const RodPlace& a, const RodPlace& b, double share) {
   return middle;
 }
 
-/// Snaps of an execution that went from one share of the way to another.
 void add_snaps(const std::vector<Snap>& snaps, double from, double to, std::vector<Snap>& all) {
   for (const Snap& snap : snaps) {
     all.push_back(snap);
     all.back().load = from + snap.load * (to - from);
   }
 }
-
-}  // namespace
 
 std::optional<Led> led_near(const Scene& scene, const ObstaclesAt& obstacles, const TargetSpec& from,
                             const Plan& before, const TrajectoryStep& step, const ExecuteControl& control) {

@@ -181,16 +181,17 @@ Chain::Chain(const Rod& rod, const CoordinateModel& model, std::span<const int> 
   std::vector<Eigen::RowVectorXd> start_rates;
   std::vector<Eigen::RowVectorXd> length_rates;
   for (int r = 0; r < stretches; ++r) {
-    std::vector<Knot> ends{{fixed_knots_[static_cast<std::size_t>(r)], r < drawn ? 0 : -1}};
+    const double from = fixed_knots_[static_cast<std::size_t>(r)];
+    const double to = fixed_knots_[static_cast<std::size_t>(r) + 1];
+    std::vector<Knot> ends{r < drawn ? Knot{0.0, 0} : Knot{from, -1}};
     for (int k = 0; k < contacts; ++k) {
       const int stretch = knot_stretches[static_cast<std::size_t>(k)];
       if (stretch < 0 || stretch >= stretches) throw Error("a contact knot lies in no stretch of the rod");
       if (k > 0 && stretch < knot_stretches[static_cast<std::size_t>(k) - 1]) throw Error("contact knots must ascend");
       if (stretch == r) ends.push_back({0.0, drawn + k});
     }
-    ends.push_back({fixed_knots_[static_cast<std::size_t>(r) + 1], -1});
-    const double middle = 0.5 * (ends.front().constant + ends.back().constant);
-    const Rod::Segment& segment = rod.segment_at(middle);
+    ends.push_back({to, -1});
+    const Rod::Segment& segment = rod.segment_at(0.5 * (from + to));
     for (std::size_t e = 0; e + 1 < ends.size(); ++e) {
       double before = 0.0;
       for (const double part : parts) {

@@ -123,6 +123,7 @@ std::vector<double> Rod::fixed_knots() const {
     if (e > knots.back() + knot_merge_distance && e < 1.0 - knot_merge_distance) knots.push_back(e);
   }
   knots.push_back(1.0);
+  knots.erase(knots.begin(), knots.begin() + hidden);
   return knots;
 }
 

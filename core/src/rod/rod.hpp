@@ -118,6 +118,7 @@ struct TENDRIL_API Rod {
   Vec2 tip_force{};                          ///< dead force, times L^2 / EI0
   std::vector<Load> loads{};                 ///< along the rod
   bool guided = false;                       ///< it cannot leave its plane
+  int hidden = 0;                            ///< stretches between fixed knots, the first ones, that are in its port
   int stretch_order = 0;                     ///< Legendre coefficients of the stretch per piece; 0: it does not stretch
   /// As many of them as there are functions of the angle.
   static constexpr int stretch_as_fine = -1;
@@ -147,7 +148,7 @@ struct TENDRIL_API Rod {
   /// Where they have the port.
   double port() const { return draws() ? moves.back().start : 0.0; }
   /// Ends of segments, actuators, parts of their profiles and loads, ascending, 0 and 1 included: the knots that do not
-  /// move.
+  /// move. Of one that is drawn in behind some of them those from the last of these on.
   std::vector<double> fixed_knots() const;
   /// The segment that holds arc length s: the later one at a joint, the last one beyond the end.
   const Segment& segment_at(double s) const;

@@ -9,7 +9,7 @@
 namespace tendril {
 namespace {
 
-/// What a pressure gives, and its derivatives by it.
+/// What a pressure or a tension gives, and its derivatives by it.
 struct Law {
   double value = 0.0, slope = 0.0, bend = 0.0;
 };
@@ -99,7 +99,8 @@ double ActuatorSpec::largest_offset() const {
 double ActuatorSpec::moment_of(double input) const {
   switch (this->input()) {
     case ActuatorKind::tendon:
-      return input * largest_offset();
+      if (!has_law()) return input * largest_offset();
+      [[fallthrough]];
     case ActuatorKind::pressure:
       return moment_law(*this, input).value;
     case ActuatorKind::moment:
@@ -134,8 +135,8 @@ ActuatorSpec::Pull ActuatorSpec::pull_of(double moment) const {
 }
 
 std::optional<ActuatorSpec::Gain> ActuatorSpec::gain_of(int power, double moment) const {
-  if (power == 0 && offset.size() == 1) return Gain{moment / offset.front().offset, 1.0 / offset.front().offset};
-  if (power < 1 || !knows_pressure()) return std::nullopt;
+  if (power == 0 && offset.size() == 1 && !has_law()) return Gain{moment / offset.front().offset, 1.0 / offset.front().offset};
+  if (power < 1 || !has_law()) return std::nullopt;
   const double pressure = input_of(moment);
   const double p = std::clamp(pressure, least_pressure, most_pressure);
   const double slope = power * std::pow(p, power - 1);
@@ -145,7 +146,8 @@ std::optional<ActuatorSpec::Gain> ActuatorSpec::gain_of(int power, double moment
 double ActuatorSpec::input_of(double moment) const {
   switch (input()) {
     case ActuatorKind::tendon:
-      return moment / largest_offset();
+      if (!has_law()) return moment / largest_offset();
+      [[fallthrough]];
     case ActuatorKind::pressure:
       return more_moment_per_pressure.empty() ? moment / moment_per_pressure : pressure_of(*this, moment);
     case ActuatorKind::moment:

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "obstacle/room.hpp"
-#include "program/pose_program.hpp"
 #include "scene/plan_report.hpp"
 #include "tendril/error.hpp"
 
@@ -47,7 +46,6 @@ void add_moves(const RodSpec& spec, const Scale& scale, Rod& rod) {
   }
   if (spec.most_drawn_in == 0.0) return;
   rod.moves.push_back({Kind::draw, {}, 0.0, length(spec.most_drawn_in), length(spec.drawn_in)});
-  require_out_of_port(rod, rod.moves.back().maximum, scale);
 }
 
 /// A pressure pushes along the rod with the moment that it gives, or by a law of its own.
@@ -189,18 +187,57 @@ void let_base_move(Rod& rod) {
   rod.moves = std::move(moves);
 }
 
-void require_out_of_port(const Rod& rod, double drawn_in, const Scale& scale) {
-  const auto out = [&](double drawn) { return shown(scale.to_si(1.0 - drawn, dimension::length)) + " m"; };
+namespace {
+
+/// The stretch between fixed knots that a port is in, where it is at a knot the one behind it.
+int stretch_of_port(const std::vector<double>& knots, double drawn_in) {
+  const auto behind = std::upper_bound(knots.begin(), knots.end() - 1, drawn_in + knot_merge_distance);
+  return static_cast<int>(behind - knots.begin()) - 1;
+}
+
+bool is_inside(const Rod::Actuator& a, double port) { return a.to <= port + knot_merge_distance; }
+
+}  // namespace
+
+void hide_inside_port(Rod& rod, double drawn_in, const Scale& scale) {
   if (!(drawn_in >= 0.0 && drawn_in < 1.0)) {
-    throw SceneError("rod.insertion", "found an insertion of " + out(drawn_in) +
-                                          ", expected more than 0 and at most what there is of the rod (" + out(0.0) +
-                                          ")");
+    throw SceneError("rod.insertion", "found an insertion of " + shown(scale.to_si(1.0 - drawn_in, dimension::length)) +
+                                          " m, expected more than 0 and at most what there is of the rod (" +
+                                          shown(scale.length) + " m)");
   }
-  const double knot = rod.fixed_knots()[1];
-  if (drawn_in < knot - 4.0 * knot_clearance) return;
-  throw SceneError("rod.insertion", "found an insertion of " + out(drawn_in) + ", expected more than " + out(knot) +
-                                        ": there a segment, an actuator or a load ends, which cannot move through the "
-                                        "port");
+  rod.hidden = 0;
+  rod.hidden = stretch_of_port(rod.fixed_knots(), drawn_in);
+  for (std::size_t a = 0; a < rod.actuators.size(); ++a) {
+    if (!rod.actuators[a].by_length || !is_inside(rod.actuators[a], drawn_in)) continue;
+    throw SceneError("rod.insertion", "actuator " + std::to_string(a + 1) +
+                                          ", a tendon that is told its length, is all inside the port: it cannot be "
+                                          "held there");
+  }
+}
+
+std::vector<Rod> port_windows(const Rod& rod) {
+  if (!rod.draws()) return {rod};
+  std::vector<Rod> windows;
+  const std::vector<double> knots = rod.fixed_knots();
+  const Rod::Move& whole = rod.moves.back();
+  const int last = stretch_of_port(knots, whole.maximum);
+  for (int w = stretch_of_port(knots, whole.minimum); w <= last; ++w) {
+    const double begin = knots[static_cast<std::size_t>(w)];
+    Rod one = rod;
+    one.hidden = w;
+    Rod::Move& draw = one.moves.back();
+    draw.minimum = std::max(whole.minimum, begin);
+    if (w < last) draw.maximum = knots[static_cast<std::size_t>(w) + 1] - before_knot;
+    if (draw.start < draw.minimum || draw.start > draw.maximum) draw.start = 0.5 * (draw.minimum + draw.maximum);
+    bool held = false;
+    for (Rod::Actuator& a : one.actuators) {
+      if (!is_inside(a, begin)) continue;
+      held = held || a.by_length;
+      a.minimum = a.maximum = 0.0;
+    }
+    if (!held && draw.minimum <= draw.maximum) windows.push_back(std::move(one));
+  }
+  return windows;
 }
 
 }  // namespace tendril

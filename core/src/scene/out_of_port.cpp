@@ -54,6 +54,8 @@ void cut(ActuatorSpec& a, double inside) {
   }
   if (a.kind != ActuatorKind::tendon) return;
   const double rest = a.largest_offset() / whole;
+  a.moment_per_pressure *= rest;
+  for (double& c : a.more_moment_per_pressure) c *= rest;
   a.minimum *= rest;
   a.maximum *= rest;
   if (rest < 0.0) std::swap(a.minimum, a.maximum);

@@ -109,6 +109,17 @@ RodPlace place_of(const PoseProgram& program, ConstVectorRef x, const Scale& sca
   return place;
 }
 
+RodPlace place_on_palm(const Scene& scene, RodPlace place) {
+  if (!scene.gripper || !place.base) return place;
+  const GripperSpec& gripper = *scene.gripper;
+  const double c = std::cos(gripper.angle);
+  const double s = std::sin(gripper.angle);
+  const Vec2 from_palm = place.base->position - gripper.position;
+  place.base = {{c * from_palm.x + s * from_palm.y, c * from_palm.y - s * from_palm.x},
+                place.base->angle - gripper.angle};
+  return place;
+}
+
 std::vector<double> moves_of(const Rod& rod, const Scale& scale, const RodPlace& place, std::vector<double> otherwise) {
   for (std::size_t i = 0; i < rod.moves.size(); ++i) {
     const Rod::Move& m = rod.moves[i];

@@ -44,6 +44,8 @@ void planned_contacts(const PoseProgram& program, const std::vector<std::string>
 
 /// Where a program's rod has been moved to at x, which it was evaluated at last.
 RodPlace place_of(const PoseProgram& program, ConstVectorRef x, const Scale& scale);
+/// The place of a finger in the world, in the frame of its palm; of a scene without one as it is.
+RodPlace place_on_palm(const Scene& scene, RodPlace place);
 /// The same as numbers of Rod::moves; `otherwise`: those of what is absent.
 std::vector<double> moves_of(const Rod& rod, const Scale& scale, const RodPlace& place, std::vector<double> otherwise);
 

@@ -109,17 +109,27 @@ void validate_friction(const Scene& scene) {
   }
 }
 
-/// `path`: of the key.
-void validate_law(const ActuatorSpec& a, const std::string& path) {
+/// `at`: the actuator.
+void validate_law(const ActuatorSpec& a, const std::string& at) {
+  const bool tendon = a.kind == ActuatorKind::tendon;
+  const std::string path = at + (tendon ? ".moment_per_tension" : ".moment_per_pressure");
+  const std::string effort = tendon ? "tension" : "pressure";
   require_finite(a.moment_per_pressure, path);
   for (const double c : a.more_moment_per_pressure) require_finite(c, path);
   if (a.kind == ActuatorKind::pressure && !a.knows_pressure()) {
-    throw SceneError(path.substr(0, path.rfind('.')), "an actuator of kind \"pressure\" has no 'moment_per_pressure'");
+    throw SceneError(at, "an actuator of kind \"pressure\" has no 'moment_per_pressure'");
+  }
+  if (tendon && a.has_law()) {
+    const double most = a.moment_of(std::isfinite(a.most_pressure) ? a.most_pressure : 1.0);
+    if (most * a.largest_offset() < 0.0) {
+      throw SceneError(path,
+                       "the moment under tension turns the rod away from the tendon, expected one with the sign "
+                       "of its offset");
+    }
   }
   if (a.more_moment_per_pressure.empty()) return;
   if (!std::isfinite(a.least_pressure) || !std::isfinite(a.most_pressure) || !(a.least_pressure < a.most_pressure)) {
-    throw SceneError(path,
-                     "a law of several coefficients holds between two pressures, expected limits of the pressure");
+    throw SceneError(path, "a law of several coefficients holds between two values, expected limits of the " + effort);
   }
   constexpr int samples = 200;
   double last = a.moment_of(a.least_pressure);
@@ -129,9 +139,8 @@ void validate_law(const ActuatorSpec& a, const std::string& path) {
     const double moment = a.moment_of(p);
     if (side == 0.0) side = moment > last ? 1.0 : -1.0;
     if (!(side * (moment - last) > 0.0)) {
-      throw SceneError(path,
-                       "the moment turns back at a pressure of " + shown(p) +
-                           " Pa, expected it to rise, or to fall, all the way between the limits of the pressure");
+      throw SceneError(path, "the moment turns back at a " + effort + " of " + shown(p) + (tendon ? " N" : " Pa") +
+                                 ", expected it to rise, or to fall, all the way between the limits of the " + effort);
     }
     last = moment;
   }
@@ -263,6 +272,11 @@ void validate_stretch(const Scene& scene) {
   for (std::size_t i = 0; i < scene.obstacles.size() && needs_obstacles(scene); ++i) {
     if (friction_of(scene, i) > 0.0) refuse("contacts rub on rods of fixed length");
   }
+  const std::vector<ActuatorSpec>& actuators = scene.rod.actuators;
+  if (std::any_of(actuators.begin(), actuators.end(),
+                  [](const ActuatorSpec& a) { return a.kind == ActuatorKind::tendon && a.has_law(); })) {
+    refuse("a tendon whose moment goes by 'moment_per_tension' pulls along the rod as its offset has it");
+  }
   const std::vector<SegmentSpec>& segments = scene.rod.segments;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const std::string key =
@@ -279,30 +293,31 @@ void validate_stretch(const Scene& scene) {
   }
 }
 
+/// Where something of a base may be moved to holds where searches begin with it.
+void require_around(double low, double high, double own, const std::string& path, const char* what,
+                    const std::string& unit) {
+  require_finite(low, path);
+  require_finite(high, path);
+  if (low > high) {
+    throw SceneError(
+        path, "the limits contradict each other: at least " + shown(low) + unit + " and at most " + shown(high) + unit);
+  }
+  if (own < low || own > high) {
+    throw SceneError(path, std::string(what) + " of the base, " + shown(own) + unit + ", lies outside of " +
+                               shown(low) + unit + " to " + shown(high) + unit);
+  }
+}
+
 /// Where the rod may be moved to. `at`: its table.
 void validate_place(const RodSpec& rod, const std::string& at) {
-  const auto require_range = [&](double low, double high, double own, const char* key, const char* what,
-                                 const std::string& unit) {
-    const std::string path = at + key;
-    require_finite(low, path);
-    require_finite(high, path);
-    if (low > high) {
-      throw SceneError(path, "the limits contradict each other: at least " + shown(low) + unit + " and at most " +
-                                 shown(high) + unit);
-    }
-    if (own < low || own > high) {
-      throw SceneError(path, std::string(what) + " of the base, " + shown(own) + unit + ", lies outside of " +
-                                 shown(low) + unit + " to " + shown(high) + unit);
-    }
-  };
   if (rod.base_position_range) {
     const auto& [low, high] = *rod.base_position_range;
-    require_range(low.x, high.x, rod.base_position.x, ".base.position_range", "the x coordinate", " m");
-    require_range(low.y, high.y, rod.base_position.y, ".base.position_range", "the y coordinate", " m");
+    require_around(low.x, high.x, rod.base_position.x, at + ".base.position_range", "the x coordinate", " m");
+    require_around(low.y, high.y, rod.base_position.y, at + ".base.position_range", "the y coordinate", " m");
   }
   if (rod.base_angle_range) {
     const auto& [low, high] = *rod.base_angle_range;
-    require_range(low, high, rod.base_angle, ".base.angle_range", "the angle", " rad");
+    require_around(low, high, rod.base_angle, at + ".base.angle_range", "the angle", " rad");
   }
   if (!(rod.most_drawn_in >= 0.0 && rod.most_drawn_in < rod.length())) {
     throw SceneError(at + ".insertion", "the rod is " + shown(rod.length()) + " m long, but " +
@@ -323,9 +338,13 @@ void validate_moves(const Scene& scene) {
   const bool inserts = rod.most_drawn_in > 0.0;
   if (!inserts && !rod.base_position_range && !rod.base_angle_range) return;
   const std::string path = inserts ? "rod.insertion" : "rod.base";
-  if (scene.problem == ProblemKind::grasp || scene.problem == ProblemKind::estimate) {
-    throw SceneError(path, "a rod that is moved as a whole is planned for \"pose\" and \"trajectory\", found \"" +
-                               std::string(to_string(scene.problem)) + "\"");
+  if (scene.problem == ProblemKind::grasp) {
+    throw SceneError(path, inserts ? "fingers keep their length, expected no [rod.insertion] of a grasp"
+                                   : "the fingers stand on the palm, expected 'half_palm_range' and "
+                                     "'finger_angle_range' in [gripper]");
+  }
+  if (scene.problem == ProblemKind::estimate) {
+    throw SceneError(path, "forces are estimated on rods that stand still, expected none of its ranges");
   }
   if (inserts && !scene.coordinates.split_at_contact) {
     throw SceneError(path,
@@ -404,7 +423,7 @@ void validate_rod(const RodSpec& rod, const std::string& at) {
       throw SceneError(path + ".calibrated", "found a range from " + shown(a.calibrated_from) + " down to " +
                                                  shown(a.calibrated_to) + ", expected the smaller one first");
     }
-    validate_law(a, path + ".moment_per_pressure");
+    validate_law(a, path);
     validate_pull(a, path + ".force_per_pressure");
     validate_offset(a, path + ".offset", length);
   }
@@ -449,6 +468,18 @@ void validate_gripper(const Scene& scene) {
                          shown(angle) + " rad");
   };
   require_away(g.finger_angle, "gripper.finger_angle");
+  const auto require_turning = [&](const auto& range, double own, const std::string& path) {
+    if (!range) return;
+    require_around(range->first, range->second, own, path, "the angle", " rad");
+    require_away(range->first, path);
+    require_away(range->second, path);
+  };
+  require_turning(g.finger_angle_range, g.finger_angle, "gripper.finger_angle_range");
+  if (g.half_palm_range) {
+    const auto& [low, high] = *g.half_palm_range;
+    require_around(low, high, g.half_palm, "gripper.half_palm_range", "the distance from the axis", " m");
+    require_positive(low, "gripper.half_palm_range", "half the palm's width", "m");
+  }
   if (!scene.fingers.empty() && scene.fingers.size() != 2) {
     throw SceneError("finger",
                      "found " + std::to_string(scene.fingers.size()) +
@@ -466,9 +497,12 @@ void validate_gripper(const Scene& scene) {
     const std::string path = "finger[" + std::to_string(i) + "]";
     validate_rod(finger.rod, path);
     require_away(finger.finger_angle, path + ".angle");
+    require_turning(finger.finger_angle_range, finger.finger_angle, path + ".angle_range");
     require_force_limits(finger.min_force, finger.max_force, path);
     if (finger.max_force == 0.0) throw SceneError(path + ".max_force", "a grasp needs a max_force above 0");
-    if (finger.rod.base_position.x != 0.0 || finger.rod.base_position.y != 0.0 || finger.rod.base_angle != 0.0) {
+    const RodSpec& own = finger.rod;
+    if (own.base_position.x != 0.0 || own.base_position.y != 0.0 || own.base_angle != 0.0 || own.base_position_range ||
+        own.base_angle_range || own.most_drawn_in > 0.0) {
       throw SceneError(path, "the fingers stand on the palm, expected their place in [gripper]");
     }
   }

@@ -13,7 +13,7 @@ Rest rest_of(const Task& problem, const Plan& plan) {
   Rest rest{curvature_of(plan, problem.scale.length),
             {},
             {},
-            moves_of(problem.rod, problem.scale, plan.place, problem.rod.starts())};
+            moves_of(problem.rod, problem.scale, place_on_palm(problem.scene, plan.place), problem.rod.starts())};
   if (plan.moments.size() == problem.rod.actuators.size()) {
     for (const double u : plan.moments) rest.moments.push_back(u / problem.scale.moment());
   }

@@ -19,11 +19,11 @@
 namespace tendril {
 namespace {
 
-std::string contact_name(const ContactSetup& c, const std::vector<std::string>& obstacles, std::size_t stretches) {
+std::string contact_name(const ContactSetup& c, const std::vector<std::string>& obstacles, int stretches, int hidden) {
   const std::string on = "'" + obstacles[static_cast<std::size_t>(c.obstacle)] + "'";
   if (c.at_tip) return "tip contact with " + on;
   std::string name = "interior contact with " + on;
-  if (stretches > 1) name += " on segment " + std::to_string(c.region + 1);
+  if (stretches + hidden > 1) name += " on segment " + std::to_string(hidden + c.region + 1);
   return name;
 }
 
@@ -53,6 +53,16 @@ void keep_nearest(std::vector<CheckPoint>& checks, const PoseProgram& program, s
     if (distances[i] < *last) checks[kept++] = checks[i];
   }
   checks.resize(kept);
+}
+
+/// No point of the base is farther from Rod::base.
+double most_shift(const Rod& rod) {
+  double squares = 0.0;
+  for (const Rod::Move& m : rod.moves) {
+    const double most = std::max(std::abs(m.minimum), std::abs(m.maximum));
+    if (m.kind == Rod::Move::Kind::shift) squares += most * most;
+  }
+  return std::sqrt(squares);
 }
 
 constexpr double full_turn = 2.0 * std::numbers::pi;
@@ -160,9 +170,9 @@ double Task::least_cost(double distance) const {
 
 double Task::least_distance(const Mode& mode, const std::function<bool(double)>& enough) {
   // Nothing is asked of where the tip is, or terms are unknown that may gain by it, or the rod may grow.
-  if (palm || rod.stretches() || !rod.moves.empty() || !target.has_position || !(least_cost(1.0) > least_cost()))
-    return 0.0;
+  if (palm || rod.stretches() || !target.has_position || !(least_cost(1.0) > least_cost())) return 0.0;
   if (mode.contacts.empty()) {
+    if (!rod.moves.empty()) return 0.0;
     if (!reach) reach = std::make_unique<FreeReach>(spec(mode, {}, 2 * nodes));
     return reach->least_distance(target.position, enough);
   }
@@ -173,7 +183,7 @@ double Task::least_distance(const Mode& mode, const std::function<bool(double)>&
     // The obstacle's surface is so far from the target, and the tip no farther from it than the rod goes on behind the
     // contact, which the rod has to get to first.
     const double to_contact = std::max(c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region)],
-                                       obstacle.at(rod.base).distance - rod.most_radius());
+                                       obstacle.at(rod.base).distance - rod.most_radius() - most_shift(rod));
     const double behind = rod.most_radius() + std::max(0.0, 1.0 - to_contact);
     least = std::max(least, std::abs(obstacle.at(target.position).distance) - behind);
   }
@@ -195,17 +205,30 @@ Mode Task::mode(std::vector<ContactSetup> contacts) const {
   mode.contacts = std::move(contacts);
   for (const ContactSetup& c : mode.contacts) {
     if (!mode.name.empty()) mode.name += " and ";
-    mode.name += contact_name(c, obstacle_names, knots.size() - 1);
+    mode.name += contact_name(c, obstacle_names, static_cast<int>(knots.size()) - 1, rod.hidden);
     // A point at arc length s is at most s away from the base.
     const double farthest = c.at_tip ? 1.0 : knots[static_cast<std::size_t>(c.region) + 1];
     if (palm) {
       if (mode.skip.empty()) mode.skip = grip->obstruction(*this, farthest);
-    } else if (!rod.stretches() && rod.moves.empty() &&
-               obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance > farthest + rod.most_radius()) {
+    } else if (!rod.stretches() && obstacles[static_cast<std::size_t>(c.obstacle)]->at(rod.base).distance >
+                                       farthest + rod.most_radius() + most_shift(rod)) {
       mode.skip = "out of reach: the obstacle is farther from the base than this part of the rod is long";
     }
   }
+  mode.name += port_name();
   return mode;
+}
+
+void Task::take_rod(const Rod& other) {
+  rod = other;
+  follower.reset();
+  reach.reset();
+  arcs.clear();
+  modes.clear();
+}
+
+std::string Task::port_name() const {
+  return windows.size() < 2 ? "" : ", port in segment " + std::to_string(rod.hidden + 1);
 }
 
 PoseProgramSpec Task::spec(const Mode& mode, const std::vector<int>& regions, int with_nodes) const {

@@ -35,6 +35,7 @@ struct Task {
   Scale scene_scale;       ///< in which terms see everything; another one where fingers of a grasp differ
   TermUnits term_units{};  ///< units of `scale` in those of `scene_scale`
   Rod rod;
+  std::vector<Rod> windows;  ///< of a rod whose port may pass fixed knots: one of them is `rod`; else that alone
   std::vector<std::unique_ptr<Obstacle>> own_obstacles;  ///< of a grasp
   std::vector<const Obstacle*> obstacles;                ///< those that the plan respects
   int contact_obstacles = 0;                             ///< the first so many may be touched
@@ -67,6 +68,10 @@ struct Task {
   Task();
   ~Task();
 
+  /// Another rod instead; forgets what was found with the one before, modes included.
+  void take_rod(const Rod& other);
+  /// Where the port is, for names of modes; empty where it is in one stretch only.
+  std::string port_name() const;
   /// The mode with these contacts: its name, and why it cannot be if that is known.
   Mode mode(std::vector<ContactSetup> contacts) const;
   Mode largest_mode() const;

@@ -67,9 +67,10 @@ class Session {
   /// What the rod does under `moments` (N m, one per actuator; of the upper finger, then of the lower one, where both
   /// are planned), from an earlier result or from the scene's start. `palm_distance`: m, where a grasp holds its
   /// object; null: where the scene fixes it.
-  /// `place`: where the rod is moved to, as ExecuteControl::place.
+  /// `place`, `lower_place`: where the rods are moved to, as in ExecuteControl.
   Execution execute(const std::vector<double>& moments, const std::optional<Plan>& start,
-                    std::optional<double> palm_distance = std::nullopt, const RodPlace& place = {});
+                    std::optional<double> palm_distance = std::nullopt, const RodPlace& place = {},
+                    const RodPlace& lower_place = {});
   /// Executes the plan and judges it by what comes of it (core's verify()). A grasp is settled from its own shape,
   /// since the way to it is not planned, and where that fails the next best way of being in contact takes its place.
   /// What was executed, for the plan as it is left; null: it came to no shape.
