@@ -11,6 +11,7 @@
 
 #include "common/statistics.hpp"
 #include "common/workload.hpp"
+#include "search/parameters.hpp"
 #include "tendril/plugins/components.hpp"
 #include "tendril/tolerances.hpp"
 
@@ -112,9 +113,22 @@ SolverRun plan_once(plugins::Registry& registry, const Scene& scene, const PlanC
   }
 }
 
+/// While it lives, backends find what Newton's method would find without them.
+class BackendsAlone {
+ public:
+  BackendsAlone() : before_(search_parameters().descend) { set_search_parameter("descend", "0"); }
+  ~BackendsAlone() { set_search_parameter("descend", before_ ? "1" : "0"); }
+  BackendsAlone(const BackendsAlone&) = delete;
+  BackendsAlone& operator=(const BackendsAlone&) = delete;
+
+ private:
+  bool before_;
+};
+
 }  // namespace
 
 SolverComparison compare_solvers(plugins::Registry& registry, const SolverComparisonSetup& setup) {
+  const BackendsAlone alone;
   SolverComparison comparison;
   const int limits = std::max<int>(1, static_cast<int>(setup.limits.size()));
   const int starts = std::max(1, setup.starts);

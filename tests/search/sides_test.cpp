@@ -161,6 +161,28 @@ TEST(SearchSides, AFingerPressesUpToTheLimitOfStabilityWithEverySolver) {
   }
 }
 
+// What a problem keeps from one plan for the next is the same for every target.
+TEST(SearchSides, AnEarlierTargetChangesNothingOfAPlan) {
+  for (const std::string& solver : combination::solvers_to_combine()) {
+    SCOPED_TRACE(solver);
+    Scene made = scene("brace");
+    made.solver.plugin = solver;
+    Problem kept = combination::problem(made);
+    for (const Vec2 at : {Vec2{0.097, 0.02}, Vec2{0.093, 0.008}, Vec2{0.098, 0.015}, Vec2{0.097, 0.02}}) {
+      made.target.position = at;
+      Problem fresh = combination::problem(made);
+      kept.set_target(made.target);
+      const Plan once = fresh.plan();
+      const Plan again = kept.plan();
+      ASSERT_TRUE(certified(once));
+      ASSERT_TRUE(certified(again));
+      EXPECT_EQ(again.coordinates, once.coordinates);
+      EXPECT_EQ(again.moments, once.moments);
+      EXPECT_EQ(again.objective, once.objective);
+    }
+  }
+}
+
 // The mirror image of a scene has the mirror image of its plan.
 TEST(SearchSides, AMirroredSceneHasTheMirroredPlan) {
   const Plan upright = combination::plan(scene("brace", {"start.tip_angle=0"}));

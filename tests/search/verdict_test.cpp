@@ -84,7 +84,7 @@ TEST(SearchStatus, NoTimeIsATimeLimitAndProvesNothing) {
 
 TEST(SearchStatus, APlanThatIsThereWhenTheSearchIsStoppedIsSolved) {
   // Stopped at the first solve after one that ended at a plan.
-  const Scene made = scene("brace");
+  const Scene made = scene("grasp_60mm");
   const Plan whole = combination::plan(made);
   ASSERT_TRUE(certified(whole));
   std::atomic<bool> stop{false};

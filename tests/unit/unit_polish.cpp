@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -22,6 +23,7 @@ class Ring : public NonlinearProgram {
     row_lower_.setZero();
     row_upper_.setZero();
   }
+  void keep_above(double second) { lower_[1] = second; }
 
  protected:
   void do_evaluate(ConstVectorRef x, bool derivatives, Workspace& out) override {
@@ -75,6 +77,34 @@ TEST(Polish, TakesNoDefectForRounding) {
     const PolishReport report = polish(program, Eigen::Vector2d(1.3, 0.1), {});
     EXPECT_FALSE(report.converged) << slope;
     EXPECT_GE(report.infeasibility, 0.4 * slope * apart) << slope;
+  }
+}
+
+// On the ring the objective is largest at (-sqrt(2), 0), where the conditions of first order hold as well.
+TEST(Polish, EndsAtNoMaximumWhereItDescends) {
+  Ring program(1.0);
+  PolishOptions descending;
+  descending.descends = true;
+  const Eigen::Vector2d top(-std::sqrt(2.0), 0.0);
+  EXPECT_TRUE(polish(program, top, {}).converged);
+  const PolishReport held = polish(program, top, {}, descending);
+  EXPECT_FALSE(held.converged);
+  EXPECT_STREQ(held.reason, "no minimum");
+  const PolishReport beside = polish(program, Eigen::Vector2d(-1.4, 0.2), {}, descending);
+  EXPECT_TRUE(!beside.converged || beside.x[0] > 0.0) << beside.x.transpose();
+}
+
+TEST(Polish, DescendsFromAfarToTheBoundInItsWay) {
+  PolishOptions descending;
+  descending.descends = true;
+  for (const double bound : {-2.0, 0.5, 1.0}) {
+    Ring program(1.0);
+    program.keep_above(bound);
+    const PolishReport report = polish(program, Eigen::Vector2d(0.7, 1.25), {}, descending);
+    EXPECT_TRUE(report.converged) << bound << ": " << report.reason;
+    const double second = std::max(0.0, bound);
+    EXPECT_NEAR(report.x[1], second, 1e-12) << bound;
+    EXPECT_NEAR(report.x[0], std::sqrt(2.0 - second * second), 1e-12) << bound;
   }
 }
 

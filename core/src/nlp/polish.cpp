@@ -1,5 +1,6 @@
 #include "nlp/polish.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
@@ -48,7 +49,10 @@ class Polisher::Newton {
         report_.reason = "the active set cycles";
         return finish(false);
       }
-      if (!correct_active()) return finish(true);
+      if (correct_active()) continue;
+      if (!options_.descends || curves_upwards()) return finish(true);
+      report_.reason = "no minimum";
+      return finish(false);
     }
     report_.reason = "too many steps";
     return finish(false);
@@ -206,6 +210,13 @@ class Polisher::Newton {
       if (!chord) factorize();
       set_right_side();
       if (!solve()) return give_up("the KKT system has no solution");
+      if (options_.descends && stop_at_bound()) {
+        now = residual(x_, y_, slope_);
+        if (!std::isfinite(now.merit())) return give_up("a value is not finite");
+        best = now.merit();
+        chord = false;
+        continue;
+      }
       const Residual next = search_along_step(now, chord ? 1 : most_trials);
       if (!(next.merit() < infinity)) {
         if (small(now, 1.0)) return true;
@@ -275,17 +286,73 @@ class Polisher::Newton {
     return step_.allFinite();
   }
 
+  /// Where a bound is in the way of the step, goes as far as that, and it becomes active.
+  bool stop_at_bound() {
+    double length = 1.0;
+    int met = -1;
+    Eigen::Index k = 0;
+    for (const int i : free_) {
+      const double move = step_[k++];
+      const double room = (move < 0.0 ? program_->lower()[i] : program_->upper()[i]) - x_[i];
+      if (move == 0.0 || !(room / move < length)) continue;
+      length = room / move;
+      met = i;
+    }
+    if (met < 0) return false;
+    k = 0;
+    for (const int i : free_) {
+      if (i == met) bounds_[static_cast<std::size_t>(i)] = step_[k] < 0.0 ? Side::lower : Side::upper;
+      x_[i] += length * step_[k++];
+    }
+    for (const int i : active_) y_[i] += length * step_[k++];
+    pin_bounds();
+    collect();
+    return true;
+  }
+
+  /// Whether the Lagrangian curves upwards along the active rows, at the point of the last factorization.
+  bool curves_upwards() {
+    if (report_.iterations == 0 || active_ != factored_rows_ || free_ != factored_variables_) factorize();
+    const auto nf = static_cast<Eigen::Index>(free_.size());
+    const auto na = static_cast<Eigen::Index>(active_.size());
+    if (na >= nf) return true;
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(kkt_.topRightCorner(nf, na));
+    const Eigen::MatrixXd along = qr.householderQ() * Eigen::MatrixXd::Identity(nf, nf).rightCols(nf - na);
+    return (along.transpose() * kkt_.topLeftCorner(nf, nf) * along).llt().info() == Eigen::Success;
+  }
+
+  /// Above all multipliers, so that the step reduces exact_penalty().
+  double weight_along_step() const {
+    double largest = 0.0;
+    auto k = static_cast<Eigen::Index>(free_.size());
+    for (const int i : active_) largest = std::max(largest, std::abs(y_[i] + step_[k++]));
+    return 2.0 * largest;
+  }
+
+  /// The objective with `weight` for each active row that is off: what falls on the way to a minimum from afar, while
+  /// rows that the step keeps linearly come off by its square.
+  double exact_penalty(const Eigen::VectorXd& x, double weight) {
+    const VectorView c = program_->constraints(x);
+    double off = 0.0;
+    for (const int i : active_) off += std::abs(c[i] - row_target(i));
+    return program_->cost(x) + weight * off;
+  }
+
   /// Goes along the step, halved until the residual falls; infinite where it does not.
   Residual search_along_step(const Residual& now, int trials) {
     x_new_ = x_;
     y_new_ = y_;
     double length = 1.0;
+    const double weight = options_.descends ? weight_along_step() : 0.0;
+    const double value = options_.descends ? exact_penalty(x_, weight) : 0.0;
     for (int trial = 0; trial < trials; ++trial, length *= 0.5) {
       Eigen::Index k = 0;
       for (const int i : free_) x_new_[i] = x_[i] + length * step_[k++];
       for (const int i : active_) y_new_[i] = y_[i] + length * step_[k++];
       const Residual next = residual(x_new_, y_new_, slope_new_);
       if (next.merit() < 0.95 * now.merit()) return next;
+      if (options_.descends && trials > 1 && next.merit() < infinity && exact_penalty(x_new_, weight) < value)
+        return next;
     }
     return {};
   }

@@ -14,7 +14,9 @@ struct PolishOptions {
   double row_tolerance = 1e-12;  ///< active rows are solved to this (dimensionless; equilibrium must reach 1e-9)
   double slope_tolerance = 1e-10;  ///< gradient of the Lagrangian, relative to 1 + largest multiplier
   int max_iterations = 40;         ///< Newton steps, over all active sets
-  std::function<bool()> stop{};    ///< asked before every step; true: give up
+  /// From a point that may be far off: bounds stop the steps, and an end from which the objective falls is none.
+  bool descends = false;
+  std::function<bool()> stop{};  ///< asked before every step; true: give up
 };
 
 /// Where the polish ended.

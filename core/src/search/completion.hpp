@@ -15,8 +15,8 @@ namespace tendril {
 /// A point of a program, and who judges it.
 template <class Program, class Certifier>
 struct PointOf : Judged {
-  std::unique_ptr<Program> program;
-  std::unique_ptr<Certifier> certifier;
+  std::shared_ptr<Program> program;
+  std::shared_ptr<Certifier> certifier;
   Eigen::VectorXd x;
 };
 

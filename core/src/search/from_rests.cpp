@@ -20,11 +20,8 @@ namespace {
 constexpr double shares_of_bend[] = {0.9, 0.75, 0.6, 0.5,
                                      0.4, 0.25, 0.1};  ///< of a rest that coordinates cannot follow
 
-/// Whether the rod passes every obstacle on the same side at two points of a program.
-bool stays_beside(const Task& task, const PoseProgram& program, const Eigen::VectorXd& from,
-                  const Eigen::VectorXd& to) {
-  const Sides before = sides_of(task, program.shape_of(from));
-  const Sides after = sides_of(task, program.shape_of(to));
+/// Whether the rod passes every obstacle on the same side in two shapes.
+bool stays_beside(const Sides& before, const Sides& after) {
   return std::equal(before.begin(), before.end(), after.begin(), [](int a, int b) { return a * b >= 0; });
 }
 
@@ -127,8 +124,8 @@ std::vector<int> Planner::regions_near(const Mode& mode, const StartShape& shape
   return d_.regions_of(mode, places);
 }
 
-Eigen::VectorXd Planner::feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape,
-                                       const Eigen::VectorXd& start, bool rests) {
+FeasibilityReport Planner::feasible_near(PoseProgram& program, const StartShape& shape, const Eigen::VectorXd& start,
+                                         bool rests) {
   FeasibilityReport f = steps_.restoration(program, start);
   // What few coordinates leave of a sharp bend can lie on the wrong side of all that is near: less of it may do.
   for (const double share : shares_of_bend) {
@@ -138,47 +135,98 @@ Eigen::VectorXd Planner::feasible_near(ModeState& state, PoseProgram& program, c
     const FeasibilityReport again = steps_.restoration(program, program.start_from(less));
     if (again.feasible) f = again;
   }
-  if (f.feasible) return f.x;
-  const double least = state.violation;
-  ProgramSearch::record_violation(state, program, f);
-  keep_nearest(state, program, f, least);
-  return {};
+  return f;
+}
+
+Beginning Planner::begin(const Mode& mode, const StartShape& shape, bool rests) {
+  Beginning from;
+  from.contacts = mode.contacts;
+  from.regions = regions_near(mode, shape);
+  PoseProgramSpec spec = d_.spec(mode, from.regions, d_.nodes);
+  // Rows that hold a plan back are for the way to better moments.
+  spec.least_margin.reset();
+  spec.least_convexity.reset();
+  // Check points change no variable.
+  const PoseProgram bare(Equations::alone(spec));
+  const Eigen::VectorXd start = bare.start_from(shape);
+  from.checks = spec.checks = d_.first_checks(bare, start, shape);
+  from.program = std::make_shared<PoseProgram>(spec);
+  close_contacts(*from.program);
+  const double before = steps_.tally.work;
+  from.near = feasible_near(*from.program, shape, start, rests);
+  from.work = steps_.tally.work - before;
+  return from;
+}
+
+std::shared_ptr<Beginning> Planner::beginning_at(const Mode& mode, const SideStart& start) {
+  const bool kept = !d_.tolerance.any();  // a target with tolerances has rows
+  for (const std::shared_ptr<Beginning>& known : d_.beginnings) {
+    if (!kept || known->number != start.number || !same_contacts(known->contacts, mode.contacts)) continue;
+    known->program->set_target(d_.target);
+    if (known->certifier) known->certifier->set_target(d_.target);
+    steps_.tally.work += known->work;
+    return known;
+  }
+  auto made = std::make_shared<Beginning>(begin(mode, start.shape, false));
+  made->number = start.number;
+  if (kept && !must_stop()) d_.beginnings.push_back(made);
+  return made;
+}
+
+bool Planner::descend(ModeState& state, PoseProgram& program, Eigen::VectorXd& x) {
+  if (!search_parameters().descend || d_.palm || must_stop() || !steps_.descend(state, program, x)) return false;
+  if (d_.solver_works) return true;
+  // One that breaks its promises is no part of any plan. What it ends at here is not used: plans would depend on which
+  // of them came first.
+  const double work = steps_.tally.work;
+  d_.solver_works = !is_useless(solve(state, program, x));
+  steps_.tally.work = work;
+  return d_.solver_works && !must_stop();
 }
 
 double Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
+  Beginning from = begin(modes_[static_cast<std::size_t>(state.mode)], shape, rests);
+  return refine(state, from);
+}
+
+double Planner::refine(ModeState& state, Beginning& from) {
   const Mode& mode = modes_[static_cast<std::size_t>(state.mode)];
   ++state.starts_used;
-  const std::vector<int> regions = regions_near(mode, shape);
-  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
-  // Neither check points nor rows that hold a plan back change a variable.
-  const PoseProgram bare(Equations::alone(spec));
-  const Eigen::VectorXd start = bare.start_from(shape);
-  std::vector<CheckPoint> checks = d_.first_checks(bare, start, shape);
-  spec.checks = checks;
-  PoseProgramSpec without_margins = spec;  // rows that hold a plan back are for the way to better moments
-  without_margins.least_margin.reset();
-  without_margins.least_convexity.reset();
-  PoseProgram program(without_margins);
-  close_contacts(program);
-  const Eigen::VectorXd feasible = feasible_near(state, program, shape, start, rests);
-  if (feasible.size() == 0) return infinity;
+  PoseProgram& program = *from.program;
+  if (!from.near.feasible) {
+    const double least = state.violation;
+    ProgramSearch::record_violation(state, program, from.near);
+    keep_nearest(state, program, from.near, least);
+    return infinity;
+  }
+  const std::vector<int>& regions = from.regions;
+  const Eigen::VectorXd& feasible = from.near.x;
   const double cost = program.cost(feasible);
+  std::vector<CheckPoint> checks = from.checks;
+  // On its way a backend may pass through an obstacle, or end where it costs more. The plan that it finds then says
+  // nothing about where it began.
+  const auto stays = [&](PoseProgram& held, const Eigen::VectorXd& x) {
+    if (!from.sides) from.sides = sides_of(d_, program.shape_of(feasible));
+    const bool left = held.cost(x) > cost + search_parameters().dearer;
+    return d_.palm || (!left && stays_beside(*from.sides, sides_of(d_, held.shape_of(x))));
+  };
+  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+  spec.checks = checks;
+  const bool holds_back = spec.least_margin || spec.least_convexity;
+  if (Eigen::VectorXd x = feasible; !holds_back && !solved_reduced(mode) && descend(state, program, x)) {
+    if (finish(state, program, regions, checks, x, &from) && stays(program, x)) return cost;
+  }
   if (!solved_reduced(mode)) {
     std::optional<PoseProgram> with_margins;
-    if (spec.least_margin || spec.least_convexity) close_contacts(with_margins.emplace(spec));
+    if (holds_back) close_contacts(with_margins.emplace(spec));
     PoseProgram& held = with_margins ? *with_margins : program;
     FeasibilityReport f;
     if (spec.least_margin) f = steps_.restoration(held, feasible);
     const OptimalityReport r = solve(state, held, f.feasible ? f.x : feasible);
     // What breaks its promises is no part of any plan.
-    const bool broken = r.status == SolveStatus::failed || r.status == SolveStatus::unsupported ||
-                        r.status == SolveStatus::not_finite || r.x.size() != feasible.size();
-    if (broken) return cost;
+    if (is_useless(r) || r.x.size() != feasible.size()) return cost;
     const bool done = usable(r, feasible) && finish(state, held, regions, checks, r.x);
-    // On its way a backend may pass through an obstacle, or end where it costs more. The plan that it finds then says
-    // nothing about where it began.
-    const bool left = held.cost(r.x) > cost + search_parameters().dearer;
-    if (done && (d_.palm || (!left && stays_beside(d_, held, feasible, r.x)))) return cost;
+    if (done && stays(held, r.x)) return cost;
   }
   // What the backend cannot do with all variables it may do with the moments alone.
   Eigen::VectorXd x = feasible;
@@ -209,7 +257,7 @@ double Planner::refine(ModeState& state, const StartShape& shape, bool rests) {
 }
 
 bool Planner::finish(ModeState& state, PoseProgram& program, const std::vector<int>& regions,
-                     std::vector<CheckPoint>& checks, const Eigen::VectorXd& x) {
+                     std::vector<CheckPoint>& checks, const Eigen::VectorXd& x, Beginning* known) {
   // Clearance that is still to be added makes nothing cheaper.
   const double cost = program.cost(x);
   if (have_plan_ && d_.enumerated && cost > best_objective() + search_parameters().dearer &&
@@ -218,7 +266,7 @@ bool Planner::finish(ModeState& state, PoseProgram& program, const std::vector<i
     return true;
   }
   certified_ = false;
-  complete(state, regions, checks, x, branches_of(program));
+  complete(state, regions, checks, x, branches_of(program), known);
   return certified_;
 }
 

@@ -94,6 +94,8 @@
   X(bool, balance_first, true,                                                                                       \
     "where an objective is to balance a grasp, the plan with the balance as a row is the first start")               \
   X(bool, grow_contacts, true, "where assignments are too many, the best ones are given one contact more")           \
+  X(bool, descend, true, "Newton's method goes from a feasible point to a minimum before the solver is asked")       \
+  X(int, most_descents, 15, "steps of it")                                                                           \
   X(bool, hold_cheaper, true, "points that cost less than the plan and are unstable compete as held plans")
 
 namespace tendril {

@@ -238,7 +238,8 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
   if (!several_sides(d_)) return;
   std::vector<SideStart> starts;
   if (most_sides > 0) starts = starts_by_sides(d_);
-  const SideStart own = start_by_sides(d_, d_.scene_start());
+  SideStart own = start_by_sides(d_, d_.scene_start());
+  own.number = 0;
   struct Trial {
     double merit;
     std::size_t way;
@@ -287,7 +288,7 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
       // A backend that was left to itself may have passed through an obstacle to the other side.
       const bool stayed = hops && state.best.has_point &&
                           start_by_sides(d_, state.best.program->shape_of(state.best.x)).sides == trial.start->sides;
-      if (!stayed) refine(state, trial.start->shape);
+      if (!stayed) refine(state, *beginning_at(modes_[trial.way], *trial.start));
     });
   }
 }

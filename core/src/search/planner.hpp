@@ -13,10 +13,10 @@
 #include "certificate/certifier.hpp"
 #include "nlp/feasibility.hpp"
 #include "obstacle/shrunk.hpp"
+#include "search/beginning.hpp"
 #include "search/completion.hpp"
 #include "search/parameters.hpp"
 #include "search/rest.hpp"
-#include "search/sides.hpp"
 #include "search/steps.hpp"
 #include "search/task.hpp"
 #include "search/verdict.hpp"
@@ -174,14 +174,20 @@ class Planner {
   /// coordinates can show it.
   /// Returns what the feasible point costs; infinity: there is none.
   double refine(ModeState& state, const StartShape& shape, bool rests = false);
+  double refine(ModeState& state, Beginning& from);
+  Beginning begin(const Mode& mode, const StartShape& shape, bool rests);
+  /// The same of a shape that is known by its number, kept for the next target.
+  std::shared_ptr<Beginning> beginning_at(const Mode& mode, const SideStart& start);
+  /// By Newton's method from a beginning to a minimum near; false: the backend has to find one.
+  bool descend(ModeState& state, PoseProgram& program, Eigen::VectorXd& x);
   /// The regions of contacts where the shape has them, or comes nearest to their obstacles.
   std::vector<int> regions_near(const Mode& mode, const StartShape& shape) const;
-  /// Empty: there is none. `start`: the program's, from the shape.
-  Eigen::VectorXd feasible_near(ModeState& state, PoseProgram& program, const StartShape& shape,
-                                const Eigen::VectorXd& start, bool rests);
-  /// complete(), unless x costs more than the plan. False: x led to nothing.
+  /// `start`: the program's, from the shape.
+  FeasibilityReport feasible_near(PoseProgram& program, const StartShape& shape, const Eigen::VectorXd& start,
+                                  bool rests);
+  /// complete(), unless x costs more than the plan. False: x led to nothing. `known`: the program is its own.
   bool finish(ModeState& state, PoseProgram& program, const std::vector<int>& regions, std::vector<CheckPoint>& checks,
-              const Eigen::VectorXd& x);
+              const Eigen::VectorXd& x, Beginning* known = nullptr);
   /// Points that cost less than the plan and fail because they are unstable, or their contact spreads: held at that
   /// limit they may still be better.
   void hold_cheaper();
@@ -218,12 +224,14 @@ class Planner {
   /// Exchange loop and certificate; keeps the candidate if it is better than the mode's best.
   /// False: the exchange ended where the rod cannot leave an obstacle; `checks` then holds every point that was
   /// checked.
+  /// `known`: x is where Newton's method converged in its program.
   bool complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& checks, Eigen::VectorXd x,
-                const std::vector<Branch>& branches);
+                const std::vector<Branch>& branches, Beginning* known = nullptr);
   struct Completing;
   /// The same without keeping it: into `c`.
   Completion bring_to_certificate(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& checks,
-                                  Eigen::VectorXd x, const std::vector<Branch>& branches, Candidate& c);
+                                  Eigen::VectorXd x, const std::vector<Branch>& branches, Candidate& c,
+                                  Beginning* known = nullptr);
   /// Newton from the earlier plan's own point, touching what it touched: no solver is called. The mode that is
   /// certified so, or -1: there is none, or a contact may be about to come or go, which other modes know more about.
   int follow();

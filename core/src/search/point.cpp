@@ -185,9 +185,10 @@ bool Planner::recover(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
 }
 
 bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::vector<CheckPoint>& every_check,
-                       Eigen::VectorXd x, const std::vector<Branch>& branches) {
+                       Eigen::VectorXd x, const std::vector<Branch>& branches, Beginning* known) {
   Candidate c;
-  if (bring_to_certificate(state, regions, every_check, std::move(x), branches, c) == Completion::lost) return false;
+  if (bring_to_certificate(state, regions, every_check, std::move(x), branches, c, known) == Completion::lost)
+    return false;
   // Beside a contact no check point can be: there the rod stays out if the contact does not spread to either side.
   const bool dips =
       c.has_point && !c.certified() && !following_ && !c.program->spec().least_convexity &&
@@ -228,16 +229,25 @@ struct Planner::Completing {
   std::vector<CheckPoint> checks;
   std::vector<CheckPoint>& every_check;
   Candidate& c;
+  Beginning* known = nullptr;  ///< as long as x is its own
   int nodes = planner.d_.nodes;
 
   void build() {
+    if (known != nullptr) {
+      if (!known->certifier) known->certifier = std::make_shared<Certifier>(*known->program);
+      c.program = known->program;
+      c.certifier = known->certifier;
+      return;
+    }
     PoseProgramSpec spec = planner.d_.spec(planner.modes_[static_cast<std::size_t>(state.mode)], regions, nodes);
     spec.checks = checks;
     c.program = std::make_unique<PoseProgram>(spec);
     set_branches(*c.program, branches);
     c.certifier = std::make_unique<Certifier>(*c.program);
   }
-  bool sharpen(Eigen::VectorXd& x, bool may) { return planner.sharpen(state, *c.program, x, may); }
+  bool sharpen(Eigen::VectorXd& x, bool may) {
+    return std::exchange(known, nullptr) != nullptr || planner.sharpen(state, *c.program, x, may);
+  }
   bool recover(Eigen::VectorXd& x) { return planner.recover(state, *c.program, x); }
   bool exchange(const Eigen::VectorXd& x, int round) {
     const Task& d = planner.d_;
@@ -261,8 +271,8 @@ struct Planner::Completing {
 
 Completion Planner::bring_to_certificate(ModeState& state, const std::vector<int>& regions,
                                          std::vector<CheckPoint>& every_check, Eigen::VectorXd x,
-                                         const std::vector<Branch>& branches, Candidate& c) {
-  Completing steps{*this, state, regions, branches, every_check, every_check, c};
+                                         const std::vector<Branch>& branches, Candidate& c, Beginning* known) {
+  Completing steps{*this, state, regions, branches, every_check, every_check, c, known};
   const Completion completion = tendril::bring_to_certificate(steps_, state, c, std::move(x), steps);
   if (completion == Completion::lost) keep_unique(every_check);
   if (completion == Completion::judged && !c.has_point) note_unfit_term(*c.program, c.x);

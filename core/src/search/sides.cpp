@@ -142,6 +142,7 @@ std::vector<SideStart> starts_by_sides(Task& task) {
   if (task.arcs.empty() && any_has_sides(task)) {
     look_at_arcs(task, false, [&](SideStart seen) {
       task.arcs.push_back(std::move(seen));
+      task.arcs.back().number = static_cast<int>(task.arcs.size());
       return true;
     });
   }

@@ -26,6 +26,7 @@ struct SideStart {
   Vec2 tip{};                     ///< of the shape, units of L
   double bend = 0.0;              ///< mean of its curvature squared
   double merit = 0.0;             ///< how far it is from the target and from being free; less is better
+  int number = -1;                ///< among the shapes of a task, whose own start is 0; -1: it is none of them
 };
 
 SideStart start_by_sides(const Task& task, StartShape shape);

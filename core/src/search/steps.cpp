@@ -95,10 +95,8 @@ OptimalityReport ProgramSearch::solve(Attempt& attempt, NonlinearProgram& progra
   attempt.record.evaluations += report.evaluations.values;
   attempt.record.seconds_evaluating += report.seconds_evaluating;
   attempt.last = report;
-  const bool useless = report.status == SolveStatus::failed || report.status == SolveStatus::unsupported ||
-                       report.status == SolveStatus::not_finite;
   ++tally.solves;
-  if (useless) ++tally.useless_solves;
+  if (is_useless(report)) ++tally.useless_solves;
   if (report.status == SolveStatus::converged) slowest_converged_ = std::max(slowest_converged_, report.iterations);
   tally.iterations += report.iterations;
   tally.seconds += report.seconds;
@@ -132,6 +130,29 @@ bool ProgramSearch::sharpen(Attempt& attempt, NonlinearProgram& program, Eigen::
   attempt.trouble = "the polish did not converge (" + std::string(std::exchange(polished_, nullptr)->reason) +
                     "); solver: " + std::string(to_string(r.status)) + (r.message.empty() ? "" : ", " + r.message);
   return r.infeasibility <= restored;
+}
+
+bool ProgramSearch::descend(Attempt& attempt, NonlinearProgram& program, Eigen::VectorXd& x) {
+  PolishOptions options;
+  options.descends = true;
+  options.max_iterations = search_parameters().most_descents;
+  options.stop = [this] { return must_stop(); };
+  ++attempt.record.polishes;
+  const EvaluationCounts before = program.counts();
+  const double cost = program.cost(x);
+  polished_ = &polisher_.run(program, x, {}, options);
+  const bool reached = polished_->converged && polished_->infeasibility <= tolerance::equilibrium &&
+                       program.cost(polished_->x) <= cost + search_parameters().dearer;
+  tally.add_outside(program, before);
+  if (!reached) {
+    polished_ = nullptr;
+    return false;
+  }
+  x = polished_->x;
+  attempt.last = {};
+  attempt.last.status = SolveStatus::converged;
+  attempt.last.native_status = "not asked: Newton's method converged from a feasible point";
+  return true;
 }
 
 FeasibilityReport ProgramSearch::restoration(NonlinearProgram& program, const Eigen::VectorXd& x, bool patiently) {

@@ -14,6 +14,11 @@ namespace tendril {
 
 inline constexpr double restored = 1e-8;  ///< violation below which a point counts as feasible
 
+/// Whether a solver broke its promises: what it ended at is no part of any plan.
+inline bool is_useless(const OptimalityReport& r) {
+  return r.status == SolveStatus::failed || r.status == SolveStatus::unsupported || r.status == SolveStatus::not_finite;
+}
+
 /// How the record of a way of being in contact reads that the caller did not want tried.
 inline constexpr const char* left_out_outcome = "not tried: left out on request";
 
@@ -84,10 +89,12 @@ class ProgramSearch {
 
   OptimalityReport solve(Attempt& attempt, NonlinearProgram& program, const Eigen::VectorXd& x,
                          const OptimalityReport* warm = nullptr);
-  /// What Newton's method came to, if x of the last sharpen() is its point, else null.
+  /// What Newton's method came to, if x of the last sharpen() or descend() is its point, else null.
   const PolishReport* polished() const { return polished_; }
   /// Newton on the active set, after a solve if it needs one and may have it. False: x is no point to judge.
   bool sharpen(Attempt& attempt, NonlinearProgram& program, Eigen::VectorXd& x, bool solver_allowed);
+  /// Newton from a feasible point to a minimum near that costs no more, without the solver. False: x is as it was.
+  bool descend(Attempt& attempt, NonlinearProgram& program, Eigen::VectorXd& x);
   /// Reduces the violation alone, and remembers where there is nothing feasible near.
   FeasibilityReport restore(Attempt& attempt, NonlinearProgram& program, const Eigen::VectorXd& x);
   /// The same as a look that leaves no trace but its counts; `patiently`: however slowly the violation falls.

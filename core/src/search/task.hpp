@@ -16,6 +16,7 @@ namespace tendril {
 
 class Follower;
 class FreeReach;
+struct Beginning;
 struct SideStart;
 
 /// One way of being in contact: a small program of its own. Regions of interior contacts are stretches between fixed
@@ -64,6 +65,8 @@ struct Task {
   std::unique_ptr<FreeReach> reach;    ///< of the rod without contacts, once it was asked for
   std::unique_ptr<Task> lower;         ///< of a grasp whose fingers are both planned: this one is then the upper finger
   std::vector<SideStart> arcs;         ///< simple shapes beside obstacles, once they were asked for
+  std::vector<std::shared_ptr<Beginning>> beginnings;  ///< from these, and from the scene's own start
+  bool solver_works = false;                           ///< it kept its promises in a program that Newton had solved
 
   Task();
   ~Task();
