@@ -42,9 +42,6 @@ class Executor {
       if (!std::isfinite(held[a])) throw Error("expected finite moments, found " + shown(held[a]));
       last_.moments.push_back(dimensionless(a, held[a]));
     }
-    if (!control.friction.empty() && rod_.stretches()) {
-      throw Error("contacts rub on rods of fixed length, expected no ratios of friction for one that stretches");
-    }
     if (!control.with_obstacles) return;
     if (obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
     if (!control.friction.empty() && control.friction.size() != obstacles.size()) {

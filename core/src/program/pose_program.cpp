@@ -269,17 +269,22 @@ void PoseProgram::sliding_force(int contact, VectorRef out) const {
   out = d.contact_row(contact, along * turned(force)).head(n);
   out += (dot(turned(c.tangent), force) - tangential * c.radius.slope) * turning.head(n).transpose();
   const double couple = -tangential * c.radius.value;
-  if (couple == 0.0) return;
+  if (couple == 0.0 && d.chain.stretches() == 0) return;
   Eigen::VectorXd bending = Eigen::VectorXd::Zero(d.variables);
   const int place = d.contact_places[static_cast<std::size_t>(contact)];
-  d.places.add_curvature_row(place, convex_side(d, contact), couple, d.part(bending.data()));
+  const Places::Side side = convex_side(d, contact);
+  d.places.add_curvature_row(place, side, couple / side.stretch, d.part(bending.data()));
+  if (d.chain.stretches() > 0) {
+    d.places.add_stretch_row(place, side, dot(c.tangent, force) / side.stretch, d.part(bending.data()));
+  }
   out += bending.head(n);
 }
 
 bool PoseProgram::dissipates(int contact) const {
   const ContactState& c = data_->contacts[static_cast<std::size_t>(contact)];
-  // How far a thick body rolls depends on how it was bent on the way.
-  return (c.lean != 0.0 && c.force != 0.0) || (c.shear != 0.0 && c.radius.value != 0.0);
+  // How far a thick body rolls depends on how it was bent on the way, and one that stretches on how it was stretched.
+  const bool by_history = c.radius.value != 0.0 || data_->chain.stretches() > 0;
+  return (c.lean != 0.0 && c.force != 0.0) || (c.shear != 0.0 && by_history);
 }
 
 bool PoseProgram::has_friction() const {

@@ -26,12 +26,13 @@ double roll(const PoseState& state, int contact) {
   const auto k = static_cast<std::size_t>(contact);
   const PoseProgram::ContactState& c = state.contacts[k];
   const double forward = dot(turned(c.surface.normal), c.tangent);
-  if (c.radius.value == 0.0) return -forward;
-  // A couple at the contact makes the curvature jump.
-  const double before = state.places.side(state.contact_places[k], 0).curvature;
-  if (at_tip(state, contact)) return c.radius.value * before - forward;
-  const double behind = state.places.side(state.contact_places[k], 1).curvature;
-  return c.radius.value * (0.5 * (before + behind) + c.radius.bend / forward) - forward;
+  if (c.radius.value == 0.0 && state.chain.stretches() == 0) return -forward;
+  // A couple at the contact makes the curvature jump, a tangential force the stretch.
+  const Places::Side before = state.places.side(state.contact_places[k], 0);
+  if (at_tip(state, contact)) return c.radius.value * before.curvature - forward * before.stretch;
+  const Places::Side behind = state.places.side(state.contact_places[k], 1);
+  const double bend = 0.5 * (before.curvature + behind.curvature) + c.radius.bend / forward;
+  return c.radius.value * bend - forward * (0.5 * (before.stretch + behind.stretch));
 }
 
 /// The point of the obstacle's surface.

@@ -269,9 +269,6 @@ void validate_stretch(const Scene& scene) {
   if (scene.problem == ProblemKind::estimate || !scene.measurement.points.empty()) {
     refuse("forces are estimated on rods of fixed length");
   }
-  for (std::size_t i = 0; i < scene.obstacles.size() && needs_obstacles(scene); ++i) {
-    if (friction_of(scene, i) > 0.0) refuse("contacts rub on rods of fixed length");
-  }
   const std::vector<ActuatorSpec>& actuators = scene.rod.actuators;
   if (std::any_of(actuators.begin(), actuators.end(),
                   [](const ActuatorSpec& a) { return a.kind == ActuatorKind::tendon && a.has_law(); })) {
