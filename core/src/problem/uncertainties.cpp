@@ -68,7 +68,8 @@ std::shared_ptr<const Uncertainties> uncertainties_of(const Task& task, const st
   if (task.palm) refuse("error bars, but grasps are not differentiated");
   if (!task.friction.empty()) refuse("error bars, but contacts that stick or slip are not differentiated");
   if (const std::string why = undifferentiated(task.rod); !why.empty()) refuse("error bars, but " + why);
-  if (!task.rod.moves.empty()) refuse("error bars, but rods that choose where their base stands are not differentiated");
+  if (!task.rod.moves.empty())
+    refuse("error bars, but rods that choose where their base stands are not differentiated");
   std::vector<std::string> keys;
   for (const Spread& spread : spreads) {
     for (const Spread::Part& part : spread.parts) keys.push_back(part.key);

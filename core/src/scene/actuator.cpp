@@ -135,7 +135,8 @@ ActuatorSpec::Pull ActuatorSpec::pull_of(double moment) const {
 }
 
 std::optional<ActuatorSpec::Gain> ActuatorSpec::gain_of(int power, double moment) const {
-  if (power == 0 && offset.size() == 1 && !has_law()) return Gain{moment / offset.front().offset, 1.0 / offset.front().offset};
+  if (power == 0 && offset.size() == 1 && !has_law())
+    return Gain{moment / offset.front().offset, 1.0 / offset.front().offset};
   if (power < 1 || !has_law()) return std::nullopt;
   const double pressure = input_of(moment);
   const double p = std::clamp(pressure, least_pressure, most_pressure);
