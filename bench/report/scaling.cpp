@@ -99,6 +99,19 @@ std::vector<Sweep> sweeps(plugins::Registry& registry, const Sizes& setup, Secti
                                                   "pegs", registry)});
   }
   all.push_back(std::move(contacts));
+  Sweep actuators{"actuators, one behind the other", "actuators", {}};
+  for (int n = 1; n <= 8; n *= 2) {
+    Scene scene = brace;
+    const ActuatorSpec whole = scene.rod.actuators.front();
+    scene.rod.actuators.assign(static_cast<std::size_t>(n), whole);
+    for (int i = 0; i < n; ++i) {
+      ActuatorSpec& one = scene.rod.actuators[static_cast<std::size_t>(i)];
+      one.from = i * scene.rod.length() / n;
+      one.to = (i + 1) * scene.rod.length() / n;
+    }
+    actuators.points.push_back({n, scene});
+  }
+  all.push_back(std::move(actuators));
   return all;
 }
 

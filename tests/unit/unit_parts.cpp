@@ -15,6 +15,7 @@
 #include "obstacle/rounded_hull.hpp"
 #include "obstacle/shape_options.hpp"
 #include "raw_values.hpp"
+#include "search/sides.hpp"
 #include "support/contains.hpp"
 #include "support/random_outline.hpp"
 #include "tendril/pivot.hpp"
@@ -241,6 +242,28 @@ std::unique_ptr<Obstacle> polygon(RawOptions options) {
 std::unique_ptr<Obstacle> channel(const std::vector<Vec2>& line, RawOptions options) {
   options["points"] = points(line);
   return make(channel_component(), options);
+}
+
+// A wheel of 200 sides is one piece for a rod that cannot get between its teeth; a yard is not.
+TEST(Part, HasPocketsWhereARodCanGoIn) {
+  const auto wheel = [](double open) {
+    ClosedLine line;
+    for (int i = 0; i < 200; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / 200;
+      const double reach = std::abs(angle - std::numbers::pi) < open ? 0.03 : i % 2 == 0 ? 0.076 : 0.072;
+      line.push_back(Vec2{0.6 + reach * std::cos(angle), reach * std::sin(angle)});
+    }
+    return Part({line}, 0.004);
+  };
+  const Vec2 outside{0.0, 0.0};
+  EXPECT_FALSE(has_pockets(wheel(0.0), outside));
+  EXPECT_TRUE(has_pockets(wheel(0.5), outside));
+  EXPECT_TRUE(has_pockets(Part({{{0, 0.1}, {0.2, 0.1}, {0.2, 0.3}, {0.1, 0.2}, {0, 0.3}}}, 0.01), outside));
+  EXPECT_FALSE(has_pockets(Part({{{0, 0.1}, {0.2, 0.1}, {0.2, 0.3}, {0, 0.3}}}, 0.01), outside));
+  // Where the base stands in a yard, whatever bounds it.
+  const ClosedLine around{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  const ClosedLine yard{{-0.9, -0.9}, {-0.9, 0.9}, {0.9, 0.9}, {0.9, -0.9}};
+  EXPECT_TRUE(has_pockets(Part({around, yard}, 0.01), outside));
 }
 
 TEST(PolygonOptions, NeedNotBeConvexAndMayRunEitherWay) {

@@ -21,6 +21,7 @@
 #include "search/limit.hpp"
 #include "search/parameters.hpp"
 #include "search/report.hpp"
+#include "search/sides.hpp"
 #include "search/task.hpp"
 #include "tendril/grasp.hpp"
 
@@ -29,7 +30,10 @@ namespace {
 
 void take_obstacles(Task& d, const Scene& scene) {
   if (d.components.obstacles.size() != scene.obstacles.size()) throw Error("one shape per obstacle is needed");
-  for (const std::unique_ptr<Obstacle>& obstacle : d.components.obstacles) d.obstacles.push_back(obstacle.get());
+  for (const std::unique_ptr<Obstacle>& obstacle : d.components.obstacles) {
+    d.obstacles.push_back(obstacle.get());
+    d.pocketed.push_back(has_pockets(*obstacle, d.rod.base));
+  }
   require_free_base(scene, d.rod, d.obstacles, d.scale);
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "certificate/check_points.hpp"
 #include "nlp/multipliers.hpp"
@@ -208,14 +209,25 @@ double Planner::refine(ModeState& state, Beginning& from) {
   const auto stays = [&](PoseProgram& held, const Eigen::VectorXd& x) {
     if (!from.sides) from.sides = sides_of(d_, program.shape_of(feasible));
     const bool left = held.cost(x) > cost + search_parameters().dearer;
-    return d_.palm || (!left && stays_beside(*from.sides, sides_of(d_, held.shape_of(x))));
+    if (d_.palm) return true;
+    return !left && stays_beside(*from.sides, state.sides.empty() ? sides_of(d_, held.shape_of(x)) : state.sides);
   };
-  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
-  spec.checks = checks;
-  const bool holds_back = spec.least_margin || spec.least_convexity;
+  const bool holds_back = d_.least_margin || d_.least_convexity;
   if (Eigen::VectorXd x = feasible; !holds_back && !solved_reduced(mode) && descend(state, program, x)) {
+    state.slid.reset();
     if (finish(state, program, regions, checks, x, &from) && stays(program, x)) return cost;
+    // Over the seams of a body that is not convex.
+    for (int slides = 0; slides < search_parameters().most_slides && state.slid && !must_stop(); ++slides) {
+      Beginning beside = begin(mode, *std::exchange(state.slid, {}), false);
+      if (!beside.near.feasible) break;
+      x = beside.near.x;
+      if (!descend(state, *beside.program, x)) break;
+      if (finish(state, *beside.program, beside.regions, beside.checks, x, &beside) && stays(*beside.program, x))
+        return cost;
+    }
   }
+  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+  spec.checks = checks = from.checks;
   if (!solved_reduced(mode)) {
     std::optional<PoseProgram> with_margins;
     if (holds_back) close_contacts(with_margins.emplace(spec));
@@ -258,6 +270,7 @@ double Planner::refine(ModeState& state, Beginning& from) {
 
 bool Planner::finish(ModeState& state, PoseProgram& program, const std::vector<int>& regions,
                      std::vector<CheckPoint>& checks, const Eigen::VectorXd& x, Beginning* known) {
+  state.sides.clear();
   // Clearance that is still to be added makes nothing cheaper.
   const double cost = program.cost(x);
   if (have_plan_ && d_.enumerated && cost > best_objective() + search_parameters().dearer &&
@@ -302,8 +315,7 @@ const Backbone& Planner::backbone_of_best() const {
 }
 
 bool Planner::misses_among_sides() const {
-  const bool sided =
-      std::any_of(d_.obstacles.begin(), d_.obstacles.end(), [](const Obstacle* o) { return !o->convex(); });
+  const bool sided = std::find(d_.pocketed.begin(), d_.pocketed.end(), true) != d_.pocketed.end();
   if (!sided || d_.palm || winner_ < 0 || !d_.target.has_position || !(d_.least_cost(1.0) > d_.least_cost()))
     return false;
   const double out_of_reach = std::max(0.0, norm(d_.target.position - d_.rod.base) - 1.0);

@@ -63,7 +63,12 @@ std::vector<Rest> Planner::rests_of_arcs() {
 
 bool Planner::is_off_target() const {
   if (winner_ < 0) return true;
-  const double there = search_parameters().off_target;
+  // In narrow notches a contact holds where it would slide on along a smooth body.
+  bool notched = false;
+  for (std::size_t o = 0; o < d_.pocketed.size(); ++o) {
+    notched = notched || (!d_.pocketed[o] && !d_.obstacles[o]->convex());
+  }
+  const double there = notched ? search_parameters().off_notched : search_parameters().off_target;
   // As far as the objective tells what that costs.
   if (d_.least_cost(there) > d_.least_cost()) return best_objective() > d_.least_cost(there);
   const Backbone& backbone = backbone_of_best();

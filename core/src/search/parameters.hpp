@@ -74,6 +74,7 @@
   X(bool, scan, true, "a thorough search looks at all equilibria over the box of one or two moments")                \
   X(bool, let_go, true, "where the plan is off its target arcs that are let go are starts")                          \
   X(double, off_target, 0.1, "distance to the target (rad, L) from which on they are")                               \
+  X(double, off_notched, 0.02, "the same beside bodies that are not convex and have no pockets")                     \
   X(int, arcs_let_go, 33, "arcs that are let go, over all turns")                                                    \
   X(int, looks_at_arcs, 20000, "steps of all of them")                                                               \
   X(std::size_t, dearer_let_go, 2,                                                                                   \
@@ -95,6 +96,7 @@
     "where an objective is to balance a grasp, the plan with the balance as a row is the first start")               \
   X(bool, grow_contacts, true, "where assignments are too many, the best ones are given one contact more")           \
   X(bool, descend, true, "Newton's method goes from a feasible point to a minimum before the solver is asked")       \
+  X(int, most_slides, 30, "pieces of a body that is not convex, from one to the next")                               \
   X(int, most_descents, 15, "steps of it")                                                                           \
   X(bool, hold_cheaper, true, "points that cost less than the plan and are unstable compete as held plans")
 

@@ -78,6 +78,9 @@ class Planner {
     StartShape unstable;  ///< of the cheapest point that is unstable, or whose contact spreads
     double unstable_objective = infinity;
     bool sided = false;  ///< it was started from every side
+    Sides sides;         ///< of the point that finish() completed last; empty: it did not
+    /// Where the last point fails: beside a contact the rod runs into the same body, and touches it there here.
+    std::optional<StartShape> slid;
     const Judged& judged() const override { return best; }
   };
 
@@ -175,6 +178,9 @@ class Planner {
   /// Returns what the feasible point costs; infinity: there is none.
   double refine(ModeState& state, const StartShape& shape, bool rests = false);
   double refine(ModeState& state, Beginning& from);
+  /// The point with its contact where the rod is deepest in the same body, beside the contact, where no check point can
+  /// be: on another piece of a body that is not convex. Nothing: it is not.
+  std::optional<StartShape> slid(const Candidate& c) const;
   Beginning begin(const Mode& mode, const StartShape& shape, bool rests);
   /// The same of a shape that is known by its number, kept for the next target.
   std::shared_ptr<Beginning> beginning_at(const Mode& mode, const SideStart& start);
@@ -248,7 +254,7 @@ class Planner {
   void name_state(std::size_t i);
   std::vector<std::size_t> parents(int contacts) const;
   /// Remembers a certified plan, if none like it is known.
-  void keep_minimum(const ModeState& state, const Candidate& c);
+  void keep_minimum(ModeState& state, const Candidate& c);
   /// Rounds of search().
   int starts() const {
     if (fast()) return 1 + (control_.start != nullptr ? 1 : 0);

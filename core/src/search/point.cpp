@@ -208,6 +208,7 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
     if (pointed.certified()) c = std::move(pointed);
   }
   if (!c.has_point) return true;
+  state.slid = slid(c);
   certified_ = c.certified();
   if (certified_) keep_minimum(state, c);
   const bool unstable = !c.certified() && (!(c.certificate.stability > tolerance::stability) ||
@@ -218,6 +219,28 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
   }
   if (better(c, state.best)) state.best = std::move(c);
   return true;
+}
+
+std::optional<StartShape> Planner::slid(const Candidate& c) const {
+  if (c.certified() || !(c.certificate.penetration > tolerance::penetration)) return std::nullopt;
+  const std::vector<Certifier::Approach> places = c.certifier->approaches(c.x, -tolerance::penetration);
+  for (int k = 0; k < c.program->layout().arc_lengths; ++k) {
+    const int obstacle = c.program->spec().contacts[static_cast<std::size_t>(k)].obstacle;
+    if (d_.obstacles[static_cast<std::size_t>(obstacle)]->convex()) continue;
+    const int variable = c.program->arc_length_variable(k);
+    const Certifier::Approach* deepest = nullptr;
+    for (const Certifier::Approach& place : places) {
+      const double s = place.at.arc_length;
+      const bool beside = place.obstacle == obstacle && std::abs(s - c.x[variable]) < contact_neighbourhood &&
+                          s > c.program->lower()[variable] && s < c.program->upper()[variable];
+      if (beside && (deepest == nullptr || place.at.distance < deepest->at.distance)) deepest = &place;
+    }
+    if (deepest == nullptr) continue;
+    StartShape shape = c.program->shape_of(c.x);
+    shape.arc_lengths[static_cast<std::size_t>(k)] = deepest->at.arc_length;
+    return shape;
+  }
+  return std::nullopt;
 }
 
 /// How a pose program is brought to its certificate.

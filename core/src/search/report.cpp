@@ -43,11 +43,12 @@ void tell_held(PoseProgram& program, ConstVectorRef x, Plan& plan) {
 
 }  // namespace
 
-void Planner::keep_minimum(const ModeState& state, const Candidate& c) {
+void Planner::keep_minimum(ModeState& state, const Candidate& c) {
   PlanMinimum found;
   found.mode = state.record.mode;
   if (!d_.obstacles.empty() && !d_.palm) {
-    for (const int side : sides_of(d_, c.program->shape_of(c.x))) found.sides.push_back(side_in_words(side));
+    state.sides = sides_of(d_, c.program->shape_of(c.x));
+    for (const int side : state.sides) found.sides.push_back(side_in_words(side));
   }
   found.objective = c.objective * d_.objective_scale;
   const auto same = [&](const PlanMinimum& known) {

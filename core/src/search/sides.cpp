@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <utility>
 
+#include "obstacle/region.hpp"
 #include "rod/outline.hpp"
 #include "search/parameters.hpp"
 
@@ -103,6 +105,49 @@ bool any_has_sides(const Task& task) {
 }
 
 }  // namespace
+
+bool has_pockets(const Obstacle& obstacle, Vec2 base) {
+  constexpr double narrow = 0.01, flat = 1e-4;  // units of L
+  constexpr std::size_t count = 2048;
+  if (obstacle.convex()) return false;
+  std::vector<Vec2> line(count);
+  obstacle.outline(line, base - Vec2{2.0, 2.0}, base + Vec2{2.0, 2.0});
+  if (!std::all_of(line.begin(), line.end(), [](Vec2 p) { return std::isfinite(p.x) && std::isfinite(p.y); }))
+    return true;
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(line[a].x, line[a].y) < std::pair(line[b].x, line[b].y);
+  });
+  // Its lower half from left to right, and its upper half back.
+  std::vector<std::size_t> hull;
+  for (int half = 0; half < 2; ++half) {
+    const std::size_t begin = hull.size();
+    for (const std::size_t i : order) {
+      const auto turns = [&](std::size_t a, std::size_t b) {
+        return cross(line[b] - line[a], line[i] - line[b]) > 0.0;
+      };
+      while (hull.size() > begin + 1 && !turns(hull[hull.size() - 2], hull.back())) hull.pop_back();
+      hull.push_back(i);
+    }
+    hull.pop_back();
+    std::reverse(order.begin(), order.end());
+  }
+  ClosedLine around;
+  for (const std::size_t i : hull) around.push_back(line[i]);
+  if (lies_inside(around, base)) return true;
+  std::sort(hull.begin(), hull.end());
+  for (std::size_t k = 0; k < hull.size(); ++k) {
+    const std::size_t last = k + 1 < hull.size() ? hull[k + 1] : hull[0] + count;
+    const Vec2 from = line[hull[k]];
+    const Vec2 along = line[last % count] - from;
+    if (!(norm(along) > narrow)) continue;
+    for (std::size_t i = hull[k] + 1; i < last; ++i) {
+      if (std::abs(cross(along, line[i % count] - from)) > flat * norm(along)) return true;
+    }
+  }
+  return false;
+}
 
 bool has_sides(const Task& task, std::size_t o) {
   const Obstacle& obstacle = *task.obstacles[o];

@@ -11,6 +11,9 @@ namespace tendril {
 /// an obstacle passes on the side with less of it.
 using Sides = std::vector<int>;
 
+/// Whether an obstacle has notches that a rod may go into: parts of its outline under a stretch of its convex hull that
+/// is longer than a hundredth of the rod, or the base stands within the hull. Over narrower ones a contact slides.
+TENDRIL_API bool has_pockets(const Obstacle& obstacle, Vec2 base);
 /// Whether a rod can pass an obstacle on more than one side: it ends somewhere, and is within reach.
 bool has_sides(const Task& task, std::size_t obstacle);
 Sides sides_of(const Task& task, const StartShape& shape);

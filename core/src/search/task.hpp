@@ -39,6 +39,7 @@ struct Task {
   std::vector<Rod> windows;  ///< of a rod whose port may pass fixed knots: one of them is `rod`; else that alone
   std::vector<std::unique_ptr<Obstacle>> own_obstacles;  ///< of a grasp
   std::vector<const Obstacle*> obstacles;                ///< those that the plan respects
+  std::vector<bool> pocketed;                            ///< of each: has_pockets(); empty: none is
   int contact_obstacles = 0;                             ///< the first so many may be touched
   std::optional<PalmSetup> palm;                         ///< of a grasp
   std::unique_ptr<const Grip> grip;                      ///< of a grasp
