@@ -168,9 +168,16 @@ const Eigen::MatrixXd& TipDeviations::rows() {
   const PoseProgram::Layout& at = program_.layout();
   for (const int axis : {0, 1}) {
     for (int r = 0; r < equations_->size(); ++r) adjoint_[r] = tip_rows_(equations_->unknown(r), axis);
-    if (equations_->size() > 0) right_.col(0) = equations_->factors().transpose().solve(adjoint_);
+    // P K = L U, so that K^T = U^T L^T P, one after the other in place: Eigen's own solution copies the matrix.
+    const Eigen::PartialPivLU<Eigen::MatrixXd>& lu = equations_->factors();
     multipliers_.setZero();
-    for (int r = 0; r < equations_->size(); ++r) multipliers_[equations_->row(r)] = -right_(r, 0);
+    if (equations_->size() > 0) {
+      lu.matrixLU().triangularView<Eigen::Upper>().transpose().solveInPlace(adjoint_);
+      lu.matrixLU().triangularView<Eigen::UnitLower>().transpose().solveInPlace(adjoint_);
+    }
+    for (int r = 0; r < equations_->size(); ++r) {
+      multipliers_[equations_->row(r)] = -adjoint_[lu.permutationP().indices()[r]];
+    }
     set_axis(axis);
     bent_.noalias() = program_.hessian(x_, 1.0, multipliers_) * along_;
     // What a unit of a moment does to the tip.
