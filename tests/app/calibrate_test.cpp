@@ -208,7 +208,7 @@ TEST(Calibrate, LoadsBeyondThoseOfTheRecordingsAreTold) {
   // Without a load of this kind in the recordings there is no range of it.
   const std::string more = directory.write("more.toml", included + "[[rod.load]]\nat = 0.05\nforce = [0, -0.01]\n");
   EXPECT_TRUE(contains_text(json_of({"execute", more, "--moments", "5 N mm"})["notes"].dump(),
-                            "load 3 is (0, -0.01) N along and across the rod's base, beyond what its rod was "
+                            "load 1 is (0, -0.01) N along and across the rod's base, beyond what its rod was "
                             "calibrated with ((0, 0) to (0, 0) N)"));
   // So do estimates, of a shape and of a film.
   const json bent = json_of({"execute", scene, "--moments", "20 N mm"});

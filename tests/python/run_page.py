@@ -4,11 +4,14 @@ a folder beside the scenes. What a comment `# -> text` claims of a line's value 
 import os
 import pathlib
 import re
+import shutil
 import sys
 
 source = pathlib.Path(sys.argv[1])
 work = pathlib.Path.cwd() / "pages"
-work.mkdir(exist_ok=True)
+# A study of another version would go on where this one begins.
+shutil.rmtree(work, ignore_errors=True)
+work.mkdir()
 
 
 def run(block, names, where):

@@ -137,7 +137,7 @@ def test_import_takes_no_numpy():
 def test_progress_is_told(brace, scenes):
     seen = []
     plan = brace.plan(progress=lambda done, total: seen.append((done, total)))
-    assert seen == [(i + 1, 0) for i in range(len(seen))] and len(seen) == sum(mode["solves"] for mode in plan["modes"]) > 1
+    assert seen == [(i + 1, 0) for i in range(len(seen))] and len(seen) > sum(mode["solves"] for mode in plan["modes"])
     way = tendril.load(scenes / "trajectory.toml").copy({"trajectory": {"positions": [[0.09, 0.03], [0.091, 0.03], [0.092, 0.03]]}})
     seen.clear()
     assert len(way.trajectory(progress=lambda done, total: seen.append((done, total))).steps) == 3

@@ -191,11 +191,7 @@ TEST(Validation, OfRodsThatStretch) {
                  "must be positive all along"),
          refused(grasp, with(nothing), order, "grasps are planned with fingers of fixed length"),
          refused(pose, with([](Scene& s) { s.problem = ProblemKind::estimate; }), order, "forces are estimated"),
-         refused(pose_with_obstacle, with([](Scene& s) { s.contact.friction = 0.3; }), order, "contacts rub"),
-         accepted(pose_with_obstacle, with([](Scene& s) {
-                    s.contact.friction = 0.3;
-                    s.contact.friction_state = FrictionState::none;
-                  })),
+         accepted(pose_with_obstacle, with([](Scene& s) { s.contact.friction = 0.3; })),
          refused(pose_with_obstacle, with(tapers), order, "a body whose diameter changes"),
          accepted(pose, with(tapers))});
 }

@@ -236,7 +236,7 @@ struct PlanControl {
   /// solver is called.
   bool follow = false;
   std::vector<std::string> without{};  ///< ways of being in contact (ModeRecord::mode) that are not tried
-  /// Called after every run of the solver by the thread that plans; must not throw. Empty: nobody is told.
+  /// Called by the thread that plans after every run of the solver, or of Newton's method instead; must not throw.
   std::function<void()> progress{};
 };
 

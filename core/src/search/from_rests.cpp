@@ -160,9 +160,12 @@ Beginning Planner::begin(const Mode& mode, const StartShape& shape, bool rests) 
 }
 
 std::shared_ptr<Beginning> Planner::beginning_at(const Mode& mode, const SideStart& start) {
-  const bool kept = !d_.tolerance.any();  // a target with tolerances has rows
+  // A target with tolerances has rows, and a palm changes with what is held.
+  const bool kept = !d_.tolerance.any() && !d_.palm;
   for (const std::shared_ptr<Beginning>& known : d_.beginnings) {
     if (!kept || known->number != start.number || !same_contacts(known->contacts, mode.contacts)) continue;
+    // The same rod is planned without friction first.
+    if (known->program->spec().friction != d_.friction) continue;
     known->program->set_target(d_.target);
     if (known->certifier) known->certifier->set_target(d_.target);
     steps_.tally.work += known->work;

@@ -144,6 +144,7 @@ bool ProgramSearch::descend(Attempt& attempt, NonlinearProgram& program, Eigen::
   const bool reached = polished_->converged && polished_->infeasibility <= tolerance::equilibrium &&
                        program.cost(polished_->x) <= cost + search_parameters().dearer;
   tally.add_outside(program, before);
+  if (progress_) progress_();
   if (!reached) {
     polished_ = nullptr;
     return false;

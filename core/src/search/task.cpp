@@ -224,6 +224,7 @@ void Task::take_rod(const Rod& other) {
   follower.reset();
   reach.reset();
   arcs.clear();
+  beginnings.clear();
   modes.clear();
 }
 
