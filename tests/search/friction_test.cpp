@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "combination/support.hpp"
+#include "search/friction_states.hpp"
 #include "support/contains.hpp"
 #include "support/reference_table.hpp"
 #include "tendril/execute.hpp"
@@ -223,10 +224,59 @@ TEST(FrictionRange, OfTwoContactsIsWhatExecutionComesTo) {
   }
 }
 
+// Of more contacts than have every corner followed: if effects add up the interval is exact, and what was not looked at
+// is told.
+TEST(FrictionRange, OfManyContactsIsThatOfTheCornersToWhichEachPoints) {
+  const std::vector<double> on_x{0.3, -0.2, 0.5, 0.0, -0.7, 0.1, 0.4, -0.6};
+  const std::vector<double> on_y{-0.1, 0.2, 0.3, -0.4, 0.5, 0.6, -0.7, 0.8};
+  int asked = 0;
+  const auto state = [&](const Eigen::VectorXd& ratios) -> std::optional<SeenState> {
+    ++asked;
+    FrictionRange r;
+    for (Eigen::Index i = 0; i < ratios.size(); ++i) {
+      r.tip_x += on_x[static_cast<std::size_t>(i)] * ratios[i];
+      r.tip_y += on_y[static_cast<std::size_t>(i)] * ratios[i];
+    }
+    return SeenState{r};
+  };
+  const Eigen::VectorXd limits = Eigen::VectorXd::LinSpaced(8, 0.2, 0.9);
+  const FrictionStates found = follow_states(limits, state, true);
+  EXPECT_EQ(found.lost.size(), 0);
+  EXPECT_LT(asked, 80);
+  EXPECT_TRUE(contains_text(found.note, "others of the corners may lie farther")) << found.note;
+  double x = 0.0;
+  double y = 0.0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    x += std::abs(on_x[i]) * limits[static_cast<Eigen::Index>(i)];
+    y += std::abs(on_y[i]) * limits[static_cast<Eigen::Index>(i)];
+  }
+  const auto span = [&](auto member) {
+    const auto [low, high] =
+        std::minmax_element(found.states.begin(), found.states.end(),
+                            [&](const auto& a, const auto& b) { return a.range.*member < b.range.*member; });
+    return std::pair{low->range.*member, high->range.*member};
+  };
+  EXPECT_NEAR(span(&FrictionRange::tip_x).first, -x, 1e-12);
+  EXPECT_NEAR(span(&FrictionRange::tip_x).second, x, 1e-12);
+  EXPECT_NEAR(span(&FrictionRange::tip_y).first, -y, 1e-12);
+  EXPECT_NEAR(span(&FrictionRange::tip_y).second, y, 1e-12);
+  // As many as have all corners.
+  EXPECT_EQ(follow_states(limits.head(5), state, true).states.size(), 33U);
+  EXPECT_TRUE(follow_states(limits.head(5), state, true).note.empty());
+  // What is not reached is named.
+  const auto short_of = [&](const Eigen::VectorXd& ratios) { return ratios[2] > 0.3 ? std::nullopt : state(ratios); };
+  const FrictionStates lost = follow_states(limits, short_of, true);
+  ASSERT_EQ(lost.lost.size(), 8);
+  EXPECT_NEAR(lost.lost[2], limits[2], 1e-15);
+}
+
 /// Bodies on which tangential forces have a couple, and a contact at the tip.
 Scene variant(const std::string& name) {
   if (name == "thick") return scene("brace", {"rod.thickness=\"6 mm\""});
   if (name == "tapered") return scene("brace", {"rod.thickness=[\"8 mm\", \"4 mm\"]"});
+  if (name == "stretched") {
+    return scene("brace", {"rod.thickness=\"6 mm\"", "rod.axial_stiffness=\"4 N\"", "coordinates.stretch_order=6"});
+  }
   return combination::scene_from_text(R"(
 problem = "pose"
 gravity = ["0 m/s^2", "-9.81 m/s^2"]
@@ -280,7 +330,7 @@ TEST_P(FrictionOf, ABodyOrATipIsPlannedAsItIsExecuted) {
   EXPECT_GE(worst.objective, range.objective - 1e-12);
 }
 
-INSTANTIATE_TEST_SUITE_P(Rods, FrictionOf, testing::Values("thick", "tapered", "tip"),
+INSTANTIATE_TEST_SUITE_P(Rods, FrictionOf, testing::Values("thick", "tapered", "stretched", "tip"),
                          [](const auto& each) { return std::string(each.param); });
 
 TEST(FrictionRange, AStateBeyondALimitIsTold) {

@@ -143,6 +143,13 @@ void add_hold(Grid& grid, const Scene& scene, const GraspPlan& grasp, const Disp
 
 }  // namespace
 
+Vec2 force_on_object(const Scene& scene, const Plan& plan, const FrictionRange& state) {
+  const double distance = plan.grasp->palm_distance;
+  if (!plan.grasp->lower) return grasp_of(scene, distance, state.contacts).net_force;
+  const auto lower = state.contacts.begin() + static_cast<std::ptrdiff_t>(plan.contacts.size());
+  return grasp_of(scene, distance, {state.contacts.begin(), lower}, {lower, state.contacts.end()}).net_force;
+}
+
 void add_grasp(Json& json, const Scene& scene, const Plan& plan) {
   Json pressures = Json::array();
   Json inputs = Json::array();

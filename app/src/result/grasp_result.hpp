@@ -60,6 +60,9 @@ bool touches(const Scene& scene, const PlannedContact& contact);
 /// "closing" or "opening" (the upper finger: negative or positive); empty for a moment that is no more than rounding.
 std::string_view turning(const Scene& scene, double moment);
 
+/// What the contacts of a state of friction leave on the object where it is, N.
+Vec2 force_on_object(const Scene& scene, const Plan& plan, const FrictionRange& state);
+
 /// Adds "inputs", "pressures" if a scene knows them, and what only a grasp has.
 void add_grasp(Json& json, const Scene& scene, const Plan& plan);
 

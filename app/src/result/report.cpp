@@ -161,8 +161,9 @@ std::string contacts_text(const Scene& scene, const Plan& plan, const DisplayUni
 }
 
 /// What friction can do to the plan, whatever its state: intervals over all states that were followed.
-std::string friction_text(FrictionState state, const Plan& plan, const DisplayUnits& units) {
+std::string friction_text(const Scene& scene, const Plan& plan, const DisplayUnits& units) {
   if (plan.friction.empty()) return "";
+  const FrictionState state = scene.contact.friction_state;
   const auto interval = [&](const auto& value, const auto& text) {
     const auto [low, high] = std::minmax_element(plan.friction.begin(), plan.friction.end(),
                                                  [&](const auto& a, const auto& b) { return value(a) < value(b); });
@@ -183,15 +184,22 @@ std::string friction_text(FrictionState state, const Plan& plan, const DisplayUn
   if (plan.friction.front().target_error) {
     text += line("target error", interval([](const FrictionRange& r) { return r.target_error.value_or(0.0); }, length));
   }
-  for (const PlannedContact& contact : plan.friction.front().contacts) {
+  if (plan.grasp) {
+    const auto left = [&](const FrictionRange& r) { return norm(force_on_object(scene, plan, r)); };
+    text += line("force left", "on the object, held where it is: " + interval(left, [](double v) { return force(v); }));
+  }
+  const std::vector<PlannedContact>& contacts = plan.friction.front().contacts;
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    // Fingers keep their contacts; a rod may lose one to another state.
     const auto pressed = [&](const FrictionRange& r) {
       const auto same = std::find_if(r.contacts.begin(), r.contacts.end(), [&](const PlannedContact& c) {
-        return c.obstacle == contact.obstacle && c.at_tip == contact.at_tip;
+        return c.obstacle == contacts[k].obstacle && c.at_tip == contacts[k].at_tip;
       });
-      return same == r.contacts.end() ? 0.0 : same->force;
+      return plan.grasp ? r.contacts[k].force : same == r.contacts.end() ? 0.0 : same->force;
     };
-    text +=
-        line("force", printable(contact.obstacle_name) + ": " + interval(pressed, [](double v) { return force(v); }));
+    const bool lower = plan.grasp && k >= plan.contacts.size();
+    const std::string name = printable(contacts[k].obstacle_name) + (lower ? " (lower finger)" : "");
+    text += line("force", name + ": " + interval(pressed, [](double v) { return force(v); }));
   }
   return text + line("stability", interval(margin, pure));
 }
@@ -332,7 +340,7 @@ std::string plan_report(const Scene& scene, const Plan& plan, const RunInfo& run
   const bool has_shape = !plan.backbone.empty();
   if (has_shape) text += shape_text(scene, plan, units) + overlap_text(scene, plan, units);
   if (!run.uncertainties.empty()) text += uncertainty_text(scene, run.uncertainties.front());
-  text += friction_text(scene.contact.friction_state, plan, units);
+  text += friction_text(scene, plan, units);
   text += verification_text(plan);
   text += line("coordinates", fmt::format("{}, order {}, {} values{}", plan.coordinates_name, plan.order,
                                           plan.coordinates.size(), plan.split_at_contact ? ", split at contact" : ""));

@@ -159,15 +159,23 @@ void add_place(Json& json, const RodPlace& place) {
   json["base"] = {{"x", number(position.x)}, {"y", number(position.y)}, {"angle", number(angle)}};
 }
 
-Json friction_json(const std::vector<FrictionRange>& states) {
+Json friction_json(const Scene& scene, const Plan& plan) {
   Json array = Json::array();
-  for (const FrictionRange& state : states) {
+  const bool both = plan.grasp && plan.grasp->lower;
+  for (const FrictionRange& state : plan.friction) {
+    const auto lower =
+        state.contacts.begin() + static_cast<std::ptrdiff_t>(both ? plan.contacts.size() : state.contacts.size());
+    Json contacts = contacts_json({state.contacts.begin(), lower}, both ? "upper" : "");
+    for (Json& contact : contacts_json({lower, state.contacts.end()}, "lower")) contacts.push_back(std::move(contact));
     array.push_back(
         {{"ratios", numbers(state.ratios)},
          {"tip", {{"x", number(state.tip_x)}, {"y", number(state.tip_y)}, {"angle", number(state.tip_angle)}}},
-         {"contacts", contacts_json(state.contacts)},
+         {"contacts", std::move(contacts)},
          {"stability", number(state.stability)}});
     if (state.target_error) array.back()["target_error"] = number(*state.target_error);
+    if (!plan.grasp || state.contacts.empty()) continue;
+    const Vec2 left = force_on_object(scene, plan, state);
+    array.back()["net_force"] = numbers({left.x, left.y});
   }
   return array;
 }
@@ -279,7 +287,7 @@ Json plan_object(const Scene& scene, ProblemKind problem, const Plan& plan) {
   }
   add_grasp(json, scene, plan);
   json["certificate"] = certificate_json(plan.certificate);
-  if (!plan.friction.empty()) json["friction_range"] = friction_json(plan.friction);
+  if (!plan.friction.empty()) json["friction_range"] = friction_json(scene, plan);
   if (!plan.verification.empty()) {
     json["model_error"] = plan.model_error ? number(*plan.model_error) : Json(nullptr);
     json["local_model_error"] = plan.local_model_error ? number(*plan.local_model_error) : Json(nullptr);

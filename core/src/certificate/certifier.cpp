@@ -31,15 +31,13 @@ bool leaves_plane(const Certificate& c) {
 /// Somewhere the rod lies along an obstacle instead of touching it at a point.
 bool spreads(const Certificate& c) { return !(c.contact_convexity > tolerance::convexity); }
 
-/// Force of all contacts on the finger along its palm's axis beyond what they carry, EI/L^2, at the point evaluated
-/// last.
+}  // namespace
+
 double axial_force(const PoseProgram& program) {
   double sum = -program.spec().palm->load;
   for (const PoseProgram::ContactState& c : program.contacts()) sum += c.force * dot(c.push, program.spec().palm->axis);
   return sum;
 }
-
-}  // namespace
 
 struct Certifier::Data {
   explicit Data(const PoseProgramSpec& s) : Data(s, std::make_unique<PoseProgram>(doubled(s)), nullptr) {}

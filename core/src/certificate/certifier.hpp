@@ -75,4 +75,8 @@ class TENDRIL_API Certifier {
   std::unique_ptr<Data> data_;
 };
 
+/// Force of all contacts on the finger along its palm's axis beyond what they carry, EI/L^2, at the point evaluated
+/// last.
+double axial_force(const PoseProgram& program);
+
 }  // namespace tendril

@@ -71,8 +71,10 @@ Plan plan_at_limit(Task& task, const PlanControl& control) {
 }  // namespace
 
 Plan plan_grasp(Task& task, const PlanControl& control) {
-  if (task.friction.empty()) return plan_at_limit(task, control);
-  return plan_any(task, control, [&task](const PlanControl& own) { return plan_at_limit(task, own); });
+  const auto search = [&task](const PlanControl& own) { return plan_at_limit(task, own); };
+  if (task.friction.empty()) return search(control);
+  const bool worst = task.scene.contact.friction_state == FrictionState::worst;
+  return worst ? plan_worst(task, control, search) : plan_any(task, control, search);
 }
 
 }  // namespace tendril

@@ -252,8 +252,9 @@ void set_up_grasp(Task& data) {
   if (mirrored) data.own_obstacles.push_back(std::make_unique<Wall>(Vec2{0.0, 0.0}, Vec2{0.0, 1.0}));
   data.own_obstacles.push_back(std::make_unique<Wall>(Vec2{0.0, 0.0}, Vec2{1.0, 0.0}));
   for (const auto& obstacle : data.own_obstacles) data.obstacles.push_back(obstacle.get());
+  const FrictionState state = data.scene.contact.friction_state;
   if (const double friction = friction_of(data.scene, 0);
-      data.scene.contact.friction_state == FrictionState::any && friction > 0.0) {
+      (state == FrictionState::any || state == FrictionState::worst) && friction > 0.0) {
     data.friction.assign(data.obstacles.size(), friction);
   }
   data.carried = 1;
@@ -272,6 +273,17 @@ void set_up_grasp(Task& data) {
     palm.maximum = std::min(1.0 + radius, length(gripper.palm_distance_range->second));
   }
   if (palm.minimum > palm.maximum) palm.minimum = palm.maximum;
+  if (!data.friction.empty() && state == FrictionState::worst) {
+    if (!mirrored) {
+      throw SceneError("contact.friction_state",
+                       "found \"worst\", which is for fingers that are each other's mirror image; expected \"range\", "
+                       "\"any\" or \"none\" where both are planned");
+    }
+    if (!palm.balance) {
+      throw SceneError("gripper.balance",
+                       "found \"objective\", but its object has to be in balance without friction; expected \"exact\"");
+    }
+  }
   data.palm = palm;
   data.grip = pinched_object();
   const double unit = std::isfinite(data.max_force) ? data.max_force : 1.0;

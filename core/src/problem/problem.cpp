@@ -203,9 +203,10 @@ bool at_next_window(const Task& d, const Plan& plan) {
 }
 
 Plan plan_pose(Task& task, const PlanControl& control) {
-  if (task.friction.empty()) return plan_to_target(task, control);
-  if (task.scene.contact.friction_state == FrictionState::worst) return plan_worst(task, control);
-  return plan_any(task, control, [&task](const PlanControl& own) { return plan_to_target(task, own); });
+  const auto search = [&task](const PlanControl& own) { return plan_to_target(task, own); };
+  if (task.friction.empty()) return search(control);
+  const bool worst = task.scene.contact.friction_state == FrictionState::worst;
+  return worst ? plan_worst(task, control, search) : plan_any(task, control, search);
 }
 
 /// A search for each stretch of the rod that the port may be in.
@@ -262,11 +263,8 @@ void tell_more(const Task& task, Plan& plan, const std::atomic<bool>* stop) {
                             "lower finger: ", plan.notes);
   }
   judge_cones(task.scene, task.scale.force(), plan);
-  if (task.palm) {
-    tell_hold(task, plan);
-  } else {
-    find_friction_range(task, plan, stop);
-  }
+  find_friction_range(task, plan, stop);
+  if (task.palm) tell_hold(task, plan);
 }
 
 }  // namespace

@@ -29,16 +29,26 @@ bool is_equation(const PoseProgram& program, int row) { return program.row_lower
 ReducedProgram::Parts ReducedProgram::parts_of(const PoseProgram& program) {
   Parts parts;
   const PoseProgram::Layout& at = program.layout();
+  std::vector<int> ratios;
   for (int i = 0; i < program.variable_count(); ++i) {
-    if (program.lower()[i] == program.upper()[i]) continue;
-    const bool moment = i >= at.first_moment && i < at.first_arc_length;
-    const bool ratio = i >= at.first_lean && i < at.first_lean + at.leans;
-    (moment || ratio ? parts.chosen : parts.following).push_back(i);
-    const bool bounded = std::isfinite(program.lower()[i]) || std::isfinite(program.upper()[i]);
-    if (!moment && !ratio && bounded) parts.limited.push_back(static_cast<int>(parts.following.size()) - 1);
+    // A force with one value is a condition on what is chosen.
+    const bool force = i >= at.first_force && i < at.first_force + at.forces;
+    if (program.lower()[i] == program.upper()[i] && !force) continue;
+    if (i >= at.first_lean && i < at.first_lean + at.leans) {
+      ratios.push_back(i);
+    } else if (i == at.palm || (i >= at.first_moment && i < at.first_arc_length)) {
+      parts.chosen.push_back(i);
+    } else {
+      parts.following.push_back(i);
+      const bool bounded = std::isfinite(program.lower()[i]) || std::isfinite(program.upper()[i]);
+      if (bounded) parts.limited.push_back(static_cast<int>(parts.following.size()) - 1);
+    }
   }
+  parts.ratios = static_cast<int>(ratios.size());
+  parts.chosen.insert(parts.chosen.end(), ratios.begin(), ratios.end());
+  // Behind the check points rows ask for something.
   for (int i = 0; i < program.row_count(); ++i) {
-    (is_equation(program, i) ? parts.equations : parts.others).push_back(i);
+    (is_equation(program, i) && i < at.first_check ? parts.equations : parts.others).push_back(i);
   }
   return parts;
 }
@@ -48,8 +58,7 @@ bool ReducedProgram::applies(const PoseProgram& program) {
     if (program.branch(k) == Branch::open) return false;
   }
   const Parts parts = parts_of(program);
-  const bool plain = parts.equations.empty() || parts.equations.back() < program.layout().first_check;
-  return plain && !parts.chosen.empty() && parts.equations.size() == parts.following.size();
+  return !parts.chosen.empty() && parts.equations.size() == parts.following.size();
 }
 
 ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x)
@@ -104,12 +113,6 @@ ReducedProgram::ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts par
 }
 
 ReducedProgram::~ReducedProgram() = default;
-
-int ReducedProgram::ratio_count() const {
-  const int first = program_.layout().first_lean;
-  return static_cast<int>(
-      std::count_if(parts_.chosen.begin(), parts_.chosen.end(), [first](int i) { return i >= first; }));
-}
 
 bool ReducedProgram::correct() {
   if (equations_.size() == 0) return equations_.evaluate(x_);

@@ -8,7 +8,8 @@
 
 namespace tendril {
 
-/// A pose program in its moments alone, and the tangential ratios of contacts where these are variables: they decide
+/// A pose program in its moments alone, with the palm distance of a grasp and the tangential ratios of contacts where
+/// these are variables: they decide
 /// the shape, the places and the forces of contacts as long as the equilibrium is followed from a point where all of
 /// these are known. For every contact has to be decided whether it touches. What are variables there, and bounded, are
 /// rows here, behind the inequalities of the program; equations are solved by Newton's method. Exact first and second
@@ -19,17 +20,17 @@ namespace tendril {
 /// A value depends on the moments and the start alone, not on what was asked for before.
 class TENDRIL_API ReducedProgram : public NonlinearProgram {
  public:
-  /// Whether the equations of `program` decide all but the moments, and there is a moment to choose.
+  /// Whether equilibrium and contact decide all but these, and there is one of them to choose.
   static bool applies(const PoseProgram& program);
 
   /// `program` is borrowed, must outlive this, and applies(). From x, which its equations hold at, or nearly so.
   ReducedProgram(PoseProgram& program, ConstVectorRef x);
   ~ReducedProgram() override;
 
-  /// The moments at the point that this began with, then the tangential ratios.
+  /// The moments at the point that this began with, then the palm distance, then the tangential ratios.
   const Eigen::VectorXd& start() const { return start_; }
   /// How many of the variables, the last ones, are tangential ratios.
-  int ratio_count() const;
+  int ratio_count() const { return parts_.ratios; }
   /// The point of the pose program at moments u; not finite where the branch does not reach.
   const Eigen::VectorXd& full(ConstVectorRef u);
 
@@ -43,11 +44,12 @@ class TENDRIL_API ReducedProgram : public NonlinearProgram {
 
  private:
   struct Parts {
-    std::vector<int> chosen;     ///< variables: the moments and tangential ratios that are not fixed
+    std::vector<int> chosen;     ///< variables: moments, palm distance and tangential ratios that are not fixed
     std::vector<int> following;  ///< variables: what the equations decide
     std::vector<int> equations;  ///< rows
     std::vector<int> others;     ///< rows
     std::vector<int> limited;    ///< of `following`, those with a bound: places in it
+    int ratios = 0;              ///< so many of `chosen`, the last ones, are tangential ratios
   };
   static Parts parts_of(const PoseProgram& program);
   ReducedProgram(PoseProgram& program, ConstVectorRef x, Parts parts);

@@ -96,11 +96,9 @@ void validate_friction(const Scene& scene) {
                                std::string(to_string(scene.contact.mode)) + "\")");
   }
   if (!planned || scene.problem == ProblemKind::execute) return;
-  const bool grasp = scene.problem == ProblemKind::grasp;
-  if (scene.problem == ProblemKind::estimate || (grasp && state == FrictionState::worst)) {
-    throw SceneError("contact.friction_state", "found " + name + ", which is for plans of " +
-                                                   (grasp ? "poses, expected \"range\", \"any\" or \"none\""
-                                                          : "poses and grasps, expected \"range\" or \"none\""));
+  if (scene.problem == ProblemKind::estimate) {
+    throw SceneError("contact.friction_state",
+                     "found " + name + ", which is for plans of poses and grasps, expected \"range\" or \"none\"");
   }
   if (!scene.coordinates.split_at_contact) {
     throw SceneError("coordinates.split_at_contact",

@@ -37,7 +37,7 @@ StartShape shape_of(const Task& problem, const Plan& plan, const Mode& mode) {
 std::optional<FollowedPoint> followed_point(const Task& problem, const Plan& earlier, bool with_checks) {
   const bool same_coordinates = earlier.status == PlanStatus::solved &&
                                 earlier.coordinates_name == problem.scene.coordinates.plugin &&
-                                earlier.order == problem.components.coordinates->function_count() &&
+                                earlier.order == problem.model->function_count() &&
                                 earlier.split_at_contact == problem.scene.coordinates.split_at_contact &&
                                 earlier.moments.size() == problem.rod.actuators.size();
   if (!same_coordinates) return std::nullopt;

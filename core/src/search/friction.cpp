@@ -52,13 +52,14 @@ std::optional<RubbingPoint> rubbing_point(const Task& task, const Plan& plan, bo
   RubbingPoint point{std::move(*from), {}};
   point.spec = task.spec(point.from.mode, point.from.regions, task.nodes);
   point.spec.checks = point.from.checks;
+  point.spec.friction = coefficients_of_friction(task);
+  // Ratios come last, but for the distance of a palm.
+  const auto contacts = static_cast<Eigen::Index>(point.from.mode.contacts.size());
+  const Eigen::Index behind = task.palm && task.palm->minimum != task.palm->maximum ? 1 : 0;
   if (task.friction.empty()) {
-    // The ratios come last.
-    point.spec.friction = coefficients_of_friction(task);
-    const Eigen::Index before = point.from.x.size();
-    const auto contacts = static_cast<Eigen::Index>(point.from.mode.contacts.size());
-    point.from.x.conservativeResize(before + contacts);
-    point.from.x.tail(contacts).setZero();
+    const Eigen::VectorXd x = point.from.x;
+    point.from.x.resize(x.size() + contacts);
+    point.from.x << x.head(x.size() - behind), Eigen::VectorXd::Zero(contacts), x.tail(behind);
   }
   return point;
 }
@@ -79,17 +80,7 @@ struct Equilibria {
   ReducedProgram reduced;
 };
 
-/// Every contact that can rub about to slip either way; `share`: so far towards that.
-std::vector<Eigen::VectorXd> corners(const ReducedProgram& reduced, double share) {
-  const int count = reduced.ratio_count();
-  std::vector<Eigen::VectorXd> all;
-  for (int corner = 0; corner < 1 << count; ++corner) {
-    Eigen::VectorXd ratios = share * reduced.upper().tail(count);
-    for (int k = 0; k < count; ++k) ratios[k] *= (corner >> k & 1) != 0 ? 1.0 : -1.0;
-    all.push_back(std::move(ratios));
-  }
-  return all;
-}
+Eigen::VectorXd limits_of(const ReducedProgram& reduced) { return reduced.upper().tail(reduced.ratio_count()); }
 
 /// Of an equilibrium at given moments: nothing was chosen there. Limits are not looked at, except that each contact is
 /// on its stretch.
@@ -107,15 +98,27 @@ Certificate certify_equilibrium(Certifier& certifier, PoseProgram& program, Cons
   return c;
 }
 
-FrictionRange record(const Task& task, PoseProgram& program, ConstVectorRef x, const Certificate& c) {
+SeenState record(const Task& task, PoseProgram& program, ConstVectorRef x, const Certificate& c) {
   Plan plan;
   tell_point(task, program, x, plan);
+  if (task.grip) {
+    plan.backbone = sampled_backbone(program, task.scale.length);
+    task.grip->finish(task, program, x, plan);
+  }
   FrictionRange r{{}, plan.tip_x, plan.tip_y, plan.tip_angle, plan.target_error, c.stability, std::move(plan.contacts)};
   for (std::size_t k = 0; k < r.contacts.size(); ++k) {
     const double side = dot(r.contacts[k].tangent, turned(r.contacts[k].normal));
     r.ratios.push_back(std::copysign(1.0, side) * program.contacts()[k].lean + 0.0);
   }
-  return r;
+  return {std::move(r), std::move(plan.backbone)};
+}
+
+/// A grasp whose one contact presses as hard as it may in the state where it presses hardest: no objective weighs its
+/// force.
+bool presses_as_hard_as_it_may(const Task& task) {
+  return task.palm && task.scene.contact.count == 1 && std::isfinite(task.max_force) &&
+         std::none_of(task.terms.begin(), task.terms.end(),
+                      [](const PoseProgramTerm& t) { return t.term->reads().contact_force; });
 }
 
 /// Looks for the moments whose worst state of friction costs least, near a plan without friction.
@@ -131,6 +134,10 @@ class WorstCase {
   using States = std::vector<std::unique_ptr<Equilibria>>;
 
   void build();
+  /// The states that the search begins with.
+  void begin();
+  /// Of more contacts than most_rubbing: the corner that is left where turning any one contact round costs less.
+  Eigen::VectorXd climbed(WorstProgram& program, const Eigen::VectorXd& x, Eigen::VectorXd ratios);
   /// The best moments for the states as they are; empty: there are none.
   Eigen::VectorXd solve(WorstProgram& program);
   Eigen::VectorXd polished(WorstProgram& program, const Eigen::VectorXd& x);
@@ -145,6 +152,8 @@ class WorstCase {
   ProgramSearch steps_;
   Attempt attempt_;
   std::vector<Eigen::VectorXd> ratios_;
+  Eigen::VectorXd limits_;
+  std::optional<std::size_t> pressing_;  ///< the state of a grasp whose force is at its limit
   States states_;
   double unit_ = 1.0;  ///< of the cost, in the program
   std::unique_ptr<WorstProgram> worst_;
@@ -157,18 +166,72 @@ void WorstCase::refuse(Plan& plan, PlanStatus status, const std::string& why) co
   plan.message = why;
 }
 
+void WorstCase::begin() {
+  Equilibria own(point_.spec, point_.from.x);
+  limits_ = limits_of(own.reduced);
+  Eigen::VectorXd there = own.reduced.start();
+  const auto at = [&](const Eigen::VectorXd& ratios) -> ReducedProgram& {
+    there.tail(ratios.size()) = ratios;
+    return own.reduced;
+  };
+  if (limits_.size() <= most_rubbing) {
+    ratios_ = corners(limits_);
+  } else {
+    // Each contact alone says which way it makes the plan cost more.
+    Eigen::VectorXd corner = limits_;
+    for (Eigen::Index i = 0; i < limits_.size(); ++i) {
+      const Eigen::VectorXd alone = limits_[i] * Eigen::VectorXd::Unit(limits_.size(), i);
+      const double above = at(alone).cost(there);
+      if (at(-alone).cost(there) > above) corner[i] = -corner[i];
+    }
+    ratios_ = {corner, -corner};
+  }
+  ratios_.insert(ratios_.begin(), Eigen::VectorXd::Zero(limits_.size()));
+  if (!presses_as_hard_as_it_may(task_)) return;
+  double most = 0.0;
+  for (std::size_t k = 0; k < ratios_.size(); ++k) {
+    const Eigen::VectorXd& x = at(ratios_[k]).full(there);
+    const double force = x[own.program->force_variable(0)];
+    if (force > most) pressing_ = k;
+    most = std::max(most, force);
+  }
+}
+
+Eigen::VectorXd WorstCase::climbed(WorstProgram& program, const Eigen::VectorXd& x, Eigen::VectorXd ratios) {
+  ReducedProgram& reduced = states_.front()->reduced;
+  Eigen::VectorXd there = program.point(0, x);
+  const auto cost = [&](const Eigen::VectorXd& at) {
+    there.tail(at.size()) = at;
+    return reduced.cost(there);
+  };
+  double most = cost(ratios);
+  for (bool turned = true; turned;) {
+    turned = false;
+    for (Eigen::Index i = 0; i < ratios.size(); ++i) {
+      Eigen::VectorXd other = ratios;
+      other[i] = -other[i];
+      const double value = cost(other);
+      if (!(value > most)) continue;
+      most = value;
+      ratios = std::move(other);
+      turned = true;
+    }
+  }
+  return ratios;
+}
+
 void WorstCase::build() {
   states_.clear();
   std::vector<WorstProgram::State> all;
-  if (ratios_.empty()) {
-    const Equilibria own(point_.spec, point_.from.x);
-    ratios_ = corners(own.reduced, 1.0);
-    ratios_.insert(ratios_.begin(), Eigen::VectorXd::Zero(own.reduced.ratio_count()));
-  }
+  if (ratios_.empty()) begin();
   // Differences below this do not count.
   unit_ = search_parameters().beats;
   for (const Eigen::VectorXd& ratios : ratios_) {
-    states_.push_back(std::make_unique<Equilibria>(point_.spec, point_.from.x));
+    PoseProgramSpec spec = point_.spec;
+    if (pressing_ == states_.size()) spec.min_force = spec.max_force;
+    // No force is left on the object of the plan; in other states of friction something else holds it where it is.
+    if (spec.palm && !ratios.isZero(0.0)) spec.palm->balance = false;
+    states_.push_back(std::make_unique<Equilibria>(spec, point_.from.x));
     ReducedProgram& reduced = states_.back()->reduced;
     all.push_back({&reduced, ratios});
     Eigen::VectorXd there = reduced.start();
@@ -211,15 +274,19 @@ Eigen::VectorXd WorstCase::solve(WorstProgram& program) {
 
 bool WorstCase::exchange(WorstProgram& program, const Eigen::VectorXd& x) {
   double most = -infinity;
-  Certifier certifier(point_.spec);
+  std::size_t worst = 0;
   const bool exchanges = task_.scene.contact.check_points == 0;
   bool missing = false;
   std::vector<CheckPoint> checks = point_.spec.checks;
   for (std::size_t k = 0; k < states_.size(); ++k) {
     Equilibria& state = *states_[k];
-    most = std::max(most, state.reduced.cost(program.point(k, x)));
+    if (const double cost = state.reduced.cost(program.point(k, x)); cost > most) {
+      most = cost;
+      worst = k;
+    }
     const Eigen::VectorXd full = state.reduced.full(program.point(k, x));
     if (!full.allFinite()) return false;
+    Certifier certifier(state.program->spec());
     missing = (exchanges && exchange_checks(*state.program, full, certifier, checks, violation_level, true)) || missing;
     if (k == 0) point_.from.x = full;
   }
@@ -228,12 +295,19 @@ bool WorstCase::exchange(WorstProgram& program, const Eigen::VectorXd& x) {
     point_.spec.checks = std::move(checks);
   }
   Equilibria& first = *states_.front();
-  for (const Eigen::VectorXd& half : corners(first.reduced, 0.5)) {
+  std::vector<Eigen::VectorXd> others;
+  if (limits_.size() <= most_rubbing) {
+    others = corners(0.5 * limits_);
+  } else {
+    const Eigen::VectorXd corner = climbed(program, x, ratios_[worst].isZero(0.0) ? limits_ : ratios_[worst]);
+    others = {corner, 0.5 * corner};
+  }
+  for (const Eigen::VectorXd& other : others) {
     Eigen::VectorXd there = program.point(0, x);
-    there.tail(half.size()) = half;
+    there.tail(other.size()) = other;
     if (!(first.reduced.cost(there) > most + costs_more * (1.0 + std::abs(most)))) continue;
-    const bool known = std::find(ratios_.begin(), ratios_.end(), half) != ratios_.end();
-    if (!known) ratios_.push_back(half);
+    const bool known = std::find(ratios_.begin(), ratios_.end(), other) != ratios_.end();
+    if (!known) ratios_.push_back(other);
     missing = missing || !known;
   }
   return missing;
@@ -253,7 +327,6 @@ std::string WorstCase::named(std::size_t state) {
 
 void WorstCase::report(WorstProgram& program, const Eigen::VectorXd& x, Plan& plan) {
   const double stationarity = unit_ * judge_kkt(program, x, 1e-8).stationarity;
-  Certifier certifier(point_.spec);
   std::optional<Certificate> all;
   std::string why;
   std::size_t worst = 0;
@@ -263,8 +336,8 @@ void WorstCase::report(WorstProgram& program, const Eigen::VectorXd& x, Plan& pl
     const Eigen::VectorXd full = state.reduced.full(program.point(k, x));
     if (!full.allFinite()) return refuse(plan, PlanStatus::not_converged, named(k) + ": the rod does not follow");
     Certificate c;
-    certifier.measure(*state.program, full, c);
-    c.balance = 0.0;
+    Certifier(state.program->spec()).measure(*state.program, full, c);
+    c.balance = state.program->layout().balances > 0 ? std::abs(axial_force(*state.program)) : 0.0;
     c.stationarity = stationarity;
     c.stationarity_kind = stationarity <= tolerance::stationarity ? "S" : "none";
     list_failures(c);
@@ -277,9 +350,15 @@ void WorstCase::report(WorstProgram& program, const Eigen::VectorXd& x, Plan& pl
   const Eigen::VectorXd full = shown_state.reduced.full(program.point(worst, x));
   tell_point(task_, *shown_state.program, full, plan);
   plan.certificate = *all;
-  plan.backbone = sampled_backbone(certifier.finer(full), task_.scale.length);
+  plan.backbone = sampled_backbone(Certifier(shown_state.program->spec()).finer(full), task_.scale.length);
   plan.self_overlap = self_overlap(plan.backbone, task_.scene.rod.body());
+  if (task_.grip) task_.grip->finish(task_, *shown_state.program, full, plan);
   plan.minima.clear();
+  if (limits_.size() > most_rubbing) {
+    plan.notes.push_back("friction at " + std::to_string(limits_.size()) +
+                         " contacts: its worst state is one that costs more than with any one contact turned round; "
+                         "others of the corners were not looked at");
+  }
   if (why.empty()) return;
   refuse(plan, only_unstable(*all) ? PlanStatus::unstable : PlanStatus::not_converged, why);
 }
@@ -363,7 +442,7 @@ Plan plan_any(Task& task, const PlanControl& control, const std::function<Plan(c
   return better || !solved ? plan : without;
 }
 
-Plan plan_worst(Task& task, const PlanControl& control) {
+Plan plan_worst(Task& task, const PlanControl& control, const std::function<Plan(const PlanControl&)>& search) {
   Limit limit(task);
   PlanControl own = control;
   Plan best;
@@ -372,7 +451,7 @@ Plan plan_worst(Task& task, const PlanControl& control) {
     Plan next;
     {
       const Frictionless none(task);
-      next = plan_to_target(task, own);
+      next = search(own);
     }
     const bool ended = next.status != PlanStatus::solved;
     // Whatever its worst state is, that costs no less.
@@ -406,30 +485,20 @@ Plan plan_worst(Task& task, const PlanControl& control) {
   return best;
 }
 
-std::optional<std::vector<FrictionRange>> friction_states(const Task& task, const Plan& plan) {
+std::optional<FrictionStates> friction_states(const Task& task, const Plan& plan) {
   std::optional<RubbingPoint> point = rubbing_point(task, plan, false);
   if (!point || !Equilibria::apply(point->spec)) return std::nullopt;
   Equilibria own(point->spec, point->from.x);
-  const int count = own.reduced.ratio_count();
-  if (count > static_cast<int>(most_rubbing)) return std::nullopt;
   Certifier certifier(point->spec);
-  std::vector<FrictionRange> found;
   Eigen::VectorXd at = own.reduced.start();
-  const auto look = [&](const Eigen::VectorXd& ratios, bool keep) {
-    at.tail(count) = ratios;
+  const StateAt state = [&](const Eigen::VectorXd& ratios) -> std::optional<SeenState> {
+    at.tail(ratios.size()) = ratios;
     const Eigen::VectorXd& x = own.reduced.full(at);
-    if (!x.allFinite()) return false;
+    if (!x.allFinite()) return std::nullopt;
     const Certificate c = certify_equilibrium(certifier, *own.program, x);
-    if (keep && c.valid()) found.push_back(record(task, *own.program, x, c));
-    return c.valid();
+    return c.valid() ? std::optional(record(task, *own.program, x, c)) : std::nullopt;
   };
-  if (!look(Eigen::VectorXd::Zero(count), true)) return std::nullopt;
-  for (const double share : {0.5, 1.0}) {
-    for (const Eigen::VectorXd& ratios : corners(own.reduced, share)) {
-      if (!look(ratios, share == 1.0)) return std::nullopt;
-    }
-  }
-  return found;
+  return follow_states(limits_of(own.reduced), state, true);
 }
 
 }  // namespace tendril
