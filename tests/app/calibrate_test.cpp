@@ -219,7 +219,7 @@ TEST(Calibrate, LoadsBeyondThoseOfTheRecordingsAreTold) {
   for (std::size_t i = 1; i <= 12; ++i) {
     const json& p = backbone[i * (backbone.size() - 1) / 12];
     const std::string point =
-        fmt::format("{:.15g},{:.15g},{:.15g}\n", p["s"].get<double>(), p["x"].get<double>(), p["y"].get<double>());
+        fmt::format("{:.15g},{:.15g},{:.15g}\n", p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
     shape += point;
     film += "0," + point;
     later += "1," + point;
