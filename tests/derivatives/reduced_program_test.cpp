@@ -178,6 +178,40 @@ INSTANTIATE_TEST_SUITE_P(Programs, ReducedDerivatives,
                                          ReducedCase{"inside_one_piece", 7, 1, false, false, 1}),
                          [](const auto& c) { return c.param.name; });
 
+// The distance of a palm is chosen beside moments and ratios, and the object's balance is a row.
+TEST(ReducedFinger, DerivativesAreThoseOfEverythingThatFollows) {
+  support::SampleGrasp sample({});
+  PoseProgramSpec spec = sample.spec.fingers[0];
+  spec.palm->minimum = 0.3;
+  spec.palm->maximum = 0.9;
+  spec.friction.assign(spec.obstacles.size(), 0.6);
+  PoseProgram program(spec);
+  program.set_branch(0, Branch::touching);
+  ASSERT_TRUE(ReducedProgram::applies(program));
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> d(-1.0, 1.0);
+  int looked = 0;
+  for (int trial = 0; trial < 60 && looked < 4; ++trial) {
+    const FeasibilityReport f =
+        restore_feasibility(program, program.start_from(constant_curvature(-0.8 + 0.8 * d(random))), 1e-9);
+    if (!f.feasible) continue;
+    ReducedProgram reduced(program, f.x);
+    ASSERT_EQ(reduced.variable_count(), program.layout().moments + 2);
+    EXPECT_EQ(reduced.variable_name(program.layout().moments), program.variable_name(program.layout().palm));
+    EXPECT_EQ(reduced.ratio_count(), 1);
+    int balances = 0;
+    for (int i = 0; i < reduced.row_count(); ++i) balances += reduced.is_equality(i) ? 1 : 0;
+    EXPECT_EQ(balances, 1);
+    Eigen::VectorXd u = reduced.start();
+    for (double& value : u) value += 0.02 * d(random);
+    if (!reduced.full(u).allFinite() || !(largest(reduced.jacobian(u)) < 50.0)) continue;
+    ++looked;
+    expect_first_derivatives(reduced, u);
+    expect_hessian(reduced, u, random);
+  }
+  EXPECT_GE(looked, 2);
+}
+
 /// A strip that its tip force has buckled, and that its moment straightens up to a fold.
 class BuckledStrip : public testing::Test {
  protected:
