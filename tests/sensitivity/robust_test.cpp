@@ -124,6 +124,14 @@ TEST_P(Robust, PlansReadTheErrorBars) {
   }
 }
 
+// Three moments leave the optimum flat, where full steps by second derivatives that are learned lead away from it.
+TEST_P(Robust, FlatOptimaAreReached) {
+  for (const auto& [weight, least] : {std::pair("100", 0.0277781), std::pair("300", 0.0797831)}) {
+    const Planned there = planned(loaded_arm, weighted(GetParam(), weight));
+    EXPECT_NEAR(there.plan.objective, least, 1e-5 * least) << "weight " << weight;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Solvers, Robust, testing::Values("nlopt", "ipopt", "ceres"),
                          [](const auto& solver) { return std::string(solver.param); });
 

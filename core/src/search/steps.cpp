@@ -125,6 +125,10 @@ bool ProgramSearch::sharpen(Attempt& attempt, NonlinearProgram& program, Eigen::
   const OptimalityReport r = solve(attempt, program, x);
   if (!r.x.allFinite() || r.x.size() != x.size()) return false;
   if (polishes(r.x)) return true;
+  // Where second derivatives are learned, full steps may lead away from what they are to refine.
+  options.descends = true;
+  options.max_iterations = search_parameters().most_descents;
+  if (polishes(r.x)) return true;
   // The solver's own point may already be good enough for the certificate.
   if (r.infeasibility <= restored) x = r.x;
   attempt.trouble = "the polish did not converge (" + std::string(std::exchange(polished_, nullptr)->reason) +
