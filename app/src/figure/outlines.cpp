@@ -11,18 +11,16 @@ namespace {
 /// Points that a shape is asked for: corners of rounded convex shapes, and those of parts from drawings.
 constexpr std::size_t convex_points = 361, part_points = 2401;
 
-bool same(Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }
-
 /// A part's outline is one line along all of its own, with ways there and back between them. Each of its own begins
 /// and ends at the same point of the surface, which those between do not lie on.
 std::vector<ClosedLine> parted(const Obstacle& obstacle, const ClosedLine& whole) {
   constexpr double on_surface = 1e-8;
-  if (std::none_of(whole.begin() + 1, whole.end(), [&](Vec2 p) { return same(p, whole[0]); })) return {whole};
+  if (std::none_of(whole.begin() + 1, whole.end(), [&](Vec2 p) { return p == whole[0]; })) return {whole};
   std::vector<ClosedLine> lines;
   for (std::size_t i = 0; i < whole.size(); ++i) {
     if (std::abs(obstacle.at(whole[i]).distance) > on_surface) continue;
     std::size_t end = i + 1;
-    while (end < whole.size() && !same(whole[end], whole[i])) ++end;
+    while (end < whole.size() && !(whole[end] == whole[i])) ++end;
     if (end == whole.size()) continue;
     if (end - i > 2)
       lines.emplace_back(whole.begin() + static_cast<std::ptrdiff_t>(i),

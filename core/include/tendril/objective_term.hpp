@@ -76,6 +76,8 @@ struct Target {
   double angle = 0.0;         ///< of the tip, rad
   bool has_position = false;  ///< whether a position is asked for
   bool has_angle = false;     ///< whether an angle is asked for
+  /// Whether the same is asked for, in the same numbers.
+  bool operator==(const Target&) const = default;
 };
 
 /// Everything a term may read of one finger, dimensionless (docs/model.md section 1). What Reads did not ask for is

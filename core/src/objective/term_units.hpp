@@ -7,6 +7,7 @@ namespace tendril {
 struct TermUnits {
   double length = 1.0;  ///< L of the rod / L of the scene
   double force = 1.0;   ///< EI/L^2 of the rod / the same of the scene
+  bool operator==(const TermUnits&) const = default;
 };
 
 }  // namespace tendril

@@ -33,6 +33,7 @@ struct ContactSetup {
   bool sticks = false;
   /// It slips: the tangential part, along the turned normal, for each unit of the normal part.
   double lean = 0.0;
+  bool operator==(const ContactSetup&) const = default;
 };
 
 /// From where a contact sticks.
@@ -51,6 +52,7 @@ struct CheckPoint {
   int piece = 0;       ///< of the chain
   double sigma = 0.5;  ///< place on the piece, in [0,1]
   int obstacle = 0;    ///< index in PoseProgramSpec::obstacles
+  bool operator==(const CheckPoint&) const = default;
 };
 
 /// What a program's rod carries besides moments and contact forces, and how far its obstacles are from their size: what
@@ -82,6 +84,7 @@ struct PoseProgramTerm {
   std::string name;                     ///< for reports
   /// where it was first no number, in words; null: nobody asks
   std::shared_ptr<std::string> fault{};
+  bool operator==(const PoseProgramTerm&) const = default;
 };
 
 /// The palm that a finger stands on (model.md section 6, "grasp"). The program's frame is fixed to the object, whose
@@ -96,6 +99,7 @@ struct PalmSetup {
   double load = 0.0;     ///< what these contacts carry of it along the axis, EI0/L^2
   /// Rows of the balance: along the axis, and in a program inside another one across it and about the object's centre.
   int parts = 1;
+  bool operator==(const PalmSetup&) const = default;
 };
 
 /// How far the tip may be from the target, as rows. Infinity: there is no such row.
@@ -103,6 +107,7 @@ struct TargetTolerance {
   double position = infinity;  ///< units of L
   double angle = infinity;     ///< rad
   bool any() const { return position < infinity || angle < infinity; }
+  bool operator==(const TargetTolerance&) const = default;
 };
 
 /// Everything that a pose program is assembled from. Pointers are borrowed and must outlive the program.
@@ -137,6 +142,8 @@ struct PoseProgramSpec {
   /// Rows keep d_ss (model.md section 7) of contacts that touch inside the rod at this or above, on both sides of the
   /// contact: beside it no check point can. Absent: there are no such rows. Second derivatives as above.
   std::optional<double> least_convexity{};
+  /// Whether the same program comes out; of what is borrowed, whether it is the same object.
+  bool operator==(const PoseProgramSpec&) const = default;
 };
 
 /// A shape to start from, whatever it was described with.

@@ -139,14 +139,19 @@ FeasibilityReport Planner::feasible_near(PoseProgram& program, const StartShape&
   return f;
 }
 
+PoseProgramSpec Planner::spec_without_margins(const Mode& mode, const std::vector<int>& regions) const {
+  PoseProgramSpec spec = d_.spec(mode, regions, d_.nodes);
+  // Rows that hold a plan back are for the way to better moments.
+  spec.least_margin.reset();
+  spec.least_convexity.reset();
+  return spec;
+}
+
 Beginning Planner::begin(const Mode& mode, const StartShape& shape, bool rests) {
   Beginning from;
   from.contacts = mode.contacts;
   from.regions = regions_near(mode, shape);
-  PoseProgramSpec spec = d_.spec(mode, from.regions, d_.nodes);
-  // Rows that hold a plan back are for the way to better moments.
-  spec.least_margin.reset();
-  spec.least_convexity.reset();
+  PoseProgramSpec spec = spec_without_margins(mode, from.regions);
   // Check points change no variable.
   const PoseProgram bare(Equations::alone(spec));
   const Eigen::VectorXd start = bare.start_from(shape);
@@ -164,8 +169,11 @@ std::shared_ptr<Beginning> Planner::beginning_at(const Mode& mode, const SideSta
   const bool kept = !d_.tolerance.any() && !d_.palm;
   for (const std::shared_ptr<Beginning>& known : d_.beginnings) {
     if (!kept || known->number != start.number || !same_contacts(known->contacts, mode.contacts)) continue;
-    // The same rod is planned without friction first.
-    if (known->program->spec().friction != d_.friction) continue;
+    // Whatever else changed, as friction without which the same rod is planned first: it has to be the same program.
+    PoseProgramSpec wanted = spec_without_margins(mode, known->regions);
+    wanted.checks = known->checks;
+    wanted.target = known->program->spec().target;
+    if (!(known->program->spec() == wanted)) continue;
     known->program->set_target(d_.target);
     if (known->certifier) known->certifier->set_target(d_.target);
     steps_.tally.work += known->work;
@@ -183,8 +191,10 @@ bool Planner::descend(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   // One that breaks its promises is no part of any plan. What it ends at here is not used: plans would depend on which
   // of them came first.
   const double work = steps_.tally.work;
+  const OptimalityReport newton = state.last;
   d_.solver_works = !is_useless(solve(state, program, x));
   steps_.tally.work = work;
+  if (d_.solver_works) state.last = newton;
   return d_.solver_works && !must_stop();
 }
 

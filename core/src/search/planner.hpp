@@ -181,6 +181,8 @@ class Planner {
   /// The point with its contact where the rod is deepest in the same body, beside the contact, where no check point can
   /// be: on another piece of a body that is not convex. Nothing: it is not.
   std::optional<StartShape> slid(const Candidate& c) const;
+  /// Of a program without rows that hold a plan back and without check points.
+  PoseProgramSpec spec_without_margins(const Mode& mode, const std::vector<int>& regions) const;
   Beginning begin(const Mode& mode, const StartShape& shape, bool rests);
   /// The same of a shape that is known by its number, kept for the next target.
   std::shared_ptr<Beginning> beginning_at(const Mode& mode, const SideStart& start);
