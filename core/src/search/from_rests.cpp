@@ -191,10 +191,11 @@ bool Planner::descend(ModeState& state, PoseProgram& program, Eigen::VectorXd& x
   // One that breaks its promises is no part of any plan. What it ends at here is not used: plans would depend on which
   // of them came first.
   const double work = steps_.tally.work;
-  const OptimalityReport newton = state.last;
+  OptimalityReport newton = state.last;
+  newton.native_status = "asked once, only to see that it works: Newton's method converged from a feasible point";
   d_.solver_works = !is_useless(solve(state, program, x));
   steps_.tally.work = work;
-  if (d_.solver_works) state.last = newton;
+  if (d_.solver_works) state.last = std::move(newton);
   return d_.solver_works && !must_stop();
 }
 
