@@ -11,6 +11,7 @@
 
 #include "campaign/ablation.hpp"
 #include "campaign/campaign.hpp"
+#include "campaign/best_known.hpp"
 #include "campaign/completeness.hpp"
 #include "campaign/random_scene.hpp"
 #include "campaign/reach.hpp"
@@ -212,6 +213,17 @@ int complete(const Arguments& arguments) {
   return show(arguments, sections) != 0 || false_claim ? 1 : 0;
 }
 
+int best_known(const Arguments& arguments) {
+  plugins::Registry registry = registry_of(arguments);
+  bench::BestKnownSetup setup;
+  std::tie(setup.first, setup.last) = read_seeds(arguments.seeds);
+  setup.solvers = arguments.solvers.empty() ? registry.names(ComponentKind::solver) : arguments.solvers;
+  setup.starts = arguments.starts;
+  setup.time_limit = arguments.time_limit;
+  setup.stop = arguments.extent.stop;
+  return show(arguments, {bench::best_known_section(setup, bench::run_best_known(registry, setup))});
+}
+
 int reach(const Arguments& arguments) {
   plugins::Registry registry = registry_of(arguments);
   bench::ReachSetup setup;
@@ -312,6 +324,16 @@ CLI::App* add_complete(CLI::App& program, Arguments& arguments) {
   return command;
 }
 
+CLI::App* add_best_known(CLI::App& program, Arguments& arguments) {
+  CLI::App* command =
+      add_command(program, arguments, "best-known", "How often a normal search finds the best plan that is known");
+  command->add_option("--seeds", arguments.seeds, "First and last seed of random scenes, FIRST:LAST");
+  add_list(command, "--solver", arguments.solvers, "Solver to plan with, by default every one found; may be repeated");
+  command->add_option("--starts", arguments.starts, "Random shapes to start from, of each scene")
+      ->check(CLI::Range(0, 1000000));
+  return command;
+}
+
 CLI::App* add_reach(CLI::App& program, Arguments& arguments) {
   CLI::App* command =
       add_command(program, arguments, "reach", "Plans to random targets that the rod of a scene is known to reach");
@@ -351,6 +373,7 @@ int run(int argc, char** argv) {
   for (const bench::Part& part : bench::parts()) part_commands.push_back(add_part(program, arguments, part));
   const CLI::App* campaign_command = add_campaign(program, arguments);
   const CLI::App* complete_command = add_complete(program, arguments);
+  const CLI::App* best_known_command = add_best_known(program, arguments);
   const CLI::App* reach_command = add_reach(program, arguments);
   add_report(program, arguments);
   try {
@@ -361,6 +384,7 @@ int run(int argc, char** argv) {
     if (solvers_command->parsed()) return solvers(arguments);
     if (campaign_command->parsed()) return campaign(arguments);
     if (complete_command->parsed()) return complete(arguments);
+    if (best_known_command->parsed()) return best_known(arguments);
     if (reach_command->parsed()) return reach(arguments);
     for (std::size_t i = 0; i < part_commands.size(); ++i) {
       if (!part_commands[i]->parsed()) continue;
