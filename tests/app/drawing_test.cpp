@@ -3,10 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "command.hpp"
 #include "support/contains.hpp"
+#include "tendril/geometry.hpp"
 
 namespace tendril::app::test {
 namespace {
@@ -68,6 +71,57 @@ TEST(Page, ShowsAPlan) {
   for (const json& p : drawing["obstacles"][0]["outlines"][0]) EXPECT_NEAR(apart(p, json{0.06, 0.0}), 0.008, 2e-7);
   EXPECT_FALSE(drawing["obstacles"][0].contains("ignored"));
   EXPECT_EQ(drawing["start"].size(), result["start_backbone"].size());
+}
+
+// Programs that draw go wrong with shapes that are far larger than what is in sight, and with corners that are far
+// apart a shape seems to keep away from a rod that touches it.
+TEST(Page, ShowsOfALargeObstacleWhatIsInSight) {
+  const TemporaryDirectory directory;
+  const std::string file = directory.write("large.toml", R"(
+problem = "pose"
+[rod]
+length = "100 mm"
+bending_stiffness = "4.9e-4 N m^2"
+[[rod.actuator]]
+limit = "2.5 N mm"
+[[obstacle]]
+shape = "circle"
+center = ["1000 m", "-1000 m"]
+radius = "1414.22 m"
+[contact]
+mode = "avoid"
+[target]
+position = ["90 mm", "30 mm"]
+[[objective]]
+plugin = "tip_pose"
+)");
+  const json drawing = drawn(page_of({"plan", file}));
+  ASSERT_EQ(drawing["obstacles"].size(), 1U);
+  ASSERT_EQ(drawing["obstacles"][0]["outlines"].size(), 1U);
+  const json& line = drawing["obstacles"][0]["outlines"][0];
+  int on_surface = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const json& a = line[i];
+    const json& b = line[(i + 1) % line.size()];
+    EXPECT_LT(apart(a, json{0.0, 0.0}), 1.0);
+    const json middle{0.5 * (a[0].get<double>() + b[0].get<double>()), 0.5 * (a[1].get<double>() + b[1].get<double>())};
+    if (std::abs(apart(middle, json{1000.0, -1000.0}) - 1414.22) < 2e-4) ++on_surface;
+  }
+  EXPECT_GE(on_surface, 1);
+  EXPECT_LE(line.size(), 100U);
+  // What is filled ends with the picture.
+  json_of({"plan", file, "--output", directory / "out"});
+  std::istringstream data(read_file(directory / "out/figure.dat"));
+  std::string text;
+  while (std::getline(data, text) && text != "# obstacle 1.") {
+  }
+  int filled = 0;
+  Vec2 p;
+  for (std::getline(data, text); std::getline(data, text) && std::sscanf(text.c_str(), "%lf %lf", &p.x, &p.y) == 2;) {
+    ++filled;
+    EXPECT_LT(norm(p), 200.0) << "mm, of a picture of some 150 mm";
+  }
+  EXPECT_GE(filled, 3);
 }
 
 TEST(Page, OfAResultOnDiskIsThePageThatTheCommandWrote) {

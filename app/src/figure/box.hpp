@@ -18,6 +18,12 @@ struct Box {
   }
   bool empty() const { return low.x > high.x; }
   Vec2 size() const { return high - low; }
+  bool contains(Vec2 p) const { return low.x <= p.x && p.x <= high.x && low.y <= p.y && p.y <= high.y; }
+  /// Whether a point of the line from a to b may be nearer than `distance`.
+  bool may_meet(Vec2 a, Vec2 b, double distance) const {
+    return std::max(a.x, b.x) > low.x - distance && std::min(a.x, b.x) < high.x + distance &&
+           std::max(a.y, b.y) > low.y - distance && std::min(a.y, b.y) < high.y + distance;
+  }
   void grow(double by) {
     low = low - Vec2{by, by};
     high = high + Vec2{by, by};

@@ -15,9 +15,9 @@ void add_points(DataFile& data, const Json& points) {
 
 }  // namespace
 
-void FrameFigure::add_shapes(DataFile& data, const Json& shapes, const std::string& prefix) {
+void FrameFigure::add_shapes(DataFile& data, const Json& shapes, const std::string& prefix) const {
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    add_outlines(data, lines_of(shapes[i]), fmt::format("{}obstacle {}.", prefix, i + 1),
+    add_outlines(data, lines_of(shapes[i]), window_, fmt::format("{}obstacle {}.", prefix, i + 1),
                  fmt::format("{}edge {}.", prefix, i + 1));
   }
 }

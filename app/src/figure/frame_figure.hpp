@@ -40,7 +40,7 @@ class FrameFigure {
   Vec2 emptiest_corner(double inset) const;
   std::string labels(const Json& frame) const;
   std::string gravity() const;
-  static void add_shapes(DataFile& data, const Json& shapes, const std::string& prefix);
+  void add_shapes(DataFile& data, const Json& shapes, const std::string& prefix) const;
   void add_frame(DataFile& data, std::size_t index) const;
   void add_obstacles(PlotCommand& plot, std::size_t index) const;
   void add_rods(PlotCommand& plot, std::size_t index) const;

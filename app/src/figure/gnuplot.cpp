@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "tendril/app/input_error.hpp"
 #include "tendril/app/process.hpp"
@@ -41,10 +42,22 @@ void add_clamp(DataFile& data, Vec2 base, double base_angle, double length, cons
   }
 }
 
-void add_outlines(DataFile& data, const std::vector<ClosedLine>& outlines, const std::string& body,
+void add_outlines(DataFile& data, const std::vector<ClosedLine>& outlines, const Box& window, const std::string& body,
                   const std::string& edge) {
+  // Rounded, no point may lie outside.
+  Box within = window;
+  within.grow(-1e-5 * norm(window.size()));
+  std::vector<ClosedLine> filled = outlines;
+  for (ClosedLine& line : filled) line = cut_off(within, std::move(line));
+  std::erase_if(filled, [](const ClosedLine& line) { return line.empty(); });
+  // A block without points would be missed.
+  if (filled.empty()) filled.push_back({within.low});
   data.block(body, "x y");
-  for (const Vec2 p : joined(outlines)) data.row(p);
+  for (const Vec2 p : joined(filled)) data.row(p);
+  add_edges(data, outlines, edge);
+}
+
+void add_edges(DataFile& data, const std::vector<ClosedLine>& outlines, const std::string& edge) {
   data.block(edge, "x y");
   for (const ClosedLine& line : outlines) {
     for (const Vec2 p : line) data.row(p);

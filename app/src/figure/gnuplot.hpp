@@ -49,9 +49,12 @@ class DataFile {
 /// A base line across the clamp with short strokes behind it, as a block.
 void add_clamp(DataFile& data, Vec2 base, double base_angle, double length, const std::string& block);
 
-/// An obstacle: the block `body` can be filled although gnuplot knows no holes, `edge` holds its lines.
-void add_outlines(DataFile& data, const std::vector<ClosedLine>& outlines, const std::string& body,
+/// An obstacle: the block `body` can be filled although gnuplot knows no holes, `edge` holds its lines. What is filled
+/// ends at the window: beyond it gnuplot fills the wrong side.
+void add_outlines(DataFile& data, const std::vector<ClosedLine>& outlines, const Box& window, const std::string& body,
                   const std::string& edge);
+/// Its lines alone.
+void add_edges(DataFile& data, const std::vector<ClosedLine>& outlines, const std::string& edge);
 
 /// A file beside the script, as a string of the script. Path names must stay as they are, so a quote is doubled;
 /// picture_of() has seen to it that no two stand together.

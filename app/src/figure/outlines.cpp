@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace tendril::app {
 
@@ -46,7 +47,57 @@ ClosedLine without_spare(const ClosedLine& line) {
   return kept.size() < 3 ? line : kept;
 }
 
+/// Of a large shape little is in sight: there its outline gets points of the surface until it follows it.
+void refine(const Obstacle& obstacle, const Box& box, Vec2 a, Vec2 b, int depth, ClosedLine& line) {
+  constexpr double close = 2e-4;  // of the box's diagonal
+  constexpr int deepest = 24;
+  line.push_back(a);
+  const Vec2 middle = a + 0.5 * (b - a);
+  const SurfacePoint surface = obstacle.at(middle);
+  const double off = std::abs(surface.distance);
+  if (depth == deepest || !(off > close * norm(box.size())) || !(off < norm(b - a)) || !box.may_meet(a, b, off)) return;
+  const Vec2 on = middle - surface.distance * surface.normal;
+  line.pop_back();
+  refine(obstacle, box, a, on, depth + 1, line);
+  refine(obstacle, box, on, b, depth + 1, line);
+}
+
+ClosedLine refined(const Obstacle& obstacle, const Box& box, ClosedLine line) {
+  // Points between corners of the outline lie on chords.
+  for (Vec2& p : line) {
+    const SurfacePoint surface = obstacle.at(p);
+    p = p - surface.distance * surface.normal;
+  }
+  ClosedLine all;
+  for (std::size_t i = 0; i < line.size(); ++i) refine(obstacle, box, line[i], line[(i + 1) % line.size()], 0, all);
+  return all;
+}
+
 }  // namespace
+
+ClosedLine cut_off(const Box& box, ClosedLine line) {
+  if (std::all_of(line.begin(), line.end(), [&](Vec2 p) { return box.contains(p); })) return line;
+  // Side after side (Sutherland and Hodgman 1974).
+  for (int side = 0; side < 4; ++side) {
+    const auto inside = [&](Vec2 p) {
+      return side == 0   ? p.x - box.low.x
+             : side == 1 ? box.high.x - p.x
+             : side == 2 ? p.y - box.low.y
+                         : box.high.y - p.y;
+    };
+    ClosedLine kept;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const Vec2 a = line[i];
+      const Vec2 b = line[(i + 1) % line.size()];
+      const double from = inside(a);
+      const double to = inside(b);
+      if (from >= 0.0) kept.push_back(a);
+      if ((from < 0.0) != (to < 0.0)) kept.push_back(a + from / (from - to) * (b - a));
+    }
+    line = std::move(kept);
+  }
+  return line;
+}
 
 std::vector<ClosedLine> outlines_of(const Obstacle& obstacle, Vec2 low, Vec2 high) {
   ClosedLine whole(obstacle.convex() ? convex_points : part_points);
@@ -55,7 +106,14 @@ std::vector<ClosedLine> outlines_of(const Obstacle& obstacle, Vec2 low, Vec2 hig
     if (!std::isfinite(p.x) || !std::isfinite(p.y)) return {};
   }
   std::vector<ClosedLine> lines = obstacle.convex() ? std::vector<ClosedLine>{whole} : parted(obstacle, whole);
-  for (ClosedLine& line : lines) line = without_spare(line);
+  // What is cut off lies out of sight.
+  const Box box{low - (high - low), high + (high - low)};
+  for (ClosedLine& line : lines) {
+    // Lines of unbounded shapes also go through the body, where these are cut off.
+    if (obstacle.convex() && std::isfinite(obstacle.smallest_radius())) line = refined(obstacle, box, std::move(line));
+    line = without_spare(cut_off(box, std::move(line)));
+  }
+  std::erase_if(lines, [](const ClosedLine& line) { return line.empty(); });
   return lines;
 }
 

@@ -279,14 +279,14 @@ class Script {
 };
 
 DataFile data_of(const std::vector<std::vector<ShapePanel>>& rows, const std::vector<BarPanel>& bars,
-                 const std::vector<LoopPanel>& loops, double length, LengthUnit unit) {
+                 const std::vector<LoopPanel>& loops, double length, const Box& window, LengthUnit unit) {
   DataFile data(unit);
   int number = 0;
   for (const auto& row : rows) {
     for (const ShapePanel& panel : row) {
       ++number;
       for (std::size_t i = 0; i < panel.obstacles.size(); ++i) {
-        add_outlines(data, panel.obstacles[i].outlines, panel_block(number, "obstacle", i + 1),
+        add_outlines(data, panel.obstacles[i].outlines, window, panel_block(number, "obstacle", i + 1),
                      panel_block(number, "edge", i + 1));
       }
       add_clamp(data, panel.clamp.base, panel.clamp.angle, length, panel_block(number, "clamp", 0));
@@ -423,7 +423,7 @@ void draw_panels(const std::string& title, const std::vector<std::vector<ShapePa
   script.loops(loops);
 
   const std::string draw = "set multiplot\n" + script.text() + "unset multiplot\n";
-  render({data_of(shapes, bars, loops, length, unit).text(),
+  render({data_of(shapes, bars, loops, length, window, unit).text(),
           "unset key\nset border 3 linewidth 1 linecolor rgb '#404040'\n"
           "set tics out nomirror textcolor rgb '#404040'\n"
           "set grid linewidth 0.6 linecolor rgb '#e4e4e4'\n",

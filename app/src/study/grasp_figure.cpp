@@ -159,7 +159,7 @@ class GraspStudyFigure {
   }
 
   void add_shapes_of(const Json& frame, const std::string& name) {
-    add_outlines(data_, lines_of(frame["obstacles"][0]), "body " + name + '.', "object " + name + '.');
+    add_edges(data_, lines_of(frame["obstacles"][0]), "object " + name + '.');
     for (std::size_t line = 0; line < frame["rods"].size(); ++line) {
       data_.block(fmt::format("finger {} {}.", name, line + 1), "x y");
       for (const Json& p : frame["rods"][line]["line"]) data_.row(point(p));
