@@ -131,7 +131,9 @@ void add_many(CaseList& list) {
     comb.push_back({0.2 + 0.007 * i, -0.06});
   }
   std::string pegs;
-  for (int i = 0; i < 200; ++i) pegs += circle(0.05 * (i % 20) + 0.1, -0.1 - 0.1 * (i / 20), 0.01);
+  for (int row = 0; row < 10; ++row) {
+    for (int i = 0; i < 20; ++i) pegs += circle(0.05 * i + 0.1, -0.1 - 0.1 * row, 0.01);
+  }
   const double weight = number(5.0);
   const std::string aim = target(0.95, -0.2) + weighted(1.0, 1e-6);
   list.plan(group, "over a comb of a hundred teeth",

@@ -125,30 +125,38 @@ class BackendsAlone {
   bool before_;
 };
 
+/// All programs, and a random shape to start each from.
+std::vector<Plan> draw_programs(const SolverComparisonSetup& setup, std::vector<SolverProgram>& programs) {
+  std::vector<Plan> shapes;
+  const int limits = std::max<int>(1, static_cast<int>(setup.limits.size()));
+  const int starts = std::max(1, setup.starts);
+  Uniform random(setup.seed);
+  for (std::size_t s = 0; s < setup.scenes.size(); ++s) {
+    const double length = setup.scenes[s].scene.rod.length();
+    const int targets = std::max<int>(1, static_cast<int>(setup.scenes[s].targets.size()));
+    for (int start = 0; start < starts; ++start) {
+      for (int limit = 0; limit < limits; ++limit) {
+        for (int target = 0; target < targets; ++target) {
+          programs.push_back({s, limit, target, start});
+          shapes.push_back(random_start(random, length));
+        }
+      }
+    }
+  }
+  return shapes;
+}
+
 }  // namespace
 
 SolverComparison compare_solvers(plugins::Registry& registry, const SolverComparisonSetup& setup) {
   const BackendsAlone alone;
   SolverComparison comparison;
-  const int limits = std::max<int>(1, static_cast<int>(setup.limits.size()));
-  const int starts = std::max(1, setup.starts);
-  std::vector<Plan> shapes;
+  const std::vector<Plan> shapes = draw_programs(setup, comparison.programs);
   std::vector<std::vector<Vec2>> references(setup.scenes.size());
-  Uniform random(setup.seed);
   for (std::size_t s = 0; s < setup.scenes.size(); ++s) {
     const Scene& scene = setup.scenes[s].scene;
-    const double length = scene.rod.length();
     for (const auto& obstacle : plugins::make_obstacles(registry, scene)) {
-      references[s].push_back(length * obstacle->reference_point());
-    }
-    const int targets = std::max<int>(1, static_cast<int>(setup.scenes[s].targets.size()));
-    for (int start = 0; start < starts; ++start) {
-      for (int limit = 0; limit < limits; ++limit) {
-        for (int target = 0; target < targets; ++target) {
-          comparison.programs.push_back({s, limit, target, start});
-          shapes.push_back(random_start(random, length));
-        }
-      }
+      references[s].push_back(scene.rod.length() * obstacle->reference_point());
     }
   }
   const bool terminal = ::isatty(STDERR_FILENO) != 0;

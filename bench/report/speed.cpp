@@ -55,8 +55,9 @@ Scene braced_among(bool body, const std::string& solver, const plugins::Registry
     text += "]\n";
   } else {
     for (int i = 0; i < 199; ++i) {
+      const int row = i / 20;
       text += fmt::format("[[obstacle]]\nshape = \"circle\"\ncenter = [{}, {}]\nradius = \"1 mm\"\n",
-                          0.01 * (i % 20) - 0.05, -0.11 - 0.01 * (i / 20));
+                          0.01 * (i % 20) - 0.05, -0.11 - 0.01 * row);
     }
   }
   Scene scene =

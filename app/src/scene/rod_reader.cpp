@@ -173,7 +173,7 @@ Table<RodDraft> rod_table() {
            [](T& t, std::vector<Vec2> v) { t.base_position_range = std::move(v); }),
        quantities<T>("angle_range", dimension::angle, any,
                      "How a plan may turn the clamp: the least angle and the largest one; `angle` likewise.",
-                     [](T& t, std::vector<double> v) { t.base_angle_range = std::move(v); })}};
+                     [](T& t, const std::vector<double>& v) { t.base_angle_range = std::move(v); })}};
   Table<RodDraft> insertion{
       {quantity<T>("value", dimension::length, positive, "all of it, or the middle between min and max",
                    "Length of the rod that is out of its port; beside `min` and `max` where a plan begins.",
@@ -203,7 +203,7 @@ Table<FingerDraft> finger_table() {
                                     [](T& t, double v) { t.angle = v; }));
   finger.keys.push_back(quantities<T>("angle_range", dimension::angle, any,
                                       "Between which a plan may turn it; without it finger_angle_range of [gripper].",
-                                      [](T& t, std::vector<double> v) { t.angle_range = two_of(v); }));
+                                      [](T& t, const std::vector<double>& v) { t.angle_range = two_of(v); }));
   finger.keys.push_back(quantity<T>("min_force", dimension::force, not_negative, "as in [contact]",
                                     "Smallest force of its contact.", [](T& t, double v) { t.min_force = v; }));
   finger.keys.push_back(quantity<T>("max_force", dimension::force, not_negative, "as in [contact]",

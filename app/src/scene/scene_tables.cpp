@@ -96,7 +96,7 @@ Table<ObstaclePlaces> obstacle_places_table() {
        points<T>("shifts", KeyType::points, dimension::length, "Each takes the place of the obstacle's `shift`.",
                  [](T& t, std::vector<Vec2> v) { t.shifts = std::move(v); }),
        quantities<T>("turns", dimension::angle, any, "Each takes the place of the obstacle's `turn`.",
-                     [](T& t, std::vector<double> v) { t.turns = std::move(v); })}};
+                     [](T& t, const std::vector<double>& v) { t.turns = std::move(v); })}};
 }
 
 Table<SceneDraft> trajectory_table() {
@@ -107,7 +107,7 @@ Table<SceneDraft> trajectory_table() {
        quantities<T>("angles", dimension::angle, any,
                      "Directions that the tip should have, step by step, each the shorter way round from the one "
                      "before.",
-                     [](T& t, std::vector<double> v) { t.trajectory.angles = std::move(v); }),
+                     [](T& t, const std::vector<double>& v) { t.trajectory.angles = std::move(v); }),
        text<T>("file", "",
                "CSV file with the targets instead, beside the scene; columns x, y, or x, y, angle, or angle.",
                [](T& t, const std::string& v) { t.trajectory.file = v; }),
@@ -136,11 +136,11 @@ Table<GripperSpec> gripper_table() {
        quantities<T>("half_palm_range", dimension::length, positive,
                      "Between which a plan may move either finger's base across the axis, each by itself; `half_palm` "
                      "is then where it begins.",
-                     [](T& t, std::vector<double> v) { t.half_palm_range = two_of(v); }),
+                     [](T& t, const std::vector<double>& v) { t.half_palm_range = two_of(v); }),
        quantities<T>("finger_angle_range", dimension::angle, any,
                      "Between which a plan may turn either finger's base, each by itself: a finger on a wrist. "
                      "`finger_angle` is then where it begins.",
-                     [](T& t, std::vector<double> v) { t.finger_angle_range = two_of(v); }),
+                     [](T& t, const std::vector<double>& v) { t.finger_angle_range = two_of(v); }),
        quantity<T>(
            "object_diameter", dimension::length, positive, "", "Diameter of the round object.",
            [](T& t, double v) { t.object_diameter = v; }, Need::required),
@@ -152,7 +152,7 @@ Table<GripperSpec> gripper_table() {
                    "Fixed distance from the palm to the object's centre.", [](T& t, double v) { t.palm_distance = v; }),
        quantities<T>("palm_distance_range", dimension::length, not_negative,
                      "Smallest and largest distance from the palm to the object's centre.",
-                     [](T& t, std::vector<double> v) { t.palm_distance_range = two_of(v); }),
+                     [](T& t, const std::vector<double>& v) { t.palm_distance_range = two_of(v); }),
        point<T>("position", dimension::length, "[0, 0]", "The palm's middle.", [](T& t, Vec2 v) { t.position = v; }),
        quantity<T>("angle", dimension::angle, any, "0", "Direction of the axis of symmetry, away from the palm.",
                    [](T& t, double v) { t.angle = v; }),
@@ -188,7 +188,7 @@ Key<StudySpec> limits_key() {
       quantities<T>("limits", dimension::moment, positive,
                     "Largest moments in either direction, for all actuators, or pressures, tensions or shortenings "
                     "with their unit; a side that is 0 stays 0.",
-                    [](T& t, std::vector<double> v) { t.limits = std::move(v); });
+                    [](T& t, const std::vector<double>& v) { t.limits = std::move(v); });
   key.read = [spec = key.spec, read = key.read](const Context& context, const Node& node, T& study) {
     const auto* list = std::get_if<Node::List>(&node.value);
     if (list == nullptr || list->empty()) return read(context, node, study);
@@ -217,26 +217,26 @@ Table<StudySpec> study_table() {
                     study_mode_names(), [modes_of](T& t, const std::vector<std::string>& v) { t.modes = modes_of(v); }),
            limits_key(),
            quantities<T>("force_limits", dimension::force, positive, "Largest contact forces.",
-                         [](T& t, std::vector<double> v) { t.force_limits = std::move(v); }),
+                         [](T& t, const std::vector<double>& v) { t.force_limits = std::move(v); }),
            quantities<T>("insertions", dimension::length, positive,
                          "Lengths of the rod that are out of its port, each held, at most [rod.insertion] `max`.",
-                         [](T& t, std::vector<double> v) { t.insertions = std::move(v); }),
+                         [](T& t, const std::vector<double>& v) { t.insertions = std::move(v); }),
            points<T>("base_positions", KeyType::points, dimension::length, "Where the rod is clamped, each held.",
                      [](T& t, std::vector<Vec2> v) { t.base_positions = std::move(v); }),
            quantities<T>("base_angles", dimension::angle, any, "Directions of the clamp, each held.",
-                         [](T& t, std::vector<double> v) { t.base_angles = std::move(v); }),
+                         [](T& t, const std::vector<double>& v) { t.base_angles = std::move(v); }),
            table<T>(
                "obstacle", "study.obstacle", "An obstacle that is moved: every shift with every turn.",
                obstacle_places_table(), [](T & t) -> auto& { return t.obstacle; }),
            quantities<T>("diameters", dimension::length, positive, "Diameters of a grasp's object.",
-                         [](T& t, std::vector<double> v) { t.diameters = std::move(v); }),
+                         [](T& t, const std::vector<double>& v) { t.diameters = std::move(v); }),
            quantities<T>("moments", dimension::moment, any,
                          "Changes of the planned moment of a grasp's last actuator, each carried out with the object "
                          "where it was planned.",
-                         [](T& t, std::vector<double> v) { t.moments = std::move(v); }),
+                         [](T& t, const std::vector<double>& v) { t.moments = std::move(v); }),
            quantities<T>("pressures", dimension::pressure, any,
                          "Changes of its pressure, instead of moments; with moment_per_pressure.",
-                         [](T& t, std::vector<double> v) { t.pressures = std::move(v); }),
+                         [](T& t, const std::vector<double>& v) { t.pressures = std::move(v); }),
            texts<T>("starts", "Paradigms whose results \"allow\" and \"require\" start from as well.",
                     {"ignore", "ignore_then_execute", "avoid"},
                     [modes_of](T& t, const std::vector<std::string>& v) { t.starts = modes_of(v); })}};
