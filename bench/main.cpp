@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "campaign/ablation.hpp"
-#include "campaign/campaign.hpp"
 #include "campaign/best_known.hpp"
+#include "campaign/campaign.hpp"
 #include "campaign/completeness.hpp"
 #include "campaign/random_scene.hpp"
 #include "campaign/reach.hpp"
@@ -221,7 +221,9 @@ int best_known(const Arguments& arguments) {
   setup.starts = arguments.starts;
   setup.time_limit = arguments.time_limit;
   setup.stop = arguments.extent.stop;
-  return show(arguments, {bench::best_known_section(setup, bench::run_best_known(registry, setup))});
+  const std::vector<bench::BestKnownCase> cases = bench::run_best_known(registry, setup);
+  const int shown = show(arguments, {bench::best_known_section(setup, cases)});
+  return shown != 0 || !bench::finds_best(setup, cases, arguments.share) ? 1 : 0;
 }
 
 int reach(const Arguments& arguments) {
@@ -329,8 +331,12 @@ CLI::App* add_best_known(CLI::App& program, Arguments& arguments) {
       add_command(program, arguments, "best-known", "How often a normal search finds the best plan that is known");
   command->add_option("--seeds", arguments.seeds, "First and last seed of random scenes, FIRST:LAST");
   add_list(command, "--solver", arguments.solvers, "Solver to plan with, by default every one found; may be repeated");
+  add_list(command, "--search", arguments.search, "Sets a number that steers the search: NAME=VALUE; may be repeated");
   command->add_option("--starts", arguments.starts, "Random shapes to start from, of each scene")
       ->check(CLI::Range(0, 1000000));
+  command->add_option("--time-limit", arguments.time_limit, "Seconds for one plan")->check(CLI::Range(1e-3, 1e6));
+  command->add_option("--share", arguments.share, "Share of the scenes whose best known plan each solver has to find")
+      ->check(CLI::Range(0.0, 1.0));
   return command;
 }
 

@@ -53,7 +53,7 @@ void keep(const Plan& plan, BestKnownCase& found) {
 
 bool BestKnownCase::found(const std::string& solver) const {
   const auto own = objectives.find(solver);
-  return own != objectives.end() && own->second <= best + std::max(margin_of(best), scale * margin_of(0.0));
+  return own != objectives.end() && own->second <= best + margin_of(best, scale);
 }
 
 std::vector<BestKnownCase> run_best_known(plugins::Registry& registry, const BestKnownSetup& setup) {
@@ -74,7 +74,7 @@ std::vector<BestKnownCase> run_best_known(plugins::Registry& registry, const Bes
     const Scene& scene = scenes.front();
     for (const ActuatorSpec& actuator : scene.rod.actuators) found.actuators += actuator.minimum < actuator.maximum;
     found.obstacles = static_cast<int>(scene.obstacles.size());
-    for (const ObjectiveSpec& term : scene.objectives) found.scale = std::max(found.scale, term.weight);
+    found.scale = scale_of_objective(scene);
     for (const Scene& own : scenes) {
       const Plan plan = Problem(own, plugins::make_components(registry, own)).plan(control);
       keep(plan, found);
@@ -97,6 +97,19 @@ std::vector<BestKnownCase> run_best_known(plugins::Registry& registry, const Bes
     cases.push_back(std::move(found));
   }
   return cases;
+}
+
+bool finds_best(const BestKnownSetup& setup, const std::vector<BestKnownCase>& cases, double share) {
+  return std::all_of(setup.solvers.begin(), setup.solvers.end(), [&](const std::string& solver) {
+    int planned = 0;
+    int found = 0;
+    for (const BestKnownCase& c : cases) {
+      if (!std::isfinite(c.best)) continue;
+      ++planned;
+      if (c.found(solver)) ++found;
+    }
+    return found >= share * planned;
+  });
 }
 
 Section best_known_section(const BestKnownSetup& setup, const std::vector<BestKnownCase>& cases) {

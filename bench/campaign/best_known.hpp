@@ -41,6 +41,9 @@ struct BestKnownCase {
 /// One case per seed.
 std::vector<BestKnownCase> run_best_known(plugins::Registry& registry, const BestKnownSetup& setup);
 
+/// Whether the normal search of each solver found at least this share of the best known plans.
+bool finds_best(const BestKnownSetup& setup, const std::vector<BestKnownCase>& cases, double share);
+
 Section best_known_section(const BestKnownSetup& setup, const std::vector<BestKnownCase>& cases);
 
 }  // namespace tendril::bench

@@ -70,6 +70,7 @@ CampaignCase run_case(const CampaignSetup& setup, const std::set<std::string>& p
   result.seconds = real(json, "seconds");
   result.cpu_seconds = real(json, "cpu_seconds");
   result.objective = real(json, "objective");
+  result.scale = real(json, "scale");
   result.equilibrium = real(json, "equilibrium");
   result.penetration = real(json, "penetration");
   result.margin = real(json, "margin");
@@ -96,6 +97,12 @@ std::set<std::string> names_at_hand(const plugins::Registry& registry) {
   return names;
 }
 
+double scale_of_objective(const Scene& scene) {
+  double scale = 1.0;
+  for (const ObjectiveSpec& term : scene.objectives) scale = std::max(scale, term.weight);
+  return scale;
+}
+
 std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const CampaignSetup& setup) {
   const std::string& solver = setup.solvers.front();
   const RandomScene random =
@@ -119,6 +126,7 @@ std::string campaign_line(plugins::Registry& registry, std::uint64_t seed, const
   json["message"] = plan.message;
   json["cut"] = plan.search_cut ? "cut" : "";
   json["objective"] = plan.objective;
+  json["scale"] = scale_of_objective(scene);
   if (plan.status == PlanStatus::solved) {
     const PlanCheck check = check_plan(scene, plan);
     json["equilibrium"] = check.equilibrium;

@@ -9,6 +9,7 @@
 
 #include "common/section.hpp"
 #include "tendril/plugins/registry.hpp"
+#include "tendril/scene.hpp"
 
 namespace tendril::bench {
 
@@ -41,8 +42,12 @@ struct CampaignCase {
   std::string cut;  ///< "cut" where time ended the search
   double seconds = 0.0, cpu_seconds = 0.0;
   double objective = 0.0;
+  double scale = 1.0;                                         ///< of the objective
   double equilibrium = 0.0, penetration = 0.0, margin = 0.0;  ///< of the check
 };
+
+/// The largest weight of a scene's objectives, or 1 if all are smaller: what differs by rounding of that is the same.
+double scale_of_objective(const Scene& scene);
 
 /// Coordinate models and objectives that random_scene() may draw.
 std::set<std::string> names_at_hand(const plugins::Registry& registry);

@@ -128,8 +128,8 @@ Section relaxation_section(CampaignSetup setup, int& violations) {
         const CampaignCase& b = after[i];
         if (!planned(a) || b.verdict == nothing_to_relax) continue;
         ++compared;
-        if (planned(b) && b.objective < a.objective - margin_of(a.objective)) ++fell;
-        if (planned(b) && b.objective <= a.objective + margin_of(a.objective)) continue;
+        if (planned(b) && b.objective < a.objective - margin_of(a.objective, a.scale)) ++fell;
+        if (planned(b) && b.objective <= a.objective + margin_of(a.objective, a.scale)) continue;
         ++rose;
         worse.rows.push_back({solver, relaxation.name, shown_seed(a), a.objective,
                               planned(b) ? b.objective : std::nan(""), planned(b) ? b.cut : b.verdict});
@@ -144,7 +144,7 @@ Section relaxation_section(CampaignSetup setup, int& violations) {
     for (const CampaignCase& c : own[solver]) {
       if (!planned(c)) continue;
       ++plans;
-      if (c.objective <= best[c.seed] + margin_of(best[c.seed])) ++found;
+      if (c.objective <= best[c.seed] + margin_of(best[c.seed], c.scale)) ++found;
     }
     if (plans > 0)
       known.rows.push_back({solver, plans, found, 100.0 * static_cast<double>(found) / static_cast<double>(plans)});

@@ -39,7 +39,9 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-double margin_of(double objective) { return same_objective * std::max(std::abs(objective), same_objective); }
+double margin_of(double objective, double scale) {
+  return same_objective * std::max(std::abs(objective), same_objective * scale);
+}
 
 double median(std::vector<double> values) { return quantile(std::move(values), 0.5); }
 

@@ -7,9 +7,10 @@ namespace tendril::bench {
 /// Times within this factor are one class: the spread of a busy machine.
 inline constexpr double same_class = 1.5;
 
-/// Objectives that differ by less are the same: relative, and of this where they are smaller.
+/// Objectives that differ by less are the same: relative, and of this share of their scale, the largest weight of a
+/// scene, where they are smaller.
 inline constexpr double same_objective = 1e-6;
-double margin_of(double objective);
+double margin_of(double objective, double scale = 1.0);
 
 /// The p-quantile, 0 <= p <= 1, interpolated linearly between order statistics. NaN of no values. Infinite values are
 /// larger than all others.
