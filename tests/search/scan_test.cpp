@@ -93,7 +93,7 @@ TEST(SearchLetGo, AnArcThatIsLetGoLeadsToABetterPlan) {
     const Scene made = combination::scene_from_text(above_a_table, {"solver.plugin=" + solver});
     const Plan found = combination::plan(made);
     ASSERT_TRUE(certified(found));
-    const Steered arcs("let_go", "0");
+    const Steered arcs("relaxed_arcs", "0");
     const Plan without = combination::plan(made);
     ASSERT_TRUE(certified(without));
     EXPECT_LT(found.objective, 0.5 * without.objective);
@@ -105,7 +105,7 @@ TEST(SearchScan, FindsThePlanThatNoStartLeadsTo) {
   const Steered sides("sides", "0");
   const Steered starts("most_starts", "1");
   const Steered rests("ask_rests", "0");
-  const Steered arcs("let_go", "0");
+  const Steered arcs("relaxed_arcs", "0");
   const Plan found = thorough(below);
   ASSERT_TRUE(certified(found));
   EXPECT_LT(found.objective, 0.01);

@@ -48,6 +48,42 @@ plugin = "actuation_effort"
 weight = 1e-4
 )";
 
+const char* const pin_beside_the_base = R"(
+title = "Under a pin beside the base"
+problem = "pose"
+[[rod.segment]]
+length = "55 mm"
+bending_stiffness = "1e-3 N m^2"
+[[rod.segment]]
+length = "45 mm"
+bending_stiffness = "2.76e-3 N m^2"
+[[rod.actuator]]
+limit = "29.5 N mm"
+[tip_load]
+force = ["0.93 N", "0.62 N"]
+[[obstacle]]
+name = "pin"
+shape = "circle"
+center = ["14.6 mm", "-5.97 mm"]
+radius = "0.5 mm"
+[contact]
+mode = "allow"
+[target]
+position = ["99.65 mm", "-7.18 mm"]
+[[objective]]
+plugin = "tip_pose"
+weight = 100
+[[objective]]
+plugin = "actuation_effort"
+weight = 1e-4
+[coordinates]
+plugin = "pcc"
+pieces = 6
+split_at_contact = false
+[start]
+tip_angle = 0
+)";
+
 const char* const pin = R"(
 title = "Tip first into a pin"
 gravity = [0, -9.81]
@@ -159,6 +195,14 @@ TEST(SearchSides, AFingerPressesUpToTheLimitOfStabilityWithEverySolver) {
     EXPECT_NEAR(held.certificate.stability, tolerance::held_margin, 0.1 * tolerance::held_margin);
     EXPECT_LT(held.objective, weaker.objective);
   }
+}
+
+// Pushed down by the pin the rod bends back towards the target, as no single arc does.
+TEST(SearchSides, ARodOfOneMomentIsBentInTwoByAContact) {
+  const Plan plan = combination::plan(scene_from_text(pin_beside_the_base));
+  ASSERT_TRUE(certified(plan));
+  EXPECT_LT(plan.target_error.value(), 3e-3) << "23 mm without the contact";
+  EXPECT_EQ(plan.contacts.size(), 1U);
 }
 
 // What a problem keeps from one plan for the next is the same for every target.

@@ -32,7 +32,7 @@ class Restoration {
  public:
   Restoration(NonlinearProgram& program, ConstVectorRef start, View view)
       : program_(program), view_(view), x_(start.cwiseMax(program.lower()).cwiseMin(program.upper())) {
-    look(x_, rows_, violation_);
+    evaluate_at(x_, rows_, violation_);
     merit_ = violation_.squaredNorm();
   }
 
@@ -64,7 +64,7 @@ class Restoration {
   }
 
   /// Rows at x and their signed violation.
-  void look(const Eigen::VectorXd& x, Eigen::VectorXd& rows, Eigen::VectorXd& violation) const {
+  void evaluate_at(const Eigen::VectorXd& x, Eigen::VectorXd& rows, Eigen::VectorXd& violation) const {
     (void)program_.jacobian(x);  // brings the values along; most steps are taken, and need it next
     rows = program_.constraints(x);
     violation.resize(rows.size());
@@ -93,7 +93,7 @@ class Restoration {
     bool refused = false;
     while (damping_ < most_damping) {
       if (propose(next_)) {
-        look(next_, next_rows_, next_violation_);
+        evaluate_at(next_, next_rows_, next_violation_);
         const double merit = next_violation_.squaredNorm();
         if (std::isfinite(merit) && merit < merit_) {
           // Almost no progress over a full step: the valley floor of an infeasible program.

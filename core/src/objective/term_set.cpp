@@ -206,7 +206,7 @@ std::string place_of(const Reads& reads, const Quantities<double>& x) {
 
 }  // namespace
 
-void TermEvaluator::note_fault(double value, const char* what) {
+void TermEvaluator::record_fault(double value, const char* what) {
   if (std::isfinite(value) || !weighted_.fault || !weighted_.fault->empty()) return;
   // A term is not at fault where it is asked of no shape, as by a solver that took a step along another term's numbers.
   if (!std::all_of(inputs_.begin(), inputs_.end(), [](const Input& i) { return std::isfinite(*i.value); })) return;
@@ -229,7 +229,7 @@ void TermEvaluator::evaluate(const BaseValues& at, double& cost, double& rest, d
   }
   const double extra = weighted_.weight * out.smooth_part();
   value_ = squares + extra;
-  note_fault(value_, "it");
+  record_fault(value_, "it");
   cost += value_;
   rest += extra;
 }
@@ -262,7 +262,7 @@ void TermEvaluator::differentiate(const BaseValues& at, Eigen::VectorXd& gradien
     const double extra = weight * direction(out.smooth_part());
     double total = extra;
     for (const HyperDual& value : dual_.residuals) total += 2.0 * weight * value.v * direction(value);
-    note_fault(total, "its first derivative");
+    record_fault(total, "its first derivative");
     for (int side = 0; side < 3; ++side) {
       if (input.base[side] < 0) continue;
       gradient[input.base[side]] += input.factor[side] * total;
@@ -304,7 +304,7 @@ void TermEvaluator::differentiate_twice(double weight) {
         second += 2.0 * (r.a * r.b + r.v * r.ab);
         slope += 2.0 * r.v * r.a;
       }
-      note_fault(second, "its second derivative");
+      record_fault(second, "its second derivative");
       if (i == k) input_gradient_[i] = weight * slope;
       input_hessian_[i * n + k] = input_hessian_[k * n + i] = weight * second;
     }

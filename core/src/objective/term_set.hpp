@@ -125,7 +125,7 @@ class TermEvaluator {
   void read_inputs(const BaseValues& at);
   /// Keeps the place for a report if `value` is no number, though the term sees numbers, and none was before. It
   /// allocates then, and only then.
-  void note_fault(double value, const char* what);
+  void record_fault(double value, const char* what);
   /// Derivatives of the term by its inputs, times `weight`, into input_gradient_ and input_hessian_.
   void differentiate_twice(double weight);
 

@@ -44,10 +44,10 @@ class BoxTree {
     if (!boxes.empty()) build(boxes, 0, boxes.size());
   }
 
-  /// Calls look(thing, best) for every thing that may be nearer to `point` than the root of `best`, the square of the
-  /// least distance so far, which look() lowers. Allocates nothing.
-  template <class Look>
-  void nearest(Vec2 point, double best, Look&& look) const {
+  /// Calls visit(thing, best) for every thing that may be nearer to `point` than the root of `best`, the square of the
+  /// least distance so far, which visit() lowers. Allocates nothing.
+  template <class Visit>
+  void nearest(Vec2 point, double best, Visit&& visit) const {
     std::array<std::size_t, most_levels> open;
     std::size_t count = 0;
     if (!nodes_.empty()) open[count++] = 0;
@@ -55,7 +55,7 @@ class BoxTree {
       const Node& node = nodes_[open[--count]];
       if (node.box.square_to(point) > best) continue;
       if (node.right == 0) {
-        for (std::size_t i = node.begin; i < node.end; ++i) look(order_[i], best);
+        for (std::size_t i = node.begin; i < node.end; ++i) visit(order_[i], best);
         continue;
       }
       const auto left = static_cast<std::size_t>(&node - nodes_.data()) + 1;

@@ -40,7 +40,7 @@ void Planner::attempt(ModeState& state, const StartShape& shape, const std::vect
         continue;
       }
       if (!radius_homotopy(state, spec, shape, branch, program, x) && !find_point(state, program, x, branch)) {
-        if (state.last.status == SolveStatus::not_finite) note_unfit_term(program, x);
+        if (state.last.status == SolveStatus::not_finite) record_unfit_term(program, x);
         break;
       }
       const std::vector<Branch> branches = branches_of(program);

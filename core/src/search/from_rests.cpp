@@ -228,11 +228,11 @@ double Planner::refine(ModeState& state, Beginning& from) {
   };
   const bool holds_back = d_.least_margin || d_.least_convexity;
   if (Eigen::VectorXd x = feasible; !holds_back && !solved_reduced(mode) && descend(state, program, x)) {
-    state.slid.reset();
+    state.over_seam.reset();
     if (finish(state, program, regions, checks, x, &from) && stays(program, x)) return cost;
     // Over the seams of a body that is not convex.
-    for (int slides = 0; slides < search_parameters().most_slides && state.slid && !must_stop(); ++slides) {
-      Beginning beside = begin(mode, *std::exchange(state.slid, {}), false);
+    for (int seams = 0; seams < search_parameters().most_seams && state.over_seam && !must_stop(); ++seams) {
+      Beginning beside = begin(mode, *std::exchange(state.over_seam, {}), false);
       if (!beside.near.feasible) break;
       x = beside.near.x;
       if (!descend(state, *beside.program, x)) break;

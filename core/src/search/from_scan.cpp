@@ -47,14 +47,15 @@ double Planner::cost_of(const Rest& rest) const {
 
 std::vector<Rest> Planner::rests_of_arcs() {
   std::vector<std::vector<double>> inputs = sampled_moments();
-  inputs.resize(std::min(inputs.size(), search_parameters().inputs_let_go));
+  inputs.resize(std::min(inputs.size(), search_parameters().inputs_of_relaxed));
   const std::vector<double> moves = d_.rod.starts();
   CountedLooks allowance(steps_.tally, steps_.deadline(), search_parameters().looks_at_arcs, d_.coordinate_count({}));
   std::vector<Rest> rests;
   for (const std::vector<double>& moments : inputs) {
     const LoadPath path(d_.rod, d_.obstacles, {moments, moments, false, false, moves, moves});
-    for (const Descent& down : descend_from_arcs(path, 1.0, search_parameters().widest_of_one,
-                                                 search_parameters().arcs_let_go, [&] { return allowance.spent(); })) {
+    for (const Descent& down :
+         descend_from_arcs(path, 1.0, search_parameters().widest_of_one, search_parameters().most_relaxed_arcs,
+                           [&] { return allowance.spent(); })) {
       if (auto rest = settled(down, moments)) rests.push_back(std::move(*rest));
     }
   }
@@ -77,10 +78,10 @@ bool Planner::is_off_target() const {
   return beside || turned || !(d_.target.has_position || d_.target.has_angle);
 }
 
-void Planner::let_go() {
+void Planner::start_from_relaxed_arcs() {
   // Where nothing buckles there is one equilibrium, and where the tip is at its target no other can bring much.
   const bool one = d_.obstacles.empty() && !loaded();
-  if (!search_parameters().let_go || one || d_.palm || must_stop() || !is_off_target()) return;
+  if (!search_parameters().relaxed_arcs || one || d_.palm || must_stop() || !is_off_target()) return;
   const std::vector<Rest> rests = rests_of_arcs();
   std::vector<std::pair<double, std::size_t>> costs;
   for (std::size_t i = 0; i < rests.size(); ++i) costs.emplace_back(cost_of(rests[i]), i);
@@ -96,7 +97,7 @@ void Planner::let_go() {
     const std::pair of{way, sides_of(d_, shape_of(rest, modes_[way]))};
     const bool known = std::find(seen.begin(), seen.end(), of) != seen.end();
     const bool dearer = costs[k].first >= best_objective() + search_parameters().dearer;
-    if (dearer && (known || !chooses() || seen.size() >= search_parameters().dearer_let_go)) continue;
+    if (dearer && (known || !chooses() || seen.size() >= search_parameters().dearer_relaxed)) continue;
     if (!known) seen.push_back(of);
     consider_rest(rest);
   }

@@ -29,6 +29,7 @@
   X(double, widest_of_one, 6.4, "largest angle of one arc, rad")                                                     \
   X(int, arcs_of_two, 13, "shapes of each of two arcs")                                                              \
   X(double, widest_of_two, 2.4, "largest angle of each of two arcs, rad")                                            \
+  X(bool, bent_at_contacts, true, "where the plan is off its target shapes that contacts bend in two are starts")    \
   X(double, beside, 0.7, "sine of the angle between rod and obstacle from which on it passes beside it")             \
   X(double, cost_of_bend, 0.002, "of the square of the curvature, against the square of the distance to the target") \
   X(double, cost_of_depth, 2.0, "of the depth in an obstacle, against the same")                                     \
@@ -72,14 +73,14 @@
   X(bool, ask_rests, true, "where no first start led to a plan, rests under sampled moments are starts")             \
   X(bool, hang, true, "under large loads shapes that hang are starts")                                               \
   X(bool, scan, true, "a thorough search looks at all equilibria over the box of one or two moments")                \
-  X(bool, let_go, true, "where the plan is off its target arcs that are let go are starts")                          \
+  X(bool, relaxed_arcs, true, "where the plan is off its target arcs that are let go are starts")                    \
   X(double, off_target, 0.1, "distance to the target (rad, L) from which on they are")                               \
   X(double, off_notched, 0.02, "the same beside bodies that are not convex and have no pockets")                     \
-  X(int, arcs_let_go, 33, "arcs that are let go, over all turns")                                                    \
+  X(int, most_relaxed_arcs, 33, "arcs that are let go, over all turns")                                              \
   X(int, looks_at_arcs, 20000, "steps of all of them")                                                               \
-  X(std::size_t, dearer_let_go, 2,                                                                                   \
+  X(std::size_t, dearer_relaxed, 2,                                                                                  \
     "rests that cost more than the plan and are starts, each of another contact or side")                            \
-  X(std::size_t, inputs_let_go, 5, "moments under which they are")                                                   \
+  X(std::size_t, inputs_of_relaxed, 5, "moments under which they are")                                               \
   X(int, fine_scan, 64, "steps of one moment from limit to limit")                                                   \
   X(int, plane_scan, 12, "steps of each of two moments")                                                             \
   X(int, scanned_sides, 12, "shapes on different sides that are let go at the corners of the box")                   \
@@ -96,7 +97,7 @@
     "where an objective is to balance a grasp, the plan with the balance as a row is the first start")               \
   X(bool, grow_contacts, true, "where assignments are too many, the best ones are given one contact more")           \
   X(bool, descend, true, "Newton's method goes from a feasible point to a minimum before the solver is asked")       \
-  X(int, most_slides, 30, "pieces of a body that is not convex, from one to the next")                               \
+  X(int, most_seams, 30, "pieces of a body that is not convex, from one to the next")                                \
   X(int, most_descents, 15, "steps of it")                                                                           \
   X(bool, hold_cheaper, true, "points that cost less than the plan and are unstable compete as held plans")
 

@@ -9,6 +9,7 @@
 #include "search/earlier_plan.hpp"
 #include "search/follower.hpp"
 #include "search/free_reach.hpp"
+#include "search/limit.hpp"
 #include "search/parameters.hpp"
 #include "search/sides.hpp"
 #include "search/task.hpp"
@@ -176,7 +177,8 @@ Plan Planner::run() {
   if (search_parameters().ask_rests && !rested_ && misses_among_sides()) start_from_rests();
   if (winner_ >= 0 || d_.palm) hold_cheaper();
   search_further(starts(), order);
-  let_go();
+  search_bent(order);
+  start_from_relaxed_arcs();
   scan();
   if (search_parameters().settle) settle(order);
   if (search_parameters().prove) look_for_stable(order);
@@ -231,13 +233,21 @@ void Planner::search_all_sides(const std::vector<std::size_t>& order) {
   }
 }
 
+void Planner::search_bent(const std::vector<std::size_t>& order) {
+  if (!search_parameters().bent_at_contacts || d_.palm || !d_.contact_planned() || must_stop() || !is_off_target())
+    return;
+  const Kept<bool> bent{bent_};
+  bent_ = true;
+  search_all_sides(order);
+}
+
 void Planner::search_sides(const std::vector<std::size_t>& order) {
   if (d_.palm || !search_parameters().sides) return;
   // A fast search is the beginning of a normal one: the scene's own start alone.
   const std::size_t most_sides = fast() ? 0 : search_parameters().most_sides * static_cast<std::size_t>(generosity());
   if (!several_sides(d_)) return;
   std::vector<SideStart> starts;
-  if (most_sides > 0) starts = starts_by_sides(d_);
+  if (most_sides > 0) starts = starts_by_sides(d_, bent_);
   SideStart own = start_by_sides(d_, d_.scene_start());
   own.number = 0;
   struct Trial {
@@ -262,7 +272,7 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
     }
     std::stable_sort(of_way.begin(), of_way.end(), [](const Trial& a, const Trial& b) { return a.merit < b.merit; });
     if (of_way.size() > most_sides) of_way.resize(most_sides);
-    (first_ways < most_trials ? trials : last).push_back({0.0, i, &own});
+    if (!bent_) (first_ways < most_trials ? trials : last).push_back({0.0, i, &own});
     ++first_ways;
     trials.insert(trials.end(), of_way.begin(), of_way.end());
   }
@@ -288,7 +298,7 @@ void Planner::search_sides(const std::vector<std::size_t>& order) {
       // A backend that was left to itself may have passed through an obstacle to the other side.
       const bool stayed = hops && state.best.has_point &&
                           start_by_sides(d_, state.best.program->shape_of(state.best.x)).sides == trial.start->sides;
-      if (!stayed) refine(state, *beginning_at(modes_[trial.way], *trial.start));
+      if (!stayed || bent_) refine(state, *beginning_at(modes_[trial.way], *trial.start));
     });
   }
 }

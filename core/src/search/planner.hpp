@@ -80,7 +80,7 @@ class Planner {
     bool sided = false;  ///< it was started from every side
     Sides sides;         ///< of the point that finish() completed last; empty: it did not
     /// Where the last point fails: beside a contact the rod runs into the same body, and touches it there here.
-    std::optional<StartShape> slid;
+    std::optional<StartShape> over_seam;
     const Judged& judged() const override { return best; }
   };
 
@@ -107,7 +107,7 @@ class Planner {
   /// cost less than the plan are starts.
   void scan();
   /// Where the plan is off its target: where arcs come to rest are starts.
-  void let_go();
+  void start_from_relaxed_arcs();
   const Backbone& backbone_of_best() const;  ///< of the best plan, of which there is one
   bool is_off_target() const;                ///< so far that arcs are let go, or by what that costs
   std::vector<Rest> rests_of_arcs();         ///< where arcs of every turn come to rest under sampled moments
@@ -170,6 +170,8 @@ class Planner {
   /// Starts on sides for ways with one contact or none, then for those with more.
   void search_all_sides(const std::vector<std::size_t>& order);
   void search_sides(const std::vector<std::size_t>& order);
+  /// Where the plan is off its target: from shapes that contacts bend in two.
+  void search_bent(const std::vector<std::size_t>& order);
   /// Where there is a plan: starts on sides have shown already what an ordinary one can lead to.
   bool looked_at(const ModeState& state) const;
   /// From a shape to a feasible point near, where every contact touches, and from there to the best one near: with
@@ -180,7 +182,7 @@ class Planner {
   double refine(ModeState& state, Beginning& from);
   /// The point with its contact where the rod is deepest in the same body, beside the contact, where no check point can
   /// be: on another piece of a body that is not convex. Nothing: it is not.
-  std::optional<StartShape> slid(const Candidate& c) const;
+  std::optional<StartShape> over_seam(const Candidate& c) const;
   /// Of a program without rows that hold a plan back and without check points.
   PoseProgramSpec spec_without_margins(const Mode& mode, const std::vector<int>& regions) const;
   Beginning begin(const Mode& mode, const StartShape& shape, bool rests);
@@ -208,7 +210,7 @@ class Planner {
   void try_start(ModeState& state, const StartShape& shape);
   void attempt(ModeState& state, const StartShape& shape, const std::vector<int>& regions);
   /// Remembers which term is not finite at x, for the report.
-  void note_unfit_term(PoseProgram& program, const Eigen::VectorXd& x);
+  void record_unfit_term(PoseProgram& program, const Eigen::VectorXd& x);
   /// From x (any quality) to a decided branch and a point on it. False: no feasible point was found.
   bool find_point(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Branch forced);
   bool solve_treatment(ModeState& state, PoseProgram& program, Eigen::VectorXd& x, Treatment treatment);
@@ -290,6 +292,7 @@ class Planner {
   bool have_plan_ = false;                ///< some mode is certified
   bool following_ = false;                ///< only Newton may move points
   double balanced_objective_ = infinity;  ///< scaled, of start_from_balance()
+  bool bent_ = false;                     ///< starts on sides are shapes that contacts bend in two
   bool deferring_ = false;                ///< starts of a grasp that do not look promising wait for the others
   bool proving_ = false;                  ///< a look at the violation comes before every search
   bool rested_ = false;                   ///< start_from_rests() was done

@@ -208,7 +208,7 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
     if (pointed.certified()) c = std::move(pointed);
   }
   if (!c.has_point) return true;
-  state.slid = slid(c);
+  state.over_seam = over_seam(c);
   certified_ = c.certified();
   if (certified_) keep_minimum(state, c);
   const bool unstable = !c.certified() && (!(c.certificate.stability > tolerance::stability) ||
@@ -221,7 +221,7 @@ bool Planner::complete(ModeState& state, const std::vector<int>& regions, std::v
   return true;
 }
 
-std::optional<StartShape> Planner::slid(const Candidate& c) const {
+std::optional<StartShape> Planner::over_seam(const Candidate& c) const {
   if (c.certified() || !(c.certificate.penetration > tolerance::penetration)) return std::nullopt;
   const std::vector<Certifier::Approach> places = c.certifier->approaches(c.x, -tolerance::penetration);
   for (int k = 0; k < c.program->layout().arc_lengths; ++k) {
@@ -298,7 +298,7 @@ Completion Planner::bring_to_certificate(ModeState& state, const std::vector<int
   Completing steps{*this, state, regions, branches, every_check, every_check, c, known};
   const Completion completion = tendril::bring_to_certificate(steps_, state, c, std::move(x), steps);
   if (completion == Completion::lost) keep_unique(every_check);
-  if (completion == Completion::judged && !c.has_point) note_unfit_term(*c.program, c.x);
+  if (completion == Completion::judged && !c.has_point) record_unfit_term(*c.program, c.x);
   return completion;
 }
 
@@ -340,7 +340,7 @@ void Planner::look_for_spread() {
   }
 }
 
-void Planner::note_unfit_term(PoseProgram& program, const Eigen::VectorXd& x) {
+void Planner::record_unfit_term(PoseProgram& program, const Eigen::VectorXd& x) {
   program.cost(x);
   for (std::size_t i = 0; i < d_.terms.size(); ++i) {
     if (std::isfinite(program.term_value(static_cast<int>(i)))) continue;

@@ -32,7 +32,7 @@ class Scanner {
       if (const auto reached = led(rest, rest.moments, nearest(rest.moments))) add(*reached, nearest(rest.moments));
     }
     for (const std::vector<int>& node : outstanding_nodes()) {
-      for (const StartShape& shape : shapes) let_go(shape, node);
+      for (const StartShape& shape : shapes) relax(shape, node);
     }
     while (!waiting_.empty() && !stopped()) {
       const std::size_t from = waiting_.front();
@@ -97,7 +97,7 @@ class Scanner {
     return rest_of(task_, moments, end.statics->state(end.z));
   }
 
-  void let_go(const StartShape& shape, const std::vector<int>& node) {
+  void relax(const StartShape& shape, const std::vector<int>& node) {
     if (stopped()) return;
     const std::vector<double> moments = moments_at(node);
     Loading loading(task_.rod, task_.obstacles, Curvature(shape.curvature), {moments, {}}, must_stop_);

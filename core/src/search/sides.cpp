@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "obstacle/region.hpp"
@@ -77,12 +78,11 @@ double merit_of(const Task& task, const SideStart& seen) {
 
 bool same_sides(const SideStart& a, const SideStart& b) { return a.sides == b.sides && a.patches == b.patches; }
 
-/// Shows shapes of one or two arcs to `see`, from one side to the other or in turn from both, as long as it returns
-/// true.
+/// Shows shapes of two arcs that meet at `bend`, or of one where that is 1, to `see`, from one side to the other or in
+/// turn from both, as long as it returns true.
 template <class See>
-void look_at_arcs(const Task& task, bool in_turn, const See& see) {
+void look_at_arcs(const Task& task, double bend, bool in_turn, const See& see) {
   const SearchParameters& p = search_parameters();
-  const double bend = knee(task.rod);
   const bool two = bend < 1.0;
   const int count = two ? p.arcs_of_two : p.arcs_of_one;
   std::vector<OutlinePoint> line;
@@ -170,12 +170,12 @@ SideStart start_by_sides(const Task& task, StartShape shape) {
 bool several_sides(const Task& task) {
   if (!any_has_sides(task)) return false;
   if (!task.arcs.empty()) {
-    return std::any_of(task.arcs.begin(), task.arcs.end(),
+    return std::any_of(task.arcs.begin(), task.arcs.begin() + static_cast<std::ptrdiff_t>(task.unbent_arcs),
                        [&](const SideStart& arc) { return !same_sides(arc, task.arcs.front()); });
   }
   std::optional<SideStart> first;
   bool several = false;
-  look_at_arcs(task, true, [&](SideStart seen) {
+  look_at_arcs(task, knee(task.rod), true, [&](SideStart seen) {
     several = first && !same_sides(seen, *first);
     if (!first) first = std::move(seen);
     return !several;
@@ -183,18 +183,31 @@ bool several_sides(const Task& task) {
   return several;
 }
 
-std::vector<SideStart> starts_by_sides(Task& task) {
+std::vector<SideStart> starts_by_sides(Task& task, bool bent) {
+  const auto add = [&](SideStart seen) {
+    task.arcs.push_back(std::move(seen));
+    task.arcs.back().number = static_cast<int>(task.arcs.size());
+    return true;
+  };
   if (task.arcs.empty() && any_has_sides(task)) {
-    look_at_arcs(task, false, [&](SideStart seen) {
-      task.arcs.push_back(std::move(seen));
-      task.arcs.back().number = static_cast<int>(task.arcs.size());
-      return true;
-    });
+    look_at_arcs(task, knee(task.rod), false, add);
+    task.unbent_arcs = task.arcs.size();
   }
-  std::map<std::pair<Sides, std::vector<int>>, const SideStart*> best;
-  for (SideStart& arc : task.arcs) {
+  if (bent && task.arcs.size() == task.unbent_arcs && knee(task.rod) == 1.0) {
+    for (const double bend : {0.25, 0.5}) {
+      look_at_arcs(task, bend, false, [&](SideStart seen) {
+        seen.bent_at = bend;
+        return add(std::move(seen));
+      });
+    }
+  }
+  std::map<std::tuple<Sides, std::vector<int>, double>, const SideStart*> best;
+  const auto begin = bent ? task.unbent_arcs : 0;
+  const auto end = bent ? task.arcs.size() : task.unbent_arcs;
+  for (std::size_t i = begin; i < end; ++i) {
+    SideStart& arc = task.arcs[i];
     arc.merit = merit_of(task, arc);
-    const auto [known, added] = best.try_emplace({arc.sides, arc.patches}, &arc);
+    const auto [known, added] = best.try_emplace({arc.sides, arc.patches, arc.bent_at}, &arc);
     if (!added && arc.merit < known->second->merit) known->second = &arc;
   }
   std::vector<SideStart> all;

@@ -29,6 +29,7 @@ struct SideStart {
   Vec2 tip{};                     ///< of the shape, units of L
   double bend = 0.0;              ///< mean of its curvature squared
   double merit = 0.0;             ///< how far it is from the target and from being free; less is better
+  double bent_at = 1.0;           ///< where a contact bends it in two, s/L; 1: it is not
   int number = -1;                ///< among the shapes of a task, whose own start is 0; -1: it is none of them
 };
 
@@ -36,8 +37,9 @@ SideStart start_by_sides(const Task& task, StartShape shape);
 
 /// Shapes of one or two arcs, the best one for each choice of sides (and patches) that such shapes can have, best
 /// first. Which side a rod passes on is a discrete choice: no local method changes it. Empty: no obstacle within reach
-/// has sides. What is seen of the shapes is kept in the task for the next target.
-std::vector<SideStart> starts_by_sides(Task& task);
+/// has sides. `bent`: instead those that no moments but a contact may bend in two, a quarter or half along the rod;
+/// none where moments do. What is seen of the shapes is kept in the task for the next target.
+std::vector<SideStart> starts_by_sides(Task& task, bool bent = false);
 /// Whether these are two or more.
 bool several_sides(const Task& task);
 

@@ -66,6 +66,7 @@ struct Task {
   std::unique_ptr<FreeReach> reach;    ///< of the rod without contacts, once it was asked for
   std::unique_ptr<Task> lower;         ///< of a grasp whose fingers are both planned: this one is then the upper finger
   std::vector<SideStart> arcs;         ///< simple shapes beside obstacles, once they were asked for
+  std::size_t unbent_arcs = 0;         ///< so many of them are as moments bend the rod
   std::vector<std::shared_ptr<Beginning>> beginnings;  ///< from these, and from the scene's own start
   bool solver_works = false;                           ///< it kept its promises in a program that Newton had solved
 

@@ -10,7 +10,7 @@ namespace tendril {
 namespace {
 
 /// What the nearest of all attempts failed by: its violation and the limits that bind there.
-std::string told_failure(const Ways& ways) {
+std::string failure_message(const Ways& ways) {
   const auto least = std::min_element(ways.begin(), ways.end(),
                                       [](const Way* a, const Way* b) { return a->violation < b->violation; });
   if (least == ways.end() || !std::isfinite((*least)->violation)) return "";
@@ -19,13 +19,13 @@ std::string told_failure(const Ways& ways) {
          (nearest.limits.empty() ? ", with no variable at a limit" : ", with " + nearest.limits);
 }
 
-std::string told_infeasibility(const Ways& ways, const std::string& unit) {
+std::string infeasibility_message(const Ways& ways, const std::string& unit) {
   const bool some = std::any_of(ways.begin(), ways.end(), [](const Way* w) { return w->judged().has_point; });
   const std::string kept = "; a margin of stability of " + shown(tolerance::held_margin) +
                            " and contact at points are among these: without them there are equilibria";
   return "infeasible: from " + std::to_string(search_parameters().most_starts) + " starts per " + unit +
          " every search ended where no change of the plan reduces the violation of its constraints" +
-         (some ? kept : std::string()) + told_failure(ways);
+         (some ? kept : std::string()) + failure_message(ways);
 }
 
 /// Nothing was certified, nothing ended the search, and there is no proof.
@@ -137,7 +137,7 @@ void judge(const Ways& ways, const Grounds& grounds, Plan& plan) {
     // A search that is no enumeration proves nothing; but a contact out of reach stays out of reach beside others.
     plan.status = PlanStatus::infeasible;
     plan.message = by_bound ? "infeasible by a bound: " + (grounds.grasp ? ways.back() : ways.front())->skip
-                            : told_infeasibility(ways, grounds.unit);
+                            : infeasibility_message(ways, grounds.unit);
   } else {
     judge_failure(ways, grounds, plan);
   }

@@ -343,7 +343,7 @@ std::vector<Descent> descend_from_arcs(const LoadPath& path, double load, double
   Valley valley(path, load, basis, coarse_checks);
   std::vector<Eigen::VectorXd> floors;
   std::vector<int> below(static_cast<std::size_t>(arcs), -1);  // of each arc: its floor
-  const auto let_go = [&](int arc) {
+  const auto relax = [&](int arc) {
     const double bent = widest * ((2.0 * arc + 1.0) / arcs - 1.0);
     valley.start(Curvature([bent](double) { return bent; }));
     Eigen::VectorXd gradient;
@@ -363,7 +363,7 @@ std::vector<Descent> descend_from_arcs(const LoadPath& path, double load, double
       if (between && below[at - by] == below[at + by]) {
         below[at] = below[at - by];
       } else {
-        let_go(arc);
+        relax(arc);
       }
     }
   }

@@ -139,7 +139,7 @@ bool Tracker::add_hold(const Step& step, const State& state, int k, std::vector<
   if (!e.statics->solve(e.z, row, 0.0, 1e-9).converged) return false;
   // What is new has no force yet: without it this is a point of the current system.
   State before = e.statics->state(e.z);
-  let_go(before, k);
+  remove_contact(before, k);
   const Eigen::VectorXd here = s.point(before);
   e.tau = step.row.dot(here - now_.z);
   if (!(e.tau >= -1e-6 && e.tau <= step.tau + 1e-6)) return false;

@@ -101,7 +101,7 @@ Loading::Loading(const Rod& rod, const std::vector<const Obstacle*>& obstacles, 
                  std::function<bool()> must_stop, bool holds_lengths)
     : Loading({LoadPath(rod, obstacles, {held.moments, held.moments, false, holds_lengths, held.moves, held.moves}),
                {std::move(shape), {}, 0.0},
-               Tracker::Start::let_go,
+               Tracker::Start::relax,
                false},
               obstacles, std::move(must_stop)) {}
 

@@ -30,7 +30,7 @@ std::unique_ptr<Statics> Tracker::make(const State& state) {
                                    state.tendons);
 }
 
-void Tracker::let_go(State& state, int k) {
+void Tracker::remove_contact(State& state, int k) {
   const int contacts = static_cast<int>(state.contacts.size());
   if (k < contacts) {
     state.contacts.erase(state.contacts.begin() + k);
@@ -103,7 +103,7 @@ bool Tracker::coarse() const { return now_.statics->moment_balance(now_.z) > coa
 void Tracker::refine_fully() { resolve(fine_balance); }
 
 bool Tracker::begin(const State& guess, Start start) {
-  std::optional<Settled> near = start == Start::let_go ? std::nullopt : settle(guess, 0.0);
+  std::optional<Settled> near = start == Start::relax ? std::nullopt : settle(guess, 0.0);
   const auto stable = [](Settled& s) { return s.statics->margin(s.z) > tolerance::stability; };
   if (near && start == Start::near && stable(*near)) {
     // Newton's method may have gone to another equilibrium than the one below the guess.
@@ -195,7 +195,7 @@ Tracker::Repair Tracker::repair(State& guess, Settled& s) {
   }
   if (s.statics->hold_count() > 0 && s.statics->hold_force(s.z, weakest) < pull) {
     guess = found;
-    let_go(guess, weakest);
+    remove_contact(guess, weakest);
     return Repair::made;
   }
   const double tip_slope = at_tip ? s.statics->tip_slope(s.z) : -1.0;

@@ -323,7 +323,7 @@ bool Tracker::overdrawn() {
 
 bool Tracker::release(Event& event) {
   State state = now_.statics->state(event.z);
-  let_go(state, event.contact);
+  remove_contact(state, event.contact);
   count_change(event.contact < now_.statics->contact_count());
   std::unique_ptr<Statics> statics = make(state);
   Eigen::VectorXd z = statics->point(state);

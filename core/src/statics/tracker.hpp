@@ -44,7 +44,7 @@ class Tracker {
   Tracker(const LoadPath& path, std::function<bool()> must_stop) : path_(path), must_stop_(std::move(must_stop)) {}
 
   /// What a start is to the equilibrium from which the path is followed: that itself, near it, or above it.
-  enum class Start { exact, near, let_go };
+  enum class Start { exact, near, relax };
   /// Sets out from a guess at load 0. False: `trouble()` says why.
   bool begin(const State& guess, Start start);
   /// Follows the path to load 1.
@@ -88,7 +88,7 @@ class Tracker {
   /// With the contacts and tendons of a state.
   std::unique_ptr<Statics> make(const State& state);
   /// Without hold k: a contact, or behind these a tendon.
-  static void let_go(State& state, int k);
+  static void remove_contact(State& state, int k);
   void count_change(bool contact) { ++(contact ? contact_changes_ : tendon_changes_); }
   /// Newton at fixed load with contacts added and released until nothing is violated.
   std::optional<Settled> settle(State guess, double load);
