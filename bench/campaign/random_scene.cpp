@@ -327,7 +327,9 @@ class Drawer {
     const char* closed = ends[static_cast<std::size_t>(dice_.whole(0, 3))];
     const std::string width = dice_.chance(0.5) ? fmt::format("widths = [{}]", widths) : "width = " + length(widest);
     Shape shape;
-    shape.free_base = true;
+    // A rod that stands outside of every channel is refused.
+    in_channel_ = in_channel_ || around;
+    shape.free_base = in_channel_;
     for (std::size_t i = 0; i + 1 < line.size() && !around; ++i) {
       const Vec2 along = line[i + 1] - line[i];
       const double t = std::clamp(dot(base_ - line[i], along) / dot(along, along), 0.0, 1.0);
@@ -483,6 +485,7 @@ class Drawer {
   Vec2 base_{};
   double base_angle_ = 0.0;
   int obstacles_ = 0;
+  bool in_channel_ = false;  ///< the base stands in a channel
   bool allowed_ = false, required_ = false, limited_ = false;
   std::string head_, body_, summary_;
 };
