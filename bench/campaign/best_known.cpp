@@ -49,6 +49,22 @@ void keep(const Plan& plan, BestKnownCase& found) {
   found.best_overlaps = overlaps;
 }
 
+struct Count {
+  std::int64_t planned = 0, found = 0;
+};
+
+/// Scenes with a plan, and those whose best known one a normal search found. `simple`: with one moment and one
+/// obstacle.
+Count counted(const std::vector<BestKnownCase>& cases, const std::string& solver, bool simple) {
+  Count count;
+  for (const BestKnownCase& c : cases) {
+    if (!std::isfinite(c.best) || (simple && (c.actuators != 1 || c.obstacles != 1))) continue;
+    ++count.planned;
+    if (c.found(solver)) ++count.found;
+  }
+  return count;
+}
+
 }  // namespace
 
 bool BestKnownCase::found(const std::string& solver) const {
@@ -101,14 +117,8 @@ std::vector<BestKnownCase> run_best_known(plugins::Registry& registry, const Bes
 
 bool finds_best(const BestKnownSetup& setup, const std::vector<BestKnownCase>& cases, double share) {
   return std::all_of(setup.solvers.begin(), setup.solvers.end(), [&](const std::string& solver) {
-    int planned = 0;
-    int found = 0;
-    for (const BestKnownCase& c : cases) {
-      if (!std::isfinite(c.best)) continue;
-      ++planned;
-      if (c.found(solver)) ++found;
-    }
-    return found >= share * planned;
+    const Count count = counted(cases, solver, false);
+    return static_cast<double>(count.found) >= share * static_cast<double>(count.planned);
   });
 }
 
@@ -132,22 +142,12 @@ Section best_known_section(const BestKnownSetup& setup, const std::vector<BestKn
             {"seed", "solver", "objective", "best known", "best that does not overlap", "starts solved", "scene"},
             {},
             false};
-  struct Kind {
-    const char* name;
-    bool simple;
-  };
   for (const std::string& solver : setup.solvers) {
-    for (const Kind kind : {Kind{"all", false}, Kind{"one moment, one obstacle", true}}) {
-      std::int64_t planned = 0;
-      std::int64_t best = 0;
-      for (const BestKnownCase& c : cases) {
-        if (!std::isfinite(c.best) || (kind.simple && (c.actuators != 1 || c.obstacles != 1))) continue;
-        ++planned;
-        if (c.found(solver)) ++best;
-      }
-      if (planned == 0) continue;
-      counts.rows.push_back(
-          {solver, kind.name, planned, best, 100.0 * static_cast<double>(best) / static_cast<double>(planned)});
+    for (const bool simple : {false, true}) {
+      const Count count = counted(cases, solver, simple);
+      if (count.planned == 0) continue;
+      counts.rows.push_back({solver, simple ? "one moment, one obstacle" : "all", count.planned, count.found,
+                             100.0 * static_cast<double>(count.found) / static_cast<double>(count.planned)});
     }
     for (const BestKnownCase& c : cases) {
       const auto own = c.objectives.find(solver);
