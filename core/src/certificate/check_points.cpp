@@ -7,6 +7,25 @@
 
 namespace tendril {
 
+namespace {
+
+/// The deepest valleys, in their order: those of a rod that winds through an obstacle many times are too many for rows,
+/// and where the deepest ones are gone it is another shape.
+void keep_deepest(std::vector<Certifier::Approach>& valleys) {
+  if (valleys.size() <= most_new_checks) return;
+  std::vector<double> depths;
+  for (const Certifier::Approach& v : valleys) depths.push_back(v.at.distance);
+  const auto last = depths.begin() + most_new_checks - 1;
+  std::nth_element(depths.begin(), last, depths.end());
+  std::size_t kept = 0;
+  for (const Certifier::Approach& v : valleys) {
+    if (kept < most_new_checks && v.at.distance <= *last) valleys[kept++] = v;
+  }
+  valleys.resize(kept);
+}
+
+}  // namespace
+
 bool exchange_checks(const PoseProgram& program, ConstVectorRef x, Certifier& certifier,
                      std::vector<CheckPoint>& checks, double level, bool keep) {
   const Chain& chain = program.chain();
@@ -14,7 +33,9 @@ bool exchange_checks(const PoseProgram& program, ConstVectorRef x, Certifier& ce
   const std::span<const double> knots = program.knots(x);
   bool changed = false;
   std::vector<bool> moved(checks.size(), false);
-  for (const Certifier::Approach& valley : certifier.approaches(x, level)) {
+  std::vector<Certifier::Approach> valleys = certifier.approaches(x, level);
+  keep_deepest(valleys);
+  for (const Certifier::Approach& valley : valleys) {
     const double s = valley.at.arc_length;
     bool own_contact = false;
     for (int k = 0; k < at.forces; ++k) {
