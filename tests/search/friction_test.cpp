@@ -175,6 +175,35 @@ TEST(FrictionPlans, OfTwoContactsTakeEveryCornerWithEveryTreatment) {
   }
 }
 
+// Whatever solves and describes the rod: each plan is certified with all its states, and for any state costs no more
+// than without friction, which costs no more than for the worst.
+TEST_P(Friction, CombinesWithEveryCoordinateModelAndTreatment) {
+  const std::vector<std::pair<std::string, RawOptions>> models{
+      {"pcc", {{"pieces", {std::int64_t{3}}}}}, {"psc", {}}, {"legendre", {{"order", {std::int64_t{4}}}}}};
+  for (const char* name : {"brace", "two_pegs"}) {
+    for (const auto& [model, options] : models) {
+      for (const Treatment treatment :
+           {Treatment::penalty, Treatment::slack, Treatment::scholtes, Treatment::fischer_burmeister}) {
+        SCOPED_TRACE(std::string(name) + ", " + model + ", treatment " + std::to_string(static_cast<int>(treatment)));
+        Scene made = scene(name);
+        made.coordinates.plugin = model;
+        made.coordinates.options = options;
+        made.solver.plugin = GetParam();
+        made.contact.treatment = treatment;
+        std::vector<double> costs;
+        for (const FrictionState state : {FrictionState::any, FrictionState::range, FrictionState::worst}) {
+          const Plan plan = combination::plan(with_state(made, 0.3, state));
+          ASSERT_TRUE(combination::certified(plan));
+          EXPECT_EQ(plan.friction.size(), (std::size_t{1} << made.obstacles.size()) + 1U);
+          costs.push_back(plan.objective);
+        }
+        EXPECT_LE(costs[0], costs[1] + 1e-9);
+        EXPECT_LE(costs[1], costs[2] + 1e-9);
+      }
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Solvers, Friction, testing::Values("nlopt", "ipopt", "ceres"),
                          [](const auto& each) { return std::string(each.param); });
 
