@@ -175,6 +175,35 @@ TEST(FrictionPlans, OfTwoContactsTakeEveryCornerWithEveryTreatment) {
   }
 }
 
+// Whatever solves and describes the rod: each plan is certified with all its states, and for any state costs no more
+// than without friction, which costs no more than for the worst.
+TEST_P(Friction, CombinesWithEveryCoordinateModelAndTreatment) {
+  const std::vector<std::pair<std::string, RawOptions>> models{
+      {"pcc", {{"pieces", {std::int64_t{3}}}}}, {"psc", {}}, {"legendre", {{"order", {std::int64_t{4}}}}}};
+  for (const char* name : {"brace", "two_pegs"}) {
+    for (const auto& [model, options] : models) {
+      for (const Treatment treatment :
+           {Treatment::penalty, Treatment::slack, Treatment::scholtes, Treatment::fischer_burmeister}) {
+        SCOPED_TRACE(std::string(name) + ", " + model + ", treatment " + std::to_string(static_cast<int>(treatment)));
+        Scene made = scene(name);
+        made.coordinates.plugin = model;
+        made.coordinates.options = options;
+        made.solver.plugin = GetParam();
+        made.contact.treatment = treatment;
+        std::vector<double> costs;
+        for (const FrictionState state : {FrictionState::any, FrictionState::range, FrictionState::worst}) {
+          const Plan plan = combination::plan(with_state(made, 0.3, state));
+          ASSERT_TRUE(combination::certified(plan));
+          EXPECT_EQ(plan.friction.size(), (std::size_t{1} << made.obstacles.size()) + 1U);
+          costs.push_back(plan.objective);
+        }
+        EXPECT_LE(costs[0], costs[1] + 1e-9);
+        EXPECT_LE(costs[1], costs[2] + 1e-9);
+      }
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Solvers, Friction, testing::Values("nlopt", "ipopt", "ceres"),
                          [](const auto& each) { return std::string(each.param); });
 
@@ -400,6 +429,63 @@ TEST(FrictionOfTrajectories, EveryStepHasItsStates) {
       alone.trajectory = {};
       EXPECT_NEAR(step.plan.objective, combination::plan(alone).objective, 1e-9);
     }
+  }
+}
+
+// Each state is found from what it was in the step before: it is the one that is followed to from the plan alone.
+TEST(FrictionOfTrajectories, StatesOfAFollowedStepAreThoseOfItsPlan) {
+  for (const char* name : {"brace", "two_pegs"}) {
+    for (const FrictionState state : {FrictionState::range, FrictionState::any}) {
+      SCOPED_TRACE(std::string(name) + (state == FrictionState::any ? ", any" : ", range"));
+      const Scene made = with_state(scene(name), 0.3, state);
+      Problem problem = combination::problem(made);
+      Plan plan = problem.plan();
+      ASSERT_TRUE(combination::certified(plan));
+      TargetSpec target = made.target;
+      for (int step = 1; step <= 6; ++step) {
+        // To, and back another way.
+        target.position = *made.target.position + Vec2{step <= 3 ? -2e-5 * step : 1e-5 * (step - 6), 1e-5 * step};
+        ASSERT_TRUE(problem.step(target, plan, nullptr)) << step;
+        ASSERT_TRUE(combination::certified(plan));
+        Problem other = combination::problem(made);
+        Plan alone = plan;
+        ASSERT_TRUE(other.step(target, alone, nullptr)) << step;
+        ASSERT_EQ(plan.friction.size(), std::size_t{1} << plan.contacts.size() | 1U);
+        ASSERT_EQ(plan.friction.size(), alone.friction.size());
+        for (std::size_t i = 0; i < plan.friction.size(); ++i) {
+          const FrictionRange& one = plan.friction[i];
+          const FrictionRange& same = alone.friction[i];
+          EXPECT_EQ(one.ratios, same.ratios);
+          EXPECT_NEAR(one.tip_x, same.tip_x, 1e-12);
+          EXPECT_NEAR(one.tip_y, same.tip_y, 1e-12);
+          EXPECT_NEAR(one.tip_angle, same.tip_angle, 1e-10);
+          EXPECT_NEAR(*one.target_error, *same.target_error, 1e-12);
+          EXPECT_NEAR(one.stability, same.stability, 1e-9);
+          ASSERT_EQ(one.contacts.size(), same.contacts.size());
+          for (std::size_t k = 0; k < one.contacts.size(); ++k) {
+            EXPECT_NEAR(one.contacts[k].force / same.contacts[k].force, 1.0, 1e-9);
+            EXPECT_EQ(one.contacts[k].sticks, same.contacts[k].sticks);
+          }
+        }
+      }
+    }
+  }
+}
+
+// Where the states at the ends of a way lie straight, none is asked for half-way to them; where it bends, one is.
+TEST(FrictionRange, StatesHalfWayAreAskedForWhereTheWayBends) {
+  for (const double bend : {0.0, 0.04, 0.06, 1.0}) {
+    int halves = 0;
+    const auto state = [&](const Eigen::VectorXd& ratios) -> std::optional<SeenState> {
+      const double w = ratios[0];
+      if (std::abs(w) == 0.5) ++halves;
+      SeenState seen;
+      seen.point = Eigen::Vector2d(w, bend * w * w);
+      return std::abs(w) == 0.5 && bend == 1.0 ? std::nullopt : std::optional(seen);
+    };
+    const FrictionStates found = follow_states(Eigen::VectorXd::Constant(1, 1.0), state, true);
+    EXPECT_EQ(halves, bend < 0.05 ? 0 : bend < 1.0 ? 2 : 1) << bend;
+    EXPECT_EQ(found.lost.size(), bend == 1.0 ? 1 : 0) << bend;
   }
 }
 

@@ -67,6 +67,25 @@ TEST(Study, OfADistalMomentSaysWhereThePlannedOneOpensTheFinger) {
   EXPECT_TRUE(contains_text(opening.out, sentence));
 }
 
+/// Plans that hold only if friction happens to be so are not mixed up with others.
+TEST(Study, TellsThatItsPlansChooseTheStateOfFriction) {
+  const TemporaryDirectory directory;
+  const std::string text =
+      test::read_file(scene_path("brace.toml")) + "\n[study]\ntargets = {x = [\"97 mm\"], y = [\"20 mm\"]}\n";
+  for (const char* state : {"range", "any"}) {
+    const std::vector<std::string> command{"study", directory.write("s.toml", text),
+                                           "--set", "contact.friction=0.3",
+                                           "--set", std::string("contact.friction_state=") + state};
+    const bool chosen = std::string(state) == "any";
+    const test::CommandRun told = tendril(command);
+    EXPECT_EQ(told.exit_code, 0) << told.err;
+    EXPECT_EQ(contains_text(told.out, "if friction happens to be as its contacts have it"), chosen);
+    std::vector<std::string> as_json = command;
+    as_json.emplace_back("--json");
+    EXPECT_EQ(nlohmann::json::parse(tendril(as_json).out).value("friction_state", ""), chosen ? "any" : "");
+  }
+}
+
 /// Where both fingers are planned a case is carried out with both.
 TEST(Study, OfTwoFingersPlannedApart) {
   const TemporaryDirectory directory;

@@ -344,7 +344,11 @@ std::string failed_case(const StudyCase& one, const std::string& message) {
 }
 
 std::string study_heading(const Scene& scene) {
-  return printable(scene.title.empty() ? std::filesystem::path(scene.file).filename().string() : scene.title) + "\n\n";
+  std::string text =
+      printable(scene.title.empty() ? std::filesystem::path(scene.file).filename().string() : scene.title) + "\n\n";
+  if (scene.contact.friction_state == FrictionState::any)
+    text += "friction_state \"any\": each plan holds if friction happens to be as its contacts have it\n\n";
+  return text;
 }
 
 }  // namespace tendril::app

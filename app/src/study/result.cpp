@@ -211,6 +211,7 @@ std::string study_json(const Scene& scene, const StudyResult& result) {
   }
   head["groups"] = std::move(groups);
   add_surroundings(head, scene);
+  if (scene.contact.friction_state == FrictionState::any) head["friction_state"] = "any";
   head["versions"] = versions_json();
   // The records go in as they stand, one on each line.
   std::string text = written(head);

@@ -238,6 +238,11 @@ void Certifier::certify(PoseProgram& judged, ConstVectorRef x, Certificate& c, c
 }
 
 void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
+  judge(judged, x, c);
+  c.moment_balance = data_->program->moment_defect(x, *data_->curve);
+}
+
+void Certifier::judge(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
   Data& d = *data_;
   c.contact_convexity = infinity;
   const PoseProgram::Layout& at = d.program->layout();
@@ -286,7 +291,6 @@ void Certifier::measure(PoseProgram& judged, ConstVectorRef x, Certificate& c) {
     const double convexity = d.program->contact_convexity(k);
     if (std::isnan(convexity) || convexity < c.contact_convexity) c.contact_convexity = convexity;
   }
-  c.moment_balance = d.program->moment_defect(x, *d.curve);
   c.stability = spreads(c) ? -infinity : d.margin_to_both_sides(x);
   c.held_lengths = spreads(c) ? 0 : d.stability.held_lengths();
   if (d.out_of_plane) c.out_of_plane = d.out_of_plane->margin(*d.program, *d.curve);

@@ -41,6 +41,8 @@ class TENDRIL_API Certifier {
   /// The part of the judgement that concerns the rod alone: everything but balance, stationarity and the list of
   /// failures, which a larger program around this one has its own of. `x` must be finite.
   void measure(PoseProgram& program, ConstVectorRef x, Certificate& out);
+  /// The same without the local moment balance, for which no point is refused.
+  void judge(PoseProgram& program, ConstVectorRef x, Certificate& out);
   /// The target of the program to be judged is another from now on.
   void set_target(const Target& target);
 

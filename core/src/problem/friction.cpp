@@ -7,7 +7,7 @@
 #include "grasp/frames.hpp"
 #include "rod/self_overlap.hpp"
 #include "scene/plan_report.hpp"
-#include "search/friction.hpp"
+#include "search/rubbing.hpp"
 #include "tendril/execute.hpp"
 #include "tendril/numbers.hpp"
 #include "tendril/tolerances.hpp"

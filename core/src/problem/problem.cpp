@@ -21,6 +21,7 @@
 #include "search/limit.hpp"
 #include "search/parameters.hpp"
 #include "search/report.hpp"
+#include "search/rubbing.hpp"
 #include "search/sides.hpp"
 #include "search/task.hpp"
 #include "tendril/grasp.hpp"

@@ -179,25 +179,29 @@ bool Stability::drop_dependent() {
 }
 
 /// Disturbed by y the contacts keep closed, D y = 0, and their forces change along what they do, B: H y = mu y + B f.
-/// With Z and W across D and B the eigenvalues are those of (W^T Z)^-1 W^T H Z.
-double Stability::slipping_margin(PoseProgram& program, ConstVectorRef x) {
-  const Eigen::Index n = hessian_.rows();
+/// With Z and W across D and B the eigenvalues are those of (W^T Z)^-1 W^T H Z. Q = [Q_1 Z] is at hand, and W = Z + Q_1
+/// C makes W^T Z the unit matrix. `h`: Q^T H Q.
+double Stability::slipping_margin(PoseProgram& program, ConstVectorRef x, const Eigen::MatrixXd& h) {
+  const Eigen::Index n = h.rows();
   const Eigen::Index count = held_count();
-  if (n <= count) return infinity;
-  const Eigen::MatrixXd held = normals_;
-  Eigen::MatrixXd pushed = normals_;
+  pushed_ = normals_;
   for (std::size_t i = 0; i < touching_.size(); ++i) {
     turning_ = program.jacobian(x).col(program.force_variable(touching_[i])).head(n);
-    scale_to_energy(program, turning_, pushed.col(static_cast<Eigen::Index>(i)));
+    scale_to_energy(program, turning_, pushed_.col(static_cast<Eigen::Index>(i)));
   }
-  const auto across = [n, count](const Eigen::MatrixXd& rows) -> Eigen::MatrixXd {
-    return Eigen::MatrixXd(Eigen::HouseholderQR<Eigen::MatrixXd>(rows).householderQ()).rightCols(n - count);
-  };
-  const Eigen::MatrixXd free = across(held);
-  const Eigen::MatrixXd test = across(pushed);
-  const Eigen::MatrixXd pencil = (test.transpose() * free).partialPivLu().solve(test.transpose() * hessian_ * free);
-  if (!pencil.allFinite()) return -infinity;
-  return Eigen::EigenSolver<Eigen::MatrixXd>(pencil, false).eigenvalues().real().minCoeff();
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto essential = qr_.matrixQR().col(k).tail(n - k - 1);
+    pushed_.bottomRows(n - k).applyHouseholderOnTheLeft(essential, qr_.hCoeffs()[k], reflection_.data());
+  }
+  free_ = h.bottomRightCorner(n - count, n - count);
+  if (count > 0) {
+    lu_.compute(pushed_.topRows(count).transpose());
+    share_ = lu_.solve(pushed_.bottomRows(n - count).transpose());
+    free_.noalias() -= share_.transpose() * h.topRightCorner(count, n - count);
+  }
+  if (!free_.allFinite()) return -infinity;
+  eigenvalues_.compute(free_, false);
+  return eigenvalues_.eigenvalues().real().minCoeff();
 }
 
 double Stability::smallest_eigenvalue_of(const Eigen::MatrixXd& h) {
@@ -221,7 +225,6 @@ double Stability::margin(PoseProgram& program, ConstVectorRef x) {
     fill_held(program, x);
     qr_.compute(normals_);
   } while (!taut_.empty() && drop_dependent());
-  if (slips) return slipping_margin(program, x);
   const Eigen::Index count = held_count();
   const Eigen::Index left = n - count;
   if (left <= 0) return infinity;
@@ -231,6 +234,7 @@ double Stability::margin(PoseProgram& program, ConstVectorRef x) {
     h.bottomRows(n - k).applyHouseholderOnTheLeft(essential, qr_.hCoeffs()[k], reflection_.data());
     h.rightCols(n - k).applyHouseholderOnTheRight(essential, qr_.hCoeffs()[k], reflection_.data());
   }
+  if (slips) return slipping_margin(program, x, h);
   free_ = h.bottomRightCorner(left, left);
   return smallest_eigenvalue_of(free_);
 }

@@ -51,7 +51,7 @@ class Stability {
   /// A row by the coordinates in these.
   void scale_to_energy(const PoseProgram& program, const Eigen::VectorXd& row, Eigen::Ref<Eigen::VectorXd> out) const;
   double smallest_eigenvalue_of(const Eigen::MatrixXd& h);  ///< symmetric
-  double slipping_margin(PoseProgram& program, ConstVectorRef x);
+  double slipping_margin(PoseProgram& program, ConstVectorRef x, const Eigen::MatrixXd& h);
   void find_held(PoseProgram& program, ConstVectorRef x);
   /// The rows of what is held, in coordinates in which the bending energy is the unit matrix.
   void fill_held(PoseProgram& program, ConstVectorRef x);
@@ -70,6 +70,7 @@ class Stability {
   std::vector<int> sticking_;  ///< variables of tangential forces inside of their cones
   std::vector<int> taut_;      ///< moment variables
   Eigen::MatrixXd hessian_, block_, normals_, free_, shifted_;
+  Eigen::MatrixXd pushed_, share_;             ///< where contacts that slip push, and what the test space has of it
   Eigen::VectorXd turning_;                    ///< a row of a contact, by the coordinates
   Eigen::VectorXd reflection_;                 ///< of Householder
   Eigen::VectorXd vector_, next_, direction_;  ///< eigenvector: reduced, and in coordinates
@@ -81,6 +82,7 @@ class Stability {
   Eigen::Tridiagonalization<Eigen::MatrixXd> tridiagonal_{2};
   Eigen::VectorXd diagonal_, beside_;  ///< of the tridiagonal matrix
   Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+  Eigen::EigenSolver<Eigen::MatrixXd> eigenvalues_;
 };
 
 }  // namespace tendril

@@ -120,6 +120,11 @@ std::unique_ptr<Follower> Follower::step_with_other_contacts(Plan& plan) const {
   return nullptr;
 }
 
+std::optional<FrictionStates> Follower::friction_states(const Plan& plan) {
+  if (!rubbing_) rubbing_ = RubbingStates::from(problem_, plan);
+  return rubbing_ ? std::optional(rubbing_->of(plan, point_.x)) : std::nullopt;
+}
+
 void Follower::write(Plan& plan, double begin, double certifying, const EvaluationCounts& before) {
   const Task& d = problem_;
   plan.status = PlanStatus::solved;

@@ -6,6 +6,7 @@
 #include "nlp/polish.hpp"
 #include "scene/plan_report.hpp"
 #include "search/earlier_plan.hpp"
+#include "search/rubbing.hpp"
 
 namespace tendril {
 
@@ -30,6 +31,8 @@ class Follower {
   /// press, or one more where the rod comes to an obstacle. Null: Newton leads to no certified plan there, and `plan`
   /// is as it was.
   std::unique_ptr<Follower> step_with_other_contacts(Plan& plan) const;
+  /// The states of friction of the plan that the last step ended at. Nothing: they cannot be followed to.
+  std::optional<FrictionStates> friction_states(const Plan& plan);
 
  private:
   Follower(Task& problem, FollowedPoint point, const PoseProgramSpec& spec);
@@ -45,6 +48,7 @@ class Follower {
   BackboneSampler sampler_;
   Certificate certificate_;
   Eigen::VectorXd multipliers_;
+  std::unique_ptr<RubbingStates> rubbing_;  ///< null: not asked for yet, or they cannot be followed to
   const Eigen::VectorXd* ended_ = nullptr;  ///< where Newton ended in the last step; null: nowhere
 };
 

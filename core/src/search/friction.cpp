@@ -16,6 +16,7 @@
 #include "search/limit.hpp"
 #include "search/parameters.hpp"
 #include "search/report.hpp"
+#include "search/rubbing.hpp"
 #include "search/steps.hpp"
 #include "tendril/tolerances.hpp"
 
@@ -40,37 +41,8 @@ class Frictionless {
   std::optional<Kept<std::vector<double>>> lower_;
 };
 
-/// The contacts of a plan in a program whose tangential ratios are variables, and the plan's own point there.
-struct RubbingPoint {
-  FollowedPoint from{};
-  PoseProgramSpec spec{};
-};
-
-std::optional<RubbingPoint> rubbing_point(const Task& task, const Plan& plan, bool with_checks) {
-  std::optional<FollowedPoint> from = followed_point(task, plan, with_checks);
-  if (!from || from->mode.contacts.empty() || !task.scene.coordinates.split_at_contact) return std::nullopt;
-  RubbingPoint point{std::move(*from), {}};
-  point.spec = task.spec(point.from.mode, point.from.regions, task.nodes);
-  point.spec.checks = point.from.checks;
-  point.spec.friction = coefficients_of_friction(task);
-  // Ratios come last, but for the distance of a palm.
-  const auto contacts = static_cast<Eigen::Index>(point.from.mode.contacts.size());
-  const Eigen::Index behind = task.palm && task.palm->minimum != task.palm->maximum ? 1 : 0;
-  if (task.friction.empty()) {
-    const Eigen::VectorXd x = point.from.x;
-    point.from.x.resize(x.size() + contacts);
-    point.from.x << x.head(x.size() - behind), Eigen::VectorXd::Zero(contacts), x.tail(behind);
-  }
-  return point;
-}
-
-/// The equilibria of such a program, all contacts touching.
+/// The equilibria of a program whose contacts rub, all touching.
 struct Equilibria {
-  static std::unique_ptr<PoseProgram> touching(const PoseProgramSpec& spec) {
-    auto program = std::make_unique<PoseProgram>(spec);
-    for (int k = 0; k < program->layout().forces; ++k) program->set_branch(k, Branch::touching);
-    return program;
-  }
   Equilibria(const PoseProgramSpec& spec, ConstVectorRef x) : program(touching(spec)), reduced(*program, x) {}
   static bool apply(const PoseProgramSpec& spec) { return ReducedProgram::applies(*touching(spec)); }
 
@@ -81,37 +53,6 @@ struct Equilibria {
 };
 
 Eigen::VectorXd limits_of(const ReducedProgram& reduced) { return reduced.upper().tail(reduced.ratio_count()); }
-
-/// Of an equilibrium at given moments: nothing was chosen there. Limits are not looked at, except that each contact is
-/// on its stretch.
-Certificate certify_equilibrium(Certifier& certifier, PoseProgram& program, ConstVectorRef x) {
-  Certificate c;
-  certifier.measure(program, x, c);
-  const PoseProgram::Layout& at = program.layout();
-  c.bounds = 0.0;
-  for (int i = at.first_arc_length; i < at.first_force; ++i) {
-    c.bounds = std::max({c.bounds, program.lower()[i] - x[i], x[i] - program.upper()[i]});
-  }
-  c.balance = c.stationarity = 0.0;
-  c.stationarity_kind = "S";
-  list_failures(c);
-  return c;
-}
-
-SeenState record(const Task& task, PoseProgram& program, ConstVectorRef x, const Certificate& c) {
-  Plan plan;
-  tell_point(task, program, x, plan);
-  if (task.grip) {
-    plan.backbone = sampled_backbone(program, task.scale.length);
-    task.grip->finish(task, program, x, plan);
-  }
-  FrictionRange r{{}, plan.tip_x, plan.tip_y, plan.tip_angle, plan.target_error, c.stability, std::move(plan.contacts)};
-  for (std::size_t k = 0; k < r.contacts.size(); ++k) {
-    const double side = dot(r.contacts[k].tangent, turned(r.contacts[k].normal));
-    r.ratios.push_back(std::copysign(1.0, side) * program.contacts()[k].lean + 0.0);
-  }
-  return {std::move(r), std::move(plan.backbone)};
-}
 
 /// A grasp whose one contact presses as hard as it may in the state where it presses hardest: no objective weighs its
 /// force.
@@ -411,16 +352,6 @@ ModeRecord turn_to_worst(Task& task, const PlanControl& control, Plan& plan) {
 
 }  // namespace
 
-std::vector<double> coefficients_of_friction(const Task& task) {
-  std::vector<double> all;
-  bool any = false;
-  for (std::size_t o = 0; o < task.scene.obstacles.size(); ++o) {
-    all.push_back(friction_of(task.scene, o));
-    any = any || all.back() > 0.0;
-  }
-  return any ? all : std::vector<double>{};
-}
-
 Plan plan_any(Task& task, const PlanControl& control, const std::function<Plan(const PlanControl&)>& search) {
   Limit limit(task);
   Plan without;
@@ -483,22 +414,6 @@ Plan plan_worst(Task& task, const PlanControl& control, const std::function<Plan
     if (known != ways.end()) record = *known;
   }
   return best;
-}
-
-std::optional<FrictionStates> friction_states(const Task& task, const Plan& plan) {
-  std::optional<RubbingPoint> point = rubbing_point(task, plan, false);
-  if (!point || !Equilibria::apply(point->spec)) return std::nullopt;
-  Equilibria own(point->spec, point->from.x);
-  Certifier certifier(point->spec);
-  Eigen::VectorXd at = own.reduced.start();
-  const StateAt state = [&](const Eigen::VectorXd& ratios) -> std::optional<SeenState> {
-    at.tail(ratios.size()) = ratios;
-    const Eigen::VectorXd& x = own.reduced.full(at);
-    if (!x.allFinite()) return std::nullopt;
-    const Certificate c = certify_equilibrium(certifier, *own.program, x);
-    return c.valid() ? std::optional(record(task, *own.program, x, c)) : std::nullopt;
-  };
-  return follow_states(limits_of(own.reduced), state, true);
 }
 
 }  // namespace tendril

@@ -5,6 +5,20 @@
 namespace tendril {
 namespace {
 
+/// Share of a way within the cones that a straight one may bend by.
+constexpr double straight = 0.05;
+/// Bends that are not seen: states are found to less.
+constexpr double settled = 1e-9;
+
+/// Whether states at opposite corners lie so on both sides of the one without friction that those between are told.
+bool lie_straight(const SeenState& one, const SeenState& without, const SeenState& other) {
+  if (one.point.size() == 0 || one.point.size() != without.point.size() || other.point.size() != one.point.size())
+    return false;
+  const double way = (one.point - other.point).cwiseAbs().maxCoeff() / 2.0;
+  const double bend = ((one.point + other.point) / 2.0 - without.point).cwiseAbs().maxCoeff();
+  return bend <= straight * way + settled;
+}
+
 /// What an interval is told of.
 std::vector<double> numbers_of(const SeenState& seen) {
   const FrictionRange& state = seen.range;
@@ -53,15 +67,21 @@ std::vector<Eigen::VectorXd> corners(const Eigen::VectorXd& limits) {
 
 FrictionStates follow_states(const Eigen::VectorXd& limits, const StateAt& state, bool halves) {
   FrictionStates out;
+  // With each corner the opposite one is asked for.
   const auto add_all = [&](const std::vector<Eigen::VectorXd>& asked) {
-    for (const double share : {0.5, 1.0}) {
-      if (share < 1.0 && !halves) continue;
-      for (const Eigen::VectorXd& ratios : asked) {
-        std::optional<SeenState> found = state(share * ratios);
-        if (!found) out.lost = ratios;
-        if (!found) return false;
-        if (share == 1.0) out.states.push_back(std::move(*found));
-      }
+    const std::size_t first = out.states.size();
+    for (const Eigen::VectorXd& ratios : asked) {
+      std::optional<SeenState> found = state(ratios);
+      if (!found) out.lost = ratios;
+      if (!found) return false;
+      out.states.push_back(std::move(*found));
+    }
+    for (std::size_t i = 0; halves && i < asked.size(); ++i) {
+      const auto opposite = static_cast<std::size_t>(std::find(asked.begin(), asked.end(), -asked[i]) - asked.begin());
+      if (lie_straight(out.states[first + i], out.states.front(), out.states[first + opposite])) continue;
+      if (state(0.5 * asked[i])) continue;
+      out.lost = asked[i];
+      return false;
     }
     return true;
   };

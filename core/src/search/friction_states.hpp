@@ -21,6 +21,7 @@ std::vector<Eigen::VectorXd> corners(const Eigen::VectorXd& limits);
 struct SeenState {
   FrictionRange range{};
   std::vector<BackbonePoint> shape{};  ///< of a finger; of other rods nobody asks
+  Eigen::VectorXd point{};             ///< of the program that it was found in, less its ratios; empty: in none
 };
 
 /// What was found of the states within the cones.
@@ -33,10 +34,11 @@ struct FrictionStates {
 /// The certified state at tangential ratios; nothing: there is none.
 using StateAt = std::function<std::optional<SeenState>(const Eigen::VectorXd& ratios)>;
 
-/// The state without friction, and those at the corners of the cones, up to `limits` either way; half-way to each there
-/// has to be one, too. Of more contacts than most_rubbing each is about to slip alone, either way, and then all are as
-/// these states point to: for every number of a state the corners at which it is largest and smallest if the effects of
-/// contacts add up. `halves`: whether states half-way are asked for.
+/// The state without friction, and those at the corners of the cones, up to `limits` either way. Half-way to each there
+/// has to be one, too: it is asked for but where the way bends so little that the states at its ends tell it. Of more
+/// contacts than most_rubbing each is about to slip alone, either way, and then all are as these states point to: for
+/// every number of a state the corners at which it is largest and smallest if the effects of contacts add up. `halves`:
+/// whether states half-way are asked for.
 TENDRIL_API FrictionStates follow_states(const Eigen::VectorXd& limits, const StateAt& state, bool halves);
 
 }  // namespace tendril
